@@ -1,0 +1,395 @@
+// SPDX-License-Identifier: MIT
+// The one file that includes CLI11.
+#include "arguments.h"
+
+#include "gyrobudget/noise/units.h"
+#include "gyrobudget/version.h"
+
+#include "verbs.h"
+
+#include <CLI/CLI.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <map>
+#include <numeric>
+#include <stdexcept>
+
+namespace gyrobudget::inline v0::cli {
+namespace {
+
+using noise::Term;
+
+// --- Values with units --------------------------------------------------------------------------------------------
+
+double quantity(const std::string& option, const std::string& text, const noise::Dimension& dimension) {
+  try {
+    return noise::parse_quantity(text, dimension);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(fmt::format("{}: {}", option, error.what()));
+  }
+}
+
+double positive(const std::string& option, double value, const std::string& text) {
+  if (value > 0 && std::isfinite(value)) return value;
+  throw std::invalid_argument(fmt::format("{} {}: must be above 0", option, text));
+}
+
+double duration(const std::string& option, const std::string& text) {
+  return positive(option, quantity(option, text, noise::dimension::kTime), text);
+}
+
+// "100", "100 Hz", "1 kHz"
+double rate(const std::string& option, const std::string& text) {
+  const bool bare = text.find_first_not_of("0123456789.eE+- ") == std::string::npos;
+  return positive(option, quantity(option, bare ? text + " Hz" : text, noise::dimension::kFrequency), text);
+}
+
+const std::map<std::string, Term> kTermNames{
+    {"Q", Term::quantization},   {"quantization", Term::quantization},
+    {"N", Term::white},          {"arw", Term::white},
+    {"B", Term::flicker},        {"bias_instability", Term::flicker},
+    {"K", Term::rate_random_walk}, {"rrw", Term::rate_random_walk},
+    {"R", Term::rate_ramp},      {"rate_ramp", Term::rate_ramp},
+};
+
+Term term_named(const std::string& option, const std::string& name) {
+  if (const auto at = kTermNames.find(name); at != kTermNames.end()) return at->second;
+  throw std::invalid_argument(fmt::format(
+      "{}: no term '{}'; there are Q (quantization), N (arw), B (bias_instability), K (rrw) and R (rate_ramp)", option,
+      name));
+}
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  for (std::size_t start = 0; start <= text.size();) {
+    const std::size_t end = std::min(text.find(separator, start), text.size());
+    parts.push_back(text.substr(start, end - start));
+    start = end + 1;
+  }
+  return parts;
+}
+
+std::vector<Term> terms(const std::string& text) {
+  std::vector<Term> list;
+  for (const auto& name : split(text, ',')) list.push_back(term_named("--terms", name));
+  return list;
+}
+
+// "B=10%"
+PlanArguments::Wish wish(const std::string& text) {
+  const auto parts = split(text, '=');
+  if (parts.size() != 2) throw std::invalid_argument(fmt::format("--want '{}': write TERM=ACCURACY, e.g. B=10%", text));
+  const double accuracy = quantity("--want", parts[1], noise::dimension::kNumber);
+  return {term_named("--want", parts[0]), positive("--want", accuracy, text)};
+}
+
+// --- The options that verbs share ---------------------------------------------------------------------------------
+
+// Options as text, before they become values with units.
+struct Texts {
+  std::string rate, duration, terms, tau_min, tau_max, input = "rate", method = "gls", axes = "x,y,z";
+  std::vector<std::string> wishes;
+};
+
+void add_common(CLI::App& app, Common& common) {
+  auto* group = app.add_option_group("Common");
+  group->add_flag("--json", common.json, "one JSON object on stdout and nothing else");
+  group->add_flag("-q,--quiet", common.quiet, "no messages on stderr");
+  group->add_option("--threads", common.threads, "number of threads (all cores); the result does not depend on it")
+      ->check(CLI::Range(0, 4096));
+}
+
+void add_pictures(CLI::App& app, Pictures& pictures) {
+  auto* group = app.add_option_group("Pictures");
+  group->add_option("--report", pictures.report, "write a self-contained HTML page")->type_name("FILE.html");
+  group->add_option("--plot", pictures.plot, "write the figure")->type_name("FILE.svg|.png|.pdf");
+}
+
+void add_log(CLI::App& app, CurveArguments& curve, Texts& texts, bool required) {
+  auto* group = app.add_option_group("Log");
+  auto* path = app.add_option("log", curve.log.path, "CSV or text, also .gz; - is stdin")->type_name("LOG");
+  if (required) path->required();
+  group->add_option("--rate", texts.rate, "sample rate, where the log has no time column")->type_name("HZ");
+  group->add_option("--unit", curve.log.unit,
+                    "unit of the data columns without one in the header, e.g. deg/s, rad/s, deg/h, g; 1 is dimensionless");
+  group->add_option("--input", texts.input, "what a sample is: rate, increment (angle per sample) or angle")
+      ->check(CLI::IsMember({"rate", "increment", "angle"}));
+  group->add_option("--scale", curve.log.scale, "units per count");
+  group->add_option("--column", curve.log.columns, "names or numbers (from 1) of the columns to use")
+      ->type_name("NAME|N ...");
+  group->add_flag("--strict-gaps", curve.strict_gaps, "use a cluster only where none of its samples is missing (else 95 %)");
+}
+
+void add_curve(CLI::App& app, CurveArguments& curve, const std::string& default_taus) {
+  curve.taus = default_taus;
+  auto* group = app.add_option_group("Curve");
+  group->add_option("--taus", curve.taus, "averaging times: octave, decade, all, or a number of log-spaced ones")
+      ->type_name("octave|decade|all|N")->capture_default_str();
+  group->add_flag("--ieee", curve.ieee_form, "n - 2m terms as IEEE Std 952 and MATLAB count (else n - 2m + 1)");
+}
+
+void finish_log(CurveArguments& curve, const Texts& texts) {
+  if (!texts.rate.empty()) curve.log.rate_hz = rate("--rate", texts.rate);
+  curve.log.input = texts.input == "angle"       ? io::Input::angle
+                    : texts.input == "increment" ? io::Input::increment
+                                                 : io::Input::rate;
+  const bool named = curve.taus == "octave" || curve.taus == "decade" || curve.taus == "all";
+  const bool count = !curve.taus.empty() && curve.taus.size() < 7 &&
+                     curve.taus.find_first_not_of("0123456789") == std::string::npos && std::stoi(curve.taus) > 1;
+  if (!named && !count) {
+    throw std::invalid_argument(fmt::format("--taus {}: must be octave, decade, all, or a number from 2 on", curve.taus));
+  }
+  if (curve.log.scale == 0 || !std::isfinite(curve.log.scale)) {
+    throw std::invalid_argument(fmt::format("--scale {}: must be a number other than 0", curve.log.scale));
+  }
+}
+
+// --- The verbs ----------------------------------------------------------------------------------------------------
+
+CLI::App* add_simulate(CLI::App& app, SimulateArguments& a, Texts& texts) {
+  auto* verb = app.add_subcommand("simulate",
+      "Simulates the log of a sensor at rest.\n\n"
+      "  gyrobudget simulate examples/sensors/ifog.yaml --duration 10h --rate 100 -o ifog.csv\n"
+      "  gyrobudget simulate mems.yaml --duration 1h --axes x --unit deg/s --seed 7 | head\n");
+  verb->add_option("sensor", a.sensor, "sensor file (YAML), or a Kalibr imu.yaml")->required()->type_name("SENSOR");
+  verb->add_option("--duration", texts.duration, "length of the log, e.g. 10h, 90 min, 3600 s")->required()
+      ->type_name("TIME");
+  verb->add_option("--rate", texts.rate, "sample rate [100 Hz]")->type_name("HZ");
+  verb->add_option("--model", a.model,
+                   "spectral: exact, needs the whole record in memory; gauss-markov: 1/f as a sum of Gauss-Markov "
+                   "processes, a constant-memory stream")
+      ->check(CLI::IsMember({"spectral", "gauss-markov"}))->capture_default_str();
+  verb->add_option("--seed", a.seed, "of the random numbers; printed into the log")->capture_default_str();
+  verb->add_option("--axes", texts.axes, "axes to simulate")->capture_default_str();
+  verb->add_option("--unit", a.unit, "of the gyro columns [rad/s]");
+  verb->add_option("-o,--output", a.output, "log to write; .gz compresses; - is stdout")->type_name("FILE")
+      ->capture_default_str();
+  add_common(*verb, a.common);
+  return verb;
+}
+
+void finish(SimulateArguments& a, const Texts& texts) {
+  a.duration_s = duration("--duration", texts.duration);
+  if (!texts.rate.empty()) a.rate_hz = rate("--rate", texts.rate);
+  a.axes = split(texts.axes, ',');
+  for (const auto& axis : a.axes) {
+    if (axis != "x" && axis != "y" && axis != "z") {
+      throw std::invalid_argument(fmt::format("--axes {}: axes are x, y and z, separated by commas", texts.axes));
+    }
+  }
+  if (!a.unit.empty() && noise::parse_unit(a.unit).dimension != noise::dimension::kAngularRate) {
+    throw std::invalid_argument(fmt::format("--unit {}: not a unit of angular rate; try deg/s, deg/h or rad/s", a.unit));
+  }
+  if (a.duration_s * a.rate_hz < 2) {
+    throw std::invalid_argument(fmt::format("{} s at {} Hz is less than two samples", a.duration_s, a.rate_hz));
+  }
+  constexpr double kMostSamples = 4e9;
+  if (a.duration_s * a.rate_hz > kMostSamples) {
+    throw std::invalid_argument(fmt::format("{:.3g} samples are more than the {:.0e} that simulate makes; lower --rate or "
+                                            "--duration", a.duration_s * a.rate_hz, kMostSamples));
+  }
+}
+
+CLI::App* add_allan(CLI::App& app, AllanArguments& a, Texts& texts) {
+  auto* verb = app.add_subcommand("allan",
+      "Allan deviation of a log, with degrees of freedom and 95 % intervals.\n\n"
+      "  gyrobudget allan imu.csv --plot allan.svg\n"
+      "  gyrobudget allan counts.txt --rate 100 --unit deg/h --scale 0.1 --taus octave --json\n");
+  add_log(*verb, a.curve, texts, true);
+  add_curve(*verb, a.curve, "50");
+  add_pictures(*verb, a.pictures);
+  add_common(*verb, a.common);
+  return verb;
+}
+
+CLI::App* add_calibrate(CLI::App& app, CalibrateArguments& a, Texts& texts) {
+  auto* verb = app.add_subcommand("calibrate",
+      "From a static log to the datasheet: ARW, bias instability and RRW with intervals and a verdict.\n\n"
+      "  gyrobudget calibrate imu.csv --report datasheet.html -o sensor.yaml\n"
+      "  gyrobudget calibrate gyro.txt --rate 200 --unit deg/s --kalibr imu.yaml\n");
+  add_log(*verb, a.curve, texts, false);
+  verb->get_option("--rate")->description("sample rate, where the log has no time column; of the record behind --curve");
+  auto* fit = verb->add_option_group("Fit");
+  fit->add_option("--terms", texts.terms,
+                  "terms to fit, of Q,N,B,K,R [N,B,K, and Q where the shortest taus show quantization]")->type_name("LIST");
+  fit->add_option("--method", texts.method,
+                  "gls: generalised least squares with the exact covariance; visual: read off the plot, to compare")
+      ->check(CLI::IsMember({"gls", "visual"}))->capture_default_str();
+  fit->add_option("--tau-min", texts.tau_min, "shortest tau to fit [start of the longest run the model describes]")
+      ->type_name("TIME");
+  fit->add_option("--tau-max", texts.tau_max, "longest tau to fit [all]")->type_name("TIME");
+  auto* table = verb->add_option_group("Curve table instead of a log");
+  auto* file = table->add_option("--curve", a.curve_file, "table of tau and deviation (CSV with units in the header)")
+      ->type_name("FILE");
+  file->excludes(verb->get_option("log"));
+  table->add_option("--duration", texts.duration, "length of the record behind --curve")->type_name("TIME");
+  add_curve(*verb, a.curve, "50");
+  auto* out = verb->add_option_group("Output");
+  out->add_option("-o,--output", a.output, "write the sensor file")->type_name("SENSOR.yaml");
+  out->add_option("--kalibr", a.kalibr, "write Kalibr's imu.yaml")->type_name("FILE.yaml");
+  out->add_option("--name", a.name, "the sensor's name in these files [name of the log]");
+  add_pictures(*verb, a.pictures);
+  add_common(*verb, a.common);
+  return verb;
+}
+
+void finish(CalibrateArguments& a, const Texts& texts) {
+  finish_log(a.curve, texts);
+  if (a.curve.log.path.empty() == a.curve_file.empty()) {
+    throw std::invalid_argument("calibrate needs a log (or - for stdin), or a table with --curve");
+  }
+  if (!texts.terms.empty()) a.terms = terms(texts.terms);
+  a.method = texts.method == "visual" ? fit::Method::visual : fit::Method::gls;
+  if (!texts.tau_min.empty()) a.tau_min_s = duration("--tau-min", texts.tau_min);
+  if (!texts.tau_max.empty()) a.tau_max_s = duration("--tau-max", texts.tau_max);
+  if (!texts.duration.empty()) a.duration_s = duration("--duration", texts.duration);
+  if (!a.curve_file.empty() && (!a.duration_s || !a.curve.log.rate_hz)) {
+    throw std::invalid_argument("--curve: the statistics need the record behind the table; give its --rate and --duration");
+  }
+}
+
+CLI::App* add_plan(CLI::App& app, PlanArguments& a, Texts& texts) {
+  auto* verb = app.add_subcommand("plan",
+      "How long to record for a wanted accuracy, or what accuracy a recording buys.\n\n"
+      "  gyrobudget plan examples/sensors/mems.yaml --want B=10%\n"
+      "  gyrobudget plan sensor.yaml --duration 2h --rate 200\n");
+  verb->add_option("sensor", a.sensor, "sensor file with the expected coefficients")->required()->type_name("SENSOR");
+  verb->add_option("--rate", texts.rate, "sample rate [100 Hz]")->type_name("HZ");
+  verb->add_option("--duration", texts.duration, "what will a record of this length buy?")->type_name("TIME");
+  verb->add_option("--want", texts.wishes, "how long for this accuracy (one sigma, relative), e.g. B=10% or arw=1%")
+      ->type_name("TERM=ACCURACY ...");
+  add_common(*verb, a.common);
+  return verb;
+}
+
+void finish(PlanArguments& a, const Texts& texts) {
+  if (!texts.rate.empty()) a.rate_hz = rate("--rate", texts.rate);
+  if (!texts.duration.empty()) a.duration_s = duration("--duration", texts.duration);
+  for (const auto& text : texts.wishes) a.wishes.push_back(wish(text));
+}
+
+// --- Errors of use --------------------------------------------------------------------------------------------------
+
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i);
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t substitute = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substitute});
+    }
+  }
+  return row.back();
+}
+
+// "; did you mean --rate?" for an unknown word, or nothing where no name is near.
+std::string suggestion(const CLI::App& app, const std::string& word) {
+  std::string best;
+  std::size_t nearest = 3;
+  const auto consider = [&](const std::string& name) {
+    if (const auto distance = edit_distance(word, name); distance < nearest) nearest = distance, best = name;
+  };
+  for (const auto* verb : app.get_subcommands({})) {
+    if (!verb->get_name().empty()) consider(verb->get_name());
+    if (!verb->parsed() && !verb->get_name().empty()) continue;
+    for (const auto* option : verb->get_options()) {
+      for (const auto& name : option->get_lnames()) consider("--" + name);
+    }
+    for (const auto* group : verb->get_subcommands({})) {
+      for (const auto* option : group->get_options()) {
+        for (const auto& name : option->get_lnames()) consider("--" + name);
+      }
+    }
+  }
+  return best.empty() ? "" : fmt::format("; did you mean {}?", best);
+}
+
+Answered answer(const CLI::App& app, const CLI::ParseError& error, int argc, const char* const* argv) {
+  if (error.get_exit_code() == 0) {  // --help and --version
+    app.exit(error);
+    return {exit_done};
+  }
+  std::string hint;
+  if (error.get_name() == "ExtrasError" || error.get_name() == "RequiredError") {
+    for (int i = 1; i < argc && hint.empty(); ++i) {
+      const std::string word = argv[i];
+      const bool known = app.get_option_no_throw(word) != nullptr || app.get_subcommand_no_throw(word) != nullptr;
+      if (!known && (i == 1 || word.rfind("--", 0) == 0)) hint = suggestion(app, word.substr(0, word.find('=')));
+      if (hint.find(word + "?") != std::string::npos) hint.clear();  // the word itself: it is known
+    }
+  }
+  fmt::print(stderr, "gyrobudget: {}{}\nRun gyrobudget --help, or gyrobudget VERB --help.\n", error.what(), hint);
+  return {exit_usage};
+}
+
+std::string command_line(int argc, const char* const* argv) {
+  std::string line = "gyrobudget";
+  for (int i = 1; i < argc; ++i) {
+    const std::string word = argv[i];
+    const bool plain = !word.empty() && word.find_first_of(" \t\n'\"\\$`*?[](){}<>|&;#~!") == std::string::npos;
+    if (plain) {
+      line += " " + word;
+      continue;
+    }
+    line += " '";
+    for (const char c : word) line += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    line += "'";
+  }
+  return line;
+}
+
+}  // namespace
+
+Arguments parse_arguments(int argc, const char* const* argv) {
+  CLI::App app(
+      "From a gyro log to a navigation error budget, stating its own error at every step.\n\n"
+      "  gyrobudget calibrate imu.csv --report datasheet.html\n"
+      "  gyrobudget simulate examples/sensors/mems.yaml --duration 10h -o mems.csv\n",
+      "gyrobudget");
+  app.set_version_flag("-V,--version", std::string(kVersionText));
+  app.require_subcommand(0, 1);
+  app.get_formatter()->column_width(34);
+  SimulateArguments simulate;
+  AllanArguments allan;
+  CalibrateArguments calibrate;
+  PlanArguments plan;
+  Texts texts;
+  const auto* calibrate_verb = add_calibrate(app, calibrate, texts);
+  const auto* allan_verb = add_allan(app, allan, texts);
+  const auto* simulate_verb = add_simulate(app, simulate, texts);
+  const auto* plan_verb = add_plan(app, plan, texts);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return answer(app, error, argc, argv);
+  }
+  const std::string line = command_line(argc, argv);
+  if (calibrate_verb->parsed()) {
+    finish(calibrate, texts);
+    calibrate.common.command_line = line;
+    return calibrate;
+  }
+  if (allan_verb->parsed()) {
+    finish_log(allan.curve, texts);
+    allan.common.command_line = line;
+    return allan;
+  }
+  if (simulate_verb->parsed()) {
+    finish(simulate, texts);
+    simulate.common.command_line = line;
+    return simulate;
+  }
+  if (plan_verb->parsed()) {
+    finish(plan, texts);
+    plan.common.command_line = line;
+    return plan;
+  }
+  fmt::print(stderr, "{}", app.help());
+  return Answered{exit_usage};
+}
+
+}  // namespace gyrobudget::inline v0::cli

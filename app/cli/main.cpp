@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: MIT
+// The program gyrobudget: reads the command line, runs one verb, turns exceptions into exit codes.
+#include "gyrobudget/io/error.h"
+#include "gyrobudget/io/output.h"
+
+#include "verbs.h"
+
+#include <tbb/global_control.h>
+
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <stdexcept>
+#include <unistd.h>
+
+namespace cli = gyrobudget::cli;
+namespace io = gyrobudget::io;
+
+namespace {
+
+void interrupted(int) {
+  io::remove_unfinished_outputs();
+  _exit(cli::exit_interrupted);
+}
+
+int complain(const char* message, int code) {
+  std::fprintf(stderr, "gyrobudget: %s\n", message);
+  return code;
+}
+
+int run(const cli::Arguments& arguments) {
+  if (const auto* answered = std::get_if<cli::Answered>(&arguments)) return answered->exit_code;
+  return std::visit(
+      [](const auto& a) -> int {
+        if constexpr (std::is_same_v<decltype(a), const cli::Answered&>) {
+          return a.exit_code;
+        } else {
+          const auto threads = static_cast<std::size_t>(a.common.threads);
+          const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
+                                          threads > 0 ? threads
+                                                      : tbb::global_control::active_value(
+                                                            tbb::global_control::max_allowed_parallelism));
+          return cli::run(a);
+        }
+      },
+      arguments);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::signal(SIGINT, interrupted);
+  std::signal(SIGTERM, interrupted);
+  std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is an output error like any other
+  try {
+    return run(cli::parse_arguments(argc, argv));
+  } catch (const io::InputError& error) {
+    return complain(error.what(), cli::exit_bad_input);
+  } catch (const io::OutputError& error) {
+    return complain(error.what(), cli::exit_bad_output);
+  } catch (const std::invalid_argument& error) {
+    return complain(error.what(), cli::exit_usage);
+  } catch (const std::bad_alloc&) {
+    return complain("out of memory: the log has more numbers than fit; use fewer columns (--column) or a shorter part",
+                    cli::exit_bad_input);
+  } catch (const std::exception& error) {
+    return complain(error.what(), cli::exit_no_answer);
+  }
+}

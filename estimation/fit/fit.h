@@ -8,96 +8,129 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <optional>
-#include <string>
+#include <span>
 #include <vector>
 
 namespace gyrobudget::inline v0::fit {
 
-enum class Method { gls, visual };
+/// How coefficients are taken from a curve.
+enum class Method {
+  gls,     ///< generalised least squares with the curve's exact covariance: the default
+  visual,  ///< three points read off the plot, as the source paper did; here to show what that costs (see visual.h)
+};
 
 /// What a record says of one coefficient.
 enum class Status {
-  identified,   ///< the boundary test exceeds 2.706 (5 % one-sided)
-  upper_bound,  ///< zero is not excluded: `upper` is the one-sided 95 % limit
-  left_out,     ///< not fitted, or zero with a limit that adds under 1 % to the deviation at every tau
+  identified,   ///< the boundary test T(0) exceeds kBoundaryCut: zero is excluded
+  upper_bound,  ///< zero is not excluded; `upper` is the one-sided 95 % limit
+  left_out,     ///< never fitted, or zero with a limit that adds under 1 % to the deviation at every tau
 };
 
+/// 5 % cut of the boundary law, half chi-square with 0 and half with 1 degree of freedom; its signed root (1.645) is
+/// also the one-sided 95 % limit.
+inline constexpr double kBoundaryCut = 2.706;
+/// 95 % cut of chi-square with 1 degree of freedom: the two-sided interval.
+inline constexpr double kIntervalCut = 3.841;
+
+/// One coefficient (Q, N, B, K or R), SI, in the units of the signal that the curve is of.
 struct Coefficient {
   noise::Term term = noise::Term::white;
-  double value = 0;          ///< SI; fitted ones always have numbers
-  double lower = 0;          ///< 95 %
-  double upper = 0;          ///< 95 %, two-sided for `identified`, one-sided for `upper_bound`
-  double relative_std = 0;   ///< std / value from the Gauss-Newton covariance; infinite where value is 0
-  double boundary_test = 0;  ///< T(0), chi-square mixture with one degree of freedom
+  double value = 0;
+  double lower = 0;           ///< 95 %; 0 where the interval reaches it
+  double upper = 0;           ///< 95 %: two-sided for `identified`, one-sided for `upper_bound` and zero `left_out`
+  double relative_std = 0;    ///< one sigma over value, from the Gauss-Newton covariance; infinite where value is 0
+  double boundary_test = 0;   ///< T(0); infinite where nothing but this term can explain the curve
   Status status = Status::left_out;
-  bool fitted = false;
+  bool fitted = false;        ///< false: value, lower and upper mean nothing
 };
 
-enum class Verdict { described, described_within, not_described };
-
-/// Which taus were cut before `tau_min`, and how much that moved each fitted coefficient.
-struct Cut {
-  double tau_s = 0;          ///< a tau that was not used
-  double misfit = 0;         ///< measured/model deviation - 1, model of the final fit
+enum class Verdict {
+  described,         ///< the model explains the curve: p-value at least Options::p_value_limit
+  described_within,  ///< it does not, but misses no tau by more than Options::misfit_limit beyond the scatter
+  not_described,     ///< the coefficients are not a description of this record
 };
 
-struct Move {
-  noise::Term term;
-  double from = 0;           ///< value with all taus
-  double to = 0;             ///< value from tau_min on
-};
-
+/// One tau of the octave grid beside the fitted model.
 struct Residual {
   std::int64_t m = 1;
   double tau_s = 0;
-  double measured = 0;       ///< deviation
-  double model = 0;          ///< deviation
-  double sigma = 0;          ///< (measured variance - model variance) / its standard deviation
-  bool used = false;
+  double measured = 0;       ///< Allan deviation of the record
+  double model = 0;          ///< of the fitted model, discrete form
+  double relative_std = 0;   ///< of the measured deviation, under the model
+  double misfit = 0;         ///< measured / model - 1
+  bool used = false;         ///< in the fit; the others were cut, at the short or the long end
+};
+
+/// How far a coefficient moved because taus were cut.
+struct Move {
+  noise::Term term = noise::Term::white;
+  double from = 0;           ///< fitted to every tau
+  double to = 0;             ///< fitted from Result::tau_min_s on
 };
 
 struct Options {
   std::vector<noise::Term> terms = {noise::Term::white, noise::Term::flicker, noise::Term::rate_random_walk};
   Method method = Method::gls;
-  std::optional<double> tau_min_s;   ///< fixed start of the fit instead of the longest described run
-  std::optional<double> tau_max_s;
-  double p_value_limit = 0.01;       ///< a run is described when its p-value is at least this
-  double misfit_limit = 0.10;        ///< largest misfit that still counts as `described_within`
+  std::optional<double> tau_min_s;    ///< start of the fit; unset: start of the longest run that the model describes
+  std::optional<double> tau_max_s;    ///< end of the fit; unset: the last tau of the curve
+  double p_value_limit = 0.01;        ///< a run is described when its p-value is at least this
+  double misfit_limit = 0.10;         ///< largest misfit of `described_within`
+  bool intervals = true;              ///< false: values only, for studies that need no intervals
 };
 
 struct Result {
   Method method = Method::gls;
-  std::vector<Coefficient> coefficients;       ///< one for each of Q, N, B, K, R, in this order
-  Eigen::MatrixXd covariance;                  ///< of the fitted squared coefficients, order of `fitted_terms`
-  std::vector<noise::Term> fitted_terms;
+  std::vector<Coefficient> coefficients;     ///< Q, N, B, K, R, in this order, fitted or not
+  std::vector<noise::Term> fitted_terms;     ///< order of `covariance`
+  Eigen::MatrixXd covariance;                ///< of the fitted coefficients (not squares); NaN rows where value is 0
   double tau_min_s = 0;
   double tau_max_s = 0;
-  double chi2 = 0;                             ///< over n/m >= 16
-  int dof = 0;
+  double chi2 = 0;                           ///< r' S^-1 r over the used taus with n/m >= 16, linear residuals
+  int dof = 0;                               ///< number of those taus less number of terms above zero
   double p_value = 0;
-  double worst_misfit = 0;                     ///< largest |measured/model - 1| of the deviation where n/m >= 16
+  double worst_misfit = 0;                   ///< largest part of |misfit| beyond its 95 % scatter, same taus
   double worst_misfit_tau_s = 0;
   Verdict verdict = Verdict::not_described;
-  std::vector<Cut> cut;
-  std::vector<Move> moved;
-  std::vector<Residual> residuals;             ///< the whole octave grid
-  double minimum_deviation = 0;                ///< raw minimum of the curve over tau <= T/10
+  std::vector<Residual> residuals;           ///< every tau of the curve
+  std::vector<Move> moved;                   ///< empty where nothing was cut at the short end
+  double minimum_deviation = 0;              ///< raw minimum of the measured curve over tau <= T/10
   double minimum_tau_s = 0;
-  double beta = 0;                             ///< B^2 / (N K); 0 where N or K is 0
+  double beta = 0;                           ///< B^2/(N K), what makes B visible; 0 where N or K is 0
   bool converged = false;
-  int iterations = 0;
-  double seconds = 0;
+  int iterations = 0;                        ///< reweighting steps plus Ceres iterations of the final fit
+  double seconds = 0;                        ///< wall time, covariance matrices excluded
 
   [[nodiscard]] const Coefficient& operator[](noise::Term) const;
-  /// The fitted processes with non-zero values.
+  /// The fitted processes whose value is above zero.
   [[nodiscard]] std::vector<noise::Process> processes() const;
 };
 
-/// Fits noise coefficients to an octave-spaced Allan variance curve.
-/// @param curve on octave_factors(samples), or a subset of them.
-/// @param covariance for curve's length, factors and (at least) the terms asked for; share it among axes.
+/// Fits noise coefficients to an Allan variance curve.
+///
+/// Model: E[s_i] = sum_a A_ia theta_a with theta_a = coefficient^2 >= 0 and A the exact discrete Allan variances
+/// (noise::allan_variance; corrected for missing samples). Residuals r = s - A theta are linear and weighted with the
+/// exact covariance S(theta) of the overlapped estimates, iterated to its fixed point; on octaves this reaches the
+/// likelihood of the whole record (RMSE ratio 1.00 to 1.01). Ceres makes the final step in the coefficients
+/// themselves and gives their covariance.
+///
+/// Intervals: {v : T(v) <= cut}, T(v) = Q(th_v; S(th_v)) - min_th Q(th; S(th_v)), Q(th; S) = r' S^-1 r, where th_v
+/// is the iterated fit with the coefficient held at v: both fits see one and the same S. With S frozen at the estimate
+/// (Wald), or two different S, or ln det S added, coverage of K falls to 0.86-0.93.
+/// Values and intervals come from the full fit always; the boundary test T(0) only sets `status`.
+///
+/// Start: the first tau from which the p-value reaches p_value_limit, among starts that leave at least half of the
+/// octaves with n/m >= 16; where there is none, every tau is used and the verdict says so.
+///
+/// @param curve       variances of one axis at ascending factors, octave-spaced or sparser (denser grids make S
+///                    singular); points without terms (NaN) are skipped.
+/// @param covariance  for the curve's record length, factors, form and mask, and at least the terms asked for. It
+///                    holds for any axis of the same record: make it once.
+/// @throws std::invalid_argument for terms other than Q, N, B, K, R, a repeated or missing term, a covariance of other
+///                    factors, fewer taus than terms plus one, or a curve that is zero everywhere.
+/// Sources: theory of generalised least squares; IEEE Std 952-2020 annex C for the model; the interval construction
+/// and its measured coverage are this project's own (tests/fit, fit_study).
 [[nodiscard]] Result fit(const allan::Curve& curve, const allan::CurveCovariance& covariance, const Options& = {});
-/// The same, making the covariance itself.
+/// The same for a single curve, making the covariance on the way.
 [[nodiscard]] Result fit(const allan::Curve& curve, const Options& = {});
 
 }  // namespace gyrobudget::inline v0::fit

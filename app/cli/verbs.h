@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "arguments.h"
+
+namespace gyrobudget::inline v0::cli {
+
+/// The program's exit codes.
+enum Exit : int {
+  exit_done = 0,
+  exit_no_answer = 1,      ///< ran, but a check failed, a fit did not converge or the record holds no answer
+  exit_usage = 2,
+  exit_bad_input = 3,
+  exit_bad_output = 4,
+  exit_interrupted = 130,
+};
+
+// One verb per file; each returns an exit code and throws io::InputError, io::OutputError or std::invalid_argument.
+[[nodiscard]] int run(const SimulateArguments&);   ///< sensor file -> log
+[[nodiscard]] int run(const AllanArguments&);      ///< log -> deviations
+[[nodiscard]] int run(const CalibrateArguments&);  ///< log -> datasheet
+[[nodiscard]] int run(const PlanArguments&);       ///< sensor file -> recording time or accuracy
+
+}  // namespace gyrobudget::inline v0::cli

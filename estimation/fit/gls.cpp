@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: MIT
+#include "gyrobudget/fit/gls.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
+#include <algorithm>
+#include <boost/math/tools/roots.hpp>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+namespace gyrobudget::inline v0::fit {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr int kMostReweightings = 200;
+constexpr int kDampAfter = 15;             // a two-cycle of the active set is broken by averaging
+constexpr double kFixedPoint = 1e-10;      // relative change of the modelled variances
+constexpr double kRootBits = 26;           // interval limits to about 1e-8 of their bracket
+
+using Columns = std::vector<Eigen::Index>;
+
+// Least squares on the chosen columns, zero elsewhere.
+Eigen::VectorXd solve_on(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, const Columns& columns) {
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(A.cols());
+  if (columns.empty()) return x;
+  Eigen::MatrixXd chosen(A.rows(), static_cast<Eigen::Index>(columns.size()));
+  for (std::size_t j = 0; j < columns.size(); ++j) chosen.col(static_cast<Eigen::Index>(j)) = A.col(columns[j]);
+  const Eigen::VectorXd y = chosen.householderQr().solve(b);
+  for (std::size_t j = 0; j < columns.size(); ++j) x(columns[j]) = y(static_cast<Eigen::Index>(j));
+  return x;
+}
+
+// Lawson & Hanson's step: from feasible x towards z until the first coefficient reaches zero, which then leaves.
+void step_to_boundary(Eigen::VectorXd& x, const Eigen::VectorXd& z, Columns& passive) {
+  double alpha = 1;
+  Eigen::Index limiting = passive.front();
+  for (const auto j : passive) {
+    if (z(j) > 0) continue;
+    const double reach = x(j) > 0 ? x(j) / (x(j) - z(j)) : 0;
+    if (reach <= alpha) alpha = reach, limiting = j;
+  }
+  x = (x + alpha * (z - x)).cwiseMax(0);
+  x(limiting) = 0;
+  std::erase(passive, limiting);
+}
+
+// Columns have unit length; `free` lists those that may move.
+Eigen::VectorXd active_set(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, const Columns& free) {
+  Eigen::VectorXd x = solve_on(A, b, free);
+  if (x.minCoeff() >= 0) return x;  // the usual case: no bound is active
+  x.setZero();
+  Columns passive;
+  const double tolerance = 1e-14 * b.norm();
+  for (std::size_t round = 0; round < 3 * free.size() + 3; ++round) {
+    const Eigen::VectorXd gradient = A.transpose() * (b - A * x);
+    auto best = free.end();
+    for (auto j = free.begin(); j != free.end(); ++j) {
+      const bool outside = std::find(passive.begin(), passive.end(), *j) == passive.end();
+      if (outside && gradient(*j) > tolerance && (best == free.end() || gradient(*j) > gradient(*best))) best = j;
+    }
+    if (best == free.end()) break;  // Karush-Kuhn-Tucker point
+    passive.push_back(*best);
+    Eigen::VectorXd z = solve_on(A, b, passive);
+    while (!passive.empty() && std::any_of(passive.begin(), passive.end(), [&](auto j) { return z(j) <= 0; })) {
+      step_to_boundary(x, z, passive);
+      z = solve_on(A, b, passive);
+    }
+    x = z;
+  }
+  return x;
+}
+
+// First weights: relative ones, which need no model.
+Eigen::VectorXd relative_start(const LinearModel& model, std::optional<Held> held) {
+  const double floor = model.s.maxCoeff() * std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
+  const Eigen::VectorXd weight = model.s.cwiseMax(floor).cwiseInverse();
+  return nonnegative_least_squares(weight.asDiagonal() * model.A, weight.cwiseProduct(model.s), held);
+}
+
+double squared_norm_whitened(const Eigen::LLT<Eigen::MatrixXd>& factor, const Eigen::VectorXd& r) {
+  return factor.matrixL().solve(r).squaredNorm();
+}
+
+}  // namespace
+
+Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& WA, const Eigen::VectorXd& Ws,
+                                          std::optional<Held> held) {
+  // Unit columns: coefficients of different units may lie 20 decades apart.
+  Eigen::VectorXd length = WA.colwise().norm();
+  length = (length.array() > 0).select(length, 1);
+  Columns free;
+  for (Eigen::Index j = 0; j < WA.cols(); ++j) {
+    if (!held || j != held->index) free.push_back(j);
+  }
+  Eigen::VectorXd b = Ws;
+  if (held) b -= WA.col(held->index) * held->value;
+  Eigen::VectorXd x = active_set(WA * length.cwiseInverse().asDiagonal(), b, free).cwiseQuotient(length);
+  if (held) x(held->index) = held->value;
+  return x;
+}
+
+GlsSolution iterate_gls(const LinearModel& model, std::optional<Held> held, const Eigen::VectorXd* start) {
+  GlsSolution solution;
+  solution.theta = start ? *start : relative_start(model, held);
+  if (held) solution.theta(held->index) = held->value;
+  while (solution.iterations < kMostReweightings && !solution.converged) {
+    if (solution.theta.maxCoeff() <= 0) {  // nothing allowed explains anything: no covariance to weigh with
+      solution.converged = true;
+      solution.S.resize(0, 0);
+      solution.chi2 = kInfinity;
+      return solution;
+    }
+    solution.S = model.covariance(solution.theta);
+    const Eigen::LLT<Eigen::MatrixXd> factor(solution.S);
+    if (factor.info() != Eigen::Success) return solution;
+    Eigen::VectorXd next = nonnegative_least_squares(factor.matrixL().solve(model.A),
+                                                     factor.matrixL().solve(model.s), held);
+    if (solution.iterations > kDampAfter) next = 0.5 * (next + solution.theta);
+    const Eigen::VectorXd before = model.A * solution.theta;
+    const double change = ((model.A * next - before).array().abs() / before.array().max(1e-300)).maxCoeff();
+    solution.converged = change < kFixedPoint;
+    solution.theta = std::move(next);
+    ++solution.iterations;
+    solution.chi2 = squared_norm_whitened(factor, model.s - model.A * solution.theta);
+  }
+  return solution;
+}
+
+double profile_test(const LinearModel& model, Held held, const Eigen::VectorXd& start) {
+  const GlsSolution constrained = iterate_gls(model, held, &start);
+  if (constrained.S.size() == 0) return kInfinity;
+  const Eigen::LLT<Eigen::MatrixXd> factor(constrained.S);
+  const Eigen::MatrixXd WA = factor.matrixL().solve(model.A);
+  const Eigen::VectorXd Ws = factor.matrixL().solve(model.s);
+  const Eigen::VectorXd best = nonnegative_least_squares(WA, Ws);
+  return std::max(0.0, (Ws - WA * constrained.theta).squaredNorm() - (Ws - WA * best).squaredNorm());
+}
+
+namespace {
+
+// The v in [inside, outside] with T(v) = cut, T(inside) <= cut < T(outside). The root of T is nearly linear in v.
+double solve_cut(const LinearModel& model, Eigen::Index index, const Eigen::VectorXd& start, double cut, double inside,
+                 double t_inside, double outside, double t_outside) {
+  if (!std::isfinite(t_outside)) t_outside = 4 * cut + 1;  // only its sign matters to the bracket
+  const auto excess = [&](double t) { return std::sqrt(t) - std::sqrt(cut); };
+  std::uintmax_t budget = 40;
+  const auto f = [&](double v) {
+    const double t = profile_test(model, {index, v}, start);
+    return excess(std::isfinite(t) ? t : 4 * cut + 1);
+  };
+  const bool rising = outside > inside;
+  const auto bracket = boost::math::tools::toms748_solve(
+      f, std::min(inside, outside), std::max(inside, outside), excess(rising ? t_inside : t_outside),
+      excess(rising ? t_outside : t_inside), boost::math::tools::eps_tolerance<double>(static_cast<unsigned>(kRootBits)),
+      budget);
+  return 0.5 * (bracket.first + bracket.second);
+}
+
+}  // namespace
+
+ProfileInterval profile_interval(const LinearModel& model, Eigen::Index index, const GlsSolution& best,
+                                 double standard_deviation, double cut) {
+  const double center = best.theta(index);
+  const double step = std::sqrt(cut) * standard_deviation;
+  const auto test = [&](double v) { return profile_test(model, {index, v}, best.theta); };
+  ProfileInterval interval;
+
+  double inside = center, t_inside = 0, outside = center - 1.2 * step;
+  while (center > 0) {
+    outside = std::max(outside, 0.0);
+    const double t = test(outside);
+    if (t > cut) {
+      interval.lower = solve_cut(model, index, best.theta, cut, inside, t_inside, outside, t);
+      break;
+    }
+    if (outside == 0) break;  // the interval reaches zero
+    inside = outside, t_inside = t, outside = center - 2 * (center - outside);
+  }
+
+  inside = center, t_inside = center > 0 ? 0 : test(0), outside = center + 1.2 * step;
+  constexpr int kMostDoublings = 80;
+  for (int i = 0; i < kMostDoublings; ++i) {
+    const double t = test(outside);
+    if (t > cut) {
+      interval.upper = solve_cut(model, index, best.theta, cut, inside, t_inside, outside, t);
+      return interval;
+    }
+    inside = outside, t_inside = t, outside = center + 2 * (outside - center);
+  }
+  interval.upper = kInfinity;  // too few degrees of freedom to exclude anything
+  return interval;
+}
+
+}  // namespace gyrobudget::inline v0::fit

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <optional>
+
+namespace gyrobudget::inline v0::fit {
+
+/// A linear model of variances with a covariance that depends on the answer: s = A theta + noise of covariance
+/// S(theta), theta >= 0. Rows are taus, columns are terms.
+struct LinearModel {
+  Eigen::MatrixXd A;
+  Eigen::VectorXd s;
+  std::function<Eigen::MatrixXd(const Eigen::VectorXd& theta)> covariance;
+};
+
+/// A coefficient held at a value.
+struct Held {
+  Eigen::Index index = 0;
+  double value = 0;
+};
+
+struct GlsSolution {
+  Eigen::VectorXd theta;
+  Eigen::MatrixXd S;      ///< covariance at theta; empty where theta is zero
+  double chi2 = 0;        ///< Q(theta; S)
+  int iterations = 0;
+  bool converged = false;
+};
+
+/// min |W (s - A theta)|^2 over theta >= 0, by active set (Lawson & Hanson 1974) with QR inner solves: exact, no start
+/// values. `held` fixes one coefficient.
+[[nodiscard]] Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& WA, const Eigen::VectorXd& Ws,
+                                                        std::optional<Held> held = {});
+
+/// Fixed point of reweighting: theta minimises Q(.; S(theta)).
+[[nodiscard]] GlsSolution iterate_gls(const LinearModel&, std::optional<Held> held = {},
+                                      const Eigen::VectorXd* start = nullptr);
+
+/// T(v) = Q(th_v; S(th_v)) - min_th Q(th; S(th_v)): how much worse the curve is explained with the coefficient held,
+/// both measured with the covariance of the held fit. Infinite where the held fit is zero altogether.
+[[nodiscard]] double profile_test(const LinearModel&, Held held, const Eigen::VectorXd& start);
+
+/// {v : T(v) <= cut} as [lower, upper] around theta_hat (squared coefficient).
+struct ProfileInterval {
+  double lower = 0;
+  double upper = 0;
+};
+[[nodiscard]] ProfileInterval profile_interval(const LinearModel&, Eigen::Index index, const GlsSolution& best,
+                                               double standard_deviation, double cut);
+
+}  // namespace gyrobudget::inline v0::fit
