@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: MIT
+// allan: log -> Allan deviation with degrees of freedom and intervals.
+#include "gyrobudget/report/report.h"
+
+#include "analysis.h"
+#include "terminal.h"
+#include "verbs.h"
+
+namespace gyrobudget::inline v0::cli {
+
+int run(const AllanArguments& a) {
+  const io::Record record = read_record(a.curve, a.common);
+  report::LogResult result = describe_record(record, a.common);
+  const auto factors = factors_for(a.curve, record.samples);
+  for (const auto& axis : record.axes) {
+    const allan::Curve curve = curve_of(axis, record, a.curve, factors);
+    result.axes.push_back({.name = axis.name,
+                           .signal = axis.signal,
+                           .mean = curve.mean,
+                           .points = with_intervals(curve, axis),
+                           .fit = {},
+                           .advice = {}});
+  }
+  print(a.common.json ? report::allan_json(result) : report::allan_table(result));
+  write_pictures(result, a.pictures, a.common);
+  return exit_done;
+}
+
+}  // namespace gyrobudget::inline v0::cli

@@ -350,7 +350,7 @@ Arguments parse_arguments(int argc, const char* const* argv) {
       "  gyrobudget calibrate imu.csv --report datasheet.html\n"
       "  gyrobudget simulate examples/sensors/mems.yaml --duration 10h -o mems.csv\n",
       "gyrobudget");
-  app.set_version_flag("-V,--version", std::string(kVersionText));
+  app.set_version_flag("-V,--version", fmt::format("gyrobudget {}", kVersion));
   app.require_subcommand(0, 1);
   app.get_formatter()->column_width(34);
   SimulateArguments simulate;

@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: MIT
+// calibrate: log -> datasheet: the coefficients with intervals and verdicts, and the files to use next.
+#include "gyrobudget/allan/factors.h"
+#include "gyrobudget/allan/identify.h"
+#include "gyrobudget/fit/visual.h"
+#include "gyrobudget/io/output.h"
+#include "gyrobudget/io/sensor_file.h"
+#include "gyrobudget/report/report.h"
+
+#include "advice.h"
+#include "analysis.h"
+#include "terminal.h"
+#include "verbs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <map>
+#include <utility>
+
+namespace gyrobudget::inline v0::cli {
+namespace {
+
+using noise::Term;
+
+constexpr std::int64_t kFewestSamples = 16;  // 4 octaves: three terms and one tau more
+
+// Display taus and the fit's octaves in one pass over the record, then apart again.
+struct Curves {
+  allan::Curve display;
+  allan::Curve octaves;
+};
+
+allan::Curve pick(const allan::Curve& curve, const std::vector<std::int64_t>& factors) {
+  allan::Curve picked = curve;
+  std::erase_if(picked.points, [&](const auto& p) { return !std::binary_search(factors.begin(), factors.end(), p.m); });
+  return picked;
+}
+
+Curves curves_of(const io::Axis& axis, const io::Record& record, const CurveArguments& a) {
+  const auto display = factors_for(a, record.samples);
+  const auto octaves = allan::octave_factors(record.samples);
+  std::vector<std::int64_t> both;
+  std::set_union(display.begin(), display.end(), octaves.begin(), octaves.end(), std::back_inserter(both));
+  const allan::Curve curve = curve_of(axis, record, a, both);
+  return {pick(curve, display), pick(curve, octaves)};
+}
+
+// N, B and K; and Q where lag-1 identification sees white angle noise at the first tau.
+std::vector<Term> terms_for(const CalibrateArguments& a, const io::Axis& axis) {
+  if (a.terms) return *a.terms;
+  std::vector<Term> terms{Term::white, Term::flicker, Term::rate_random_walk};
+  if (allan::identify_noise(axis.rate, 1).alpha == 2) terms.insert(terms.begin(), Term::quantization);
+  return terms;
+}
+
+// The covariance matrices depend on the length of the record and the terms, not on the data: axes without gaps share
+// them.
+class Covariances {
+ public:
+  const allan::CurveCovariance& of(const allan::Curve& curve, const std::vector<Term>& terms) {
+    if (curve.mask) return own_.emplace(make(curve, terms));
+    const auto at = shared_.find(terms);
+    return at != shared_.end() ? at->second : shared_.emplace(terms, make(curve, terms)).first->second;
+  }
+
+ private:
+  static allan::CurveCovariance make(const allan::Curve& curve, const std::vector<Term>& terms) {
+    std::vector<std::int64_t> factors;
+    for (const auto& p : curve.points) factors.push_back(p.m);
+    std::vector<noise::Process> processes;
+    for (const Term t : terms) processes.push_back(noise::unit_process(t));
+    return {curve.samples, std::move(factors), curve.dt, std::move(processes), curve.form, curve.mask.get()};
+  }
+
+  std::map<std::vector<Term>, allan::CurveCovariance> shared_;
+  std::optional<allan::CurveCovariance> own_;
+};
+
+fit::Result fit_axis(const io::Axis& axis, const Curves& curves, const CalibrateArguments& a, Covariances& covariances) {
+  fit::Options options;
+  options.terms = terms_for(a, axis);
+  options.method = a.method;
+  options.tau_min_s = a.tau_min_s;
+  options.tau_max_s = a.tau_max_s;
+  if (a.method == fit::Method::visual) return fit::read_visually(curves.display, options);
+  fit::Result result = fit::fit(curves.octaves, covariances.of(curves.octaves, options.terms), options);
+  note_minimum(result, curves.display);
+  return result;
+}
+
+report::AxisResult calibrate_axis(const io::Axis& axis, const io::Record& record, const CalibrateArguments& a,
+                                  Covariances& covariances) {
+  const Curves curves = curves_of(axis, record, a.curve);
+  report::AxisResult result{.name = axis.name, .signal = axis.signal, .mean = curves.octaves.mean};
+  result.fit = fit_axis(axis, curves, a, covariances);
+  const auto mix = result.fit->verdict == fit::Verdict::not_described ? std::vector<noise::Process>{}
+                                                                      : result.fit->processes();
+  result.points = with_intervals(curves.display, axis, mix);
+  result.advice = advise(*result.fit, axis, curves.octaves);
+  return result;
+}
+
+// One model for a triad: root mean square over its axes, term by term.
+std::optional<noise::ErrorModel> triad(const report::LogResult& result, noise::Signal signal) {
+  noise::ErrorModel model;
+  int count = 0;
+  for (const auto& axis : result.axes) {
+    if (axis.signal != signal || !axis.fit) continue;
+    ++count;
+    for (const auto& c : axis.fit->coefficients) {
+      if (c.fitted) model[c.term] = std::hypot(model[c.term], c.value);
+    }
+  }
+  if (count == 0) return std::nullopt;
+  for (const Term t : {Term::quantization, Term::white, Term::flicker, Term::rate_random_walk, Term::rate_ramp}) {
+    model[t] /= std::sqrt(count);
+  }
+  return model;
+}
+
+noise::SensorModel sensor_of(const report::LogResult& result, const std::string& name) {
+  noise::SensorModel sensor;
+  sensor.name = name.empty() ? result.source : name;
+  if (const auto gyro = triad(result, noise::Signal::angular_rate)) sensor.gyro = *gyro;
+  sensor.accelerometer = triad(result, noise::Signal::specific_force);
+  return sensor;
+}
+
+std::string provenance(const report::LogResult& result) {
+  std::string text = fmt::format("Fitted by: {}\nRecord: {} samples at {} Hz, {} missing\n", result.command,
+                                 result.samples, result.rate_hz, result.missing_samples);
+  if (result.axes.size() > 1) text += "Each value is the root mean square over the axes of its triad.\n";
+  for (const auto& axis : result.axes) text += fmt::format("{}: {}\n", axis.name, one_line_verdict(*axis.fit));
+  return text;
+}
+
+void write_sensor_files(const report::LogResult& result, const CalibrateArguments& a) {
+  if (a.output.empty() && a.kalibr.empty()) return;
+  const bool inertial = std::any_of(result.axes.begin(), result.axes.end(), [](const auto& axis) {
+    return axis.signal != noise::Signal::dimensionless;
+  });
+  if (!inertial) throw std::invalid_argument("-o and --kalibr describe gyros and accelerometers; this log has neither");
+  const noise::SensorModel sensor = sensor_of(result, a.name);
+  if (!a.output.empty()) io::write_file(a.output, io::sensor_yaml(sensor, provenance(result)));
+  if (!a.kalibr.empty()) io::write_file(a.kalibr, io::kalibr_yaml(sensor, result.rate_hz));
+  for (const auto& path : {a.output, a.kalibr}) {
+    if (!path.empty()) say(a.common, "sensor file: " + path);
+  }
+}
+
+// The record answers when on every axis the fit converged and found at least one of N, B, K.
+int exit_code(const report::LogResult& result) {
+  for (const auto& axis : result.axes) {
+    if (!axis.fit->converged || holds_no_answer(*axis.fit)) return exit_no_answer;
+  }
+  return exit_done;
+}
+
+}  // namespace
+
+int run(const CalibrateArguments& a) {
+  const io::Record record = read_record(a.curve, a.common);
+  if (record.samples < kFewestSamples) {
+    throw io::InputError(fmt::format("{}: found {} samples, expected at least {}; a datasheet needs hours of record "
+                                     "(gyrobudget plan tells how many)", record.source, record.samples, kFewestSamples));
+  }
+  report::LogResult result = describe_record(record, a.common);
+  Covariances covariances;
+  for (const auto& axis : record.axes) result.axes.push_back(calibrate_axis(axis, record, a, covariances));
+  print(a.common.json ? report::calibration_json(result) : report::datasheet(result));
+  write_sensor_files(result, a);
+  write_pictures(result, a.pictures, a.common);
+  return exit_code(result);
+}
+
+}  // namespace gyrobudget::inline v0::cli

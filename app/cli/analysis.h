@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "gyrobudget/allan/deviation.h"
+#include "gyrobudget/io/log.h"
+#include "gyrobudget/report/result.h"
+
+#include "arguments.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+// Log -> curve with its statistics: what allan and calibrate share.
+namespace gyrobudget::inline v0::cli {
+
+/// The averaging factors that --taus asks for.
+[[nodiscard]] std::vector<std::int64_t> factors_for(const CurveArguments&, std::int64_t samples);
+
+/// Reads the log and says its notes on stderr.
+[[nodiscard]] io::Record read_record(const CurveArguments&, const Common&);
+
+/// What the result says of the record as a whole; axes still empty.
+[[nodiscard]] report::LogResult describe_record(const io::Record&, const Common&);
+
+[[nodiscard]] allan::Curve curve_of(const io::Axis&, const io::Record&, const CurveArguments&,
+                                    std::span<const std::int64_t> factors);
+
+/// Points with 95 % intervals; their degrees of freedom are those of the noise type that lag-1 identification finds
+/// at each tau, or of `mix` where it is given (the fitted model).
+[[nodiscard]] std::vector<report::DeviationPoint> with_intervals(const allan::Curve&, const io::Axis&,
+                                                                 std::span<const noise::Process> mix = {});
+
+/// Writes --report and --plot.
+void write_pictures(const report::LogResult&, const Pictures&, const Common&);
+
+}  // namespace gyrobudget::inline v0::cli
