@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: MIT
+#include "gyrobudget/fit/fit.h"
+
+#include "gyrobudget/allan/factors.h"
+#include "gyrobudget/noise/generate.h"
+
+#include "sensors.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace gyrobudget::fit {
+namespace {
+
+using noise::Term;
+
+// The curve that a record would have on average: no scatter, so the fit must give back what went in.
+allan::Curve exact_curve(const std::vector<noise::Process>& processes, std::int64_t samples, double dt) {
+  allan::Curve curve;
+  curve.dt = dt;
+  curve.samples = samples;
+  for (const auto m : allan::octave_factors(samples)) {
+    curve.points.push_back({m, noise::allan_variance(processes, m, dt), samples - 2 * m + 1});
+  }
+  return curve;
+}
+
+allan::Curve simulated_curve(const std::vector<noise::Process>& processes, std::int64_t samples, double dt,
+                             std::uint64_t seed) {
+  const auto record = noise::generate_record(processes, samples, dt, {seed, 0});
+  return allan::overlapped_variance(record, dt, allan::octave_factors(samples));
+}
+
+constexpr double kRecovered = 1e-8;  // fixed point to 1e-10 of the variances, times how weakly B is seen (about 100)
+
+TEST(Fit, GivesBackTheTruthOfAnExactCurve) {
+  for (const auto& gyro : {tests::ifog(), tests::mems()}) {
+    for (const double dt : {0.01, 1.0}) {
+      const Result result = fit(exact_curve(gyro.processes(), 36000, dt));
+      EXPECT_TRUE(result.converged);
+      EXPECT_NEAR(result[Term::white].value / gyro.n, 1, kRecovered);
+      EXPECT_NEAR(result[Term::flicker].value / gyro.b, 1, kRecovered * 1e2);
+      EXPECT_NEAR(result[Term::rate_random_walk].value / gyro.k, 1, kRecovered);
+      EXPECT_EQ(result.verdict, Verdict::described);
+      EXPECT_NEAR(result.p_value, 1, 1e-9);
+      EXPECT_NEAR(result.beta, gyro.b * gyro.b / (gyro.n * gyro.k), 1e-5 * result.beta);
+      EXPECT_EQ(result.tau_min_s, dt);
+      EXPECT_TRUE(result.moved.empty());
+    }
+  }
+}
+
+TEST(Fit, GivesBackAllFiveTerms) {
+  const std::vector<noise::Process> truth{noise::Quantization{0.5}, noise::White{1}, noise::Flicker{0.5},
+                                          noise::RateRandomWalk{0.01}, noise::RateRamp{1e-5}};
+  Options options;
+  options.terms = {Term::quantization, Term::white, Term::flicker, Term::rate_random_walk, Term::rate_ramp};
+  const Result result = fit(exact_curve(truth, 100000, 1), options);
+  ASSERT_TRUE(result.converged);
+  for (const auto& process : truth) {
+    EXPECT_NEAR(result[noise::term(process)].value / noise::coefficient(process), 1, 1e-6)
+        << static_cast<char>(noise::term(process));
+  }
+  EXPECT_EQ(result.processes().size(), truth.size());
+}
+
+TEST(Fit, UnitsOfTheSignalDoNotMatter) {
+  const auto gyro = tests::mems();
+  const allan::Curve curve = simulated_curve(gyro.processes(), 20000, 1, 3);
+  const Result reference = fit(curve);
+  for (const double scale : {1e-12, 1e12, 1e-30, 1e30}) {
+    allan::Curve scaled = curve;
+    for (auto& p : scaled.points) p.variance *= scale * scale;
+    const Result result = fit(scaled);
+    for (std::size_t i = 0; i < reference.coefficients.size(); ++i) {
+      const Coefficient &a = reference.coefficients[i], &b = result.coefficients[i];
+      EXPECT_EQ(a.status, b.status);
+      if (!a.fitted) continue;
+      EXPECT_NEAR(b.value / scale / a.value, 1, 1e-10);
+      EXPECT_NEAR(b.upper / scale / a.upper, 1, 1e-10);
+      if (a.lower > 0) EXPECT_NEAR(b.lower / scale / a.lower, 1, 1e-10);
+    }
+  }
+}
+
+TEST(Fit, IntervalsHoldTheValueAndTheOneSidedLimitIsAboveIt) {
+  const Result result = fit(simulated_curve(tests::ifog().processes(), 36000, 1, 5));
+  for (const Term t : {Term::white, Term::flicker, Term::rate_random_walk}) {
+    const Coefficient& c = result[t];
+    EXPECT_LE(c.lower, c.value);
+    EXPECT_GT(c.upper, c.value);
+    EXPECT_TRUE(std::isfinite(c.upper));
+    EXPECT_EQ(c.status == Status::identified, c.boundary_test > kBoundaryCut);
+  }
+}
+
+// White noise alone: flicker and walk get no value that counts, only a limit.
+TEST(Fit, GivesNoFlickerToWhiteNoise) {
+  constexpr int kRecords = 40;
+  // 7.2 % of white records have B, 6.8 % K above the single cut (theory 6b): more than 12 of 40 of either has a
+  // probability below 1e-5.
+  constexpr int kMostFalse = 12;
+  int false_terms = 0;
+  const auto covariance = allan::CurveCovariance(
+      4096, allan::octave_factors(4096), 1,
+      {noise::White{1}, noise::Flicker{1}, noise::RateRandomWalk{1}});
+  for (std::uint64_t seed = 1; seed <= kRecords; ++seed) {
+    const Result result = fit(simulated_curve({noise::White{1}}, 4096, 1, seed), covariance);
+    EXPECT_EQ(result[Term::white].status, Status::identified);
+    false_terms += result[Term::flicker].status == Status::identified ||
+                   result[Term::rate_random_walk].status == Status::identified;
+  }
+  EXPECT_LE(false_terms, kMostFalse);
+}
+
+TEST(Fit, FindsTheStartOfTheLongestDescribedRun) {
+  // A low-pass filter of 8 samples: the shortest taus lie below white noise, the rest is described.
+  const auto gyro = tests::mems();
+  auto record = noise::generate_record(gyro.processes(), 200000, 0.01, {17, 0});
+  double state = record.front();
+  for (auto& y : record) y = state += (y - state) / 8;
+  const Result result = fit(allan::overlapped_variance(record, 0.01, allan::octave_factors(200000)));
+  EXPECT_EQ(result.verdict, Verdict::described);
+  EXPECT_GE(result.tau_min_s, 0.08);
+  EXPECT_LE(result.tau_min_s, 1.28);  // 128 samples: the filter's share is 8/128 of the variance there
+  EXPECT_EQ(result.moved.size(), 3U);
+  EXPECT_FALSE(result.residuals.front().used);
+  EXPECT_LT(result.residuals.front().misfit, -0.5);
+  EXPECT_NEAR(result[Term::white].value / gyro.n, 1, 0.05);
+}
+
+TEST(Fit, SaysWhenNothingDescribesTheRecord) {
+  // A strong line at 50 samples: humps on all taus that matter.
+  const std::vector<noise::Process> truth{noise::White{1}, noise::Sinusoid{3, 0.0011, 0.3}};
+  const Result result = fit(simulated_curve(truth, 60000, 1, 2));
+  EXPECT_EQ(result.verdict, Verdict::not_described);
+  EXPECT_GT(result.worst_misfit, 0.1);
+  EXPECT_GT(result.worst_misfit_tau_s, 0);
+  EXPECT_EQ(result.tau_min_s, 1);
+}
+
+TEST(Fit, KeepsTheRangeOfTausThatIsAskedFor) {
+  Options options;
+  options.tau_min_s = 0.08;
+  options.tau_max_s = 20.48;
+  const Result result = fit(exact_curve(tests::mems().processes(), 100000, 0.01), options);
+  EXPECT_DOUBLE_EQ(result.tau_min_s, 0.08);
+  EXPECT_DOUBLE_EQ(result.tau_max_s, 20.48);
+  EXPECT_NEAR(result[Term::white].value / tests::mems().n, 1, 1e-6);
+}
+
+TEST(Fit, ASilentRecordIsNoErrorAndNoAnswer) {
+  allan::Curve curve = exact_curve({noise::White{1}}, 1024, 1);
+  for (auto& p : curve.points) p.variance = 0;
+  const Result result = fit(curve);
+  EXPECT_EQ(result.verdict, Verdict::not_described);
+  EXPECT_FALSE(result.converged);
+  for (const auto& c : result.coefficients) {
+    EXPECT_EQ(c.value, 0);
+    EXPECT_EQ(c.upper, 0);
+    EXPECT_EQ(c.status, Status::left_out);
+  }
+}
+
+TEST(Fit, WorksFromSixteenSamples) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const Result result = fit(simulated_curve({noise::White{1}}, 16, 1, seed));
+    for (const Term t : result.fitted_terms) {
+      EXPECT_TRUE(std::isfinite(result[t].value));
+      EXPECT_FALSE(std::isnan(result[t].upper));
+    }
+  }
+}
+
+TEST(Fit, MinimumIsThatOfTheCurveWithinATenthOfTheRecord) {
+  const auto gyro = tests::mems();
+  const Result result = fit(exact_curve(gyro.processes(), 3600000, 0.01));
+  // Theory section 3: sqrt(2NK/sqrt3 + 2 ln2/pi B^2) at sqrt3 N/K; the nearest octave lies within a few per cent.
+  const double floor2 = 2 * gyro.n * gyro.k / std::numbers::sqrt3 + 2 * std::numbers::ln2 / std::numbers::pi * gyro.b * gyro.b;
+  EXPECT_NEAR(result.minimum_deviation / std::sqrt(floor2), 1, 0.05);
+  EXPECT_NEAR(std::log2(result.minimum_tau_s / (std::numbers::sqrt3 * gyro.n / gyro.k)), 0, 0.51);
+}
+
+TEST(Fit, RefusesMisuse) {
+  const allan::Curve curve = exact_curve({noise::White{1}}, 1024, 1);
+  Options options;
+  options.terms = {Term::white, Term::white};
+  EXPECT_THROW((void)fit(curve, options), std::invalid_argument);
+  options.terms = {};
+  EXPECT_THROW((void)fit(curve, options), std::invalid_argument);
+  options.terms = {Term::sinusoid};
+  EXPECT_THROW((void)fit(curve, options), std::invalid_argument);
+  const allan::CurveCovariance white_only(1024, allan::octave_factors(1024), 1, {noise::White{1}});
+  EXPECT_THROW((void)fit(curve, white_only), std::invalid_argument);
+  const allan::CurveCovariance other_factors(2048, allan::octave_factors(2048), 1,
+                                             {noise::White{1}, noise::Flicker{1}, noise::RateRandomWalk{1}});
+  EXPECT_THROW((void)fit(curve, other_factors), std::invalid_argument);
+  allan::Curve tiny = curve;
+  tiny.points.resize(3);
+  EXPECT_THROW((void)fit(tiny), std::invalid_argument);
+  EXPECT_THROW((void)fit(curve)[Term::sinusoid], std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace gyrobudget::fit
