@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+namespace gyrobudget::tests {
+
+/// What the program did.
+struct Run {
+  int exit_code = 0;
+  std::string out;
+  std::string err;
+};
+
+/// A folder of its own, empty at first, gone at the end.
+class Scratch {
+ public:
+  Scratch();
+  ~Scratch();
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  /// Writes a file and returns its path.
+  std::string file(const std::string& name, std::string_view text) const;
+  [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  [[nodiscard]] std::size_t files() const;  ///< how many there are
+
+ private:
+  std::filesystem::path folder_;
+};
+
+/// Runs `gyrobudget ARGUMENTS` (a shell line) and waits.
+[[nodiscard]] Run gyrobudget_run(const std::string& arguments);
+/// Runs any shell line; %P in it is the program's path.
+[[nodiscard]] Run shell(std::string line);
+
+}  // namespace gyrobudget::tests
