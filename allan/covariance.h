@@ -4,10 +4,11 @@
 #include "gyrobudget/allan/deviation.h"
 #include "gyrobudget/noise/process.h"
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <span>
 #include <vector>
+
+#include <Eigen/Core>
 
 namespace gyrobudget::inline v0::allan {
 

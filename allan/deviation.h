@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "gyrobudget/allan/form.h"
 #include "gyrobudget/allan/mask.h"
 
 #include <cstdint>
@@ -10,35 +11,54 @@
 
 namespace gyrobudget::inline v0::allan {
 
-/// How many terms the fully overlapped estimator has for n rate samples.
-enum class Form {
-  full,  ///< n - 2m + 1: the angle starts at zero before the first sample (n + 1 phase points)
-  ieee,  ///< n - 2m: IEEE Std 952 and MATLAB's allanvar, whose angle starts at the first sample
-};
-
 struct DeviationOptions {
   Form form = Form::full;
-  double minimum_fill = 0.95;  ///< part of a cluster's samples that must exist for it to count; 1 for strict
+  double minimum_fill =
+      0.95;  ///< part of a cluster's samples that must exist for it to count, in (0, 1]; 1 = all
 };
 
+/// One averaging factor of a curve.
 struct Point {
-  std::int64_t m = 1;
-  double variance = 0;      ///< Allan variance [signal^2]
-  std::int64_t terms = 0;   ///< number of triples averaged; 0 where gaps leave none (variance is then NaN)
+  std::int64_t m = 1;      ///< averaging factor [samples]
+  double variance = 0;     ///< Allan variance [signal^2]; the deviation is its square root
+  std::int64_t terms = 0;  ///< number of triples averaged; 0 where none counts, and then the variance is NaN
 };
 
-/// An overlapped Allan variance curve and what is needed to know its statistics.
+/// An overlapped Allan variance curve and what is needed to know its statistics: `samples`, `form` and `mask` are
+/// what CurveCovariance and equivalent_dof ask for.
 struct Curve {
-  double dt = 1;                       ///< sample interval [s]
-  std::int64_t samples = 0;            ///< length of the record, missing ones included
-  double mean = 0;                     ///< of the samples that exist
+  double dt = 1;             ///< sample interval [s]
+  std::int64_t samples = 0;  ///< length of the record, missing ones included
+  double mean = 0;           ///< of the samples that exist [signal]; NaN where none does
   Form form = Form::full;
-  std::vector<Point> points;
-  std::shared_ptr<const Mask> mask;    ///< null for a complete record
+  std::vector<Point> points;         ///< in the order of the factors asked for
+  std::shared_ptr<const Mask> mask;  ///< null for a complete record
+  /// Averaging time m dt of point i [s].
   [[nodiscard]] double tau(std::size_t i) const { return static_cast<double>(points[i].m) * dt; }
 };
 
-/// Fully overlapped Allan variance of rates (mean values over dt; NaN or Inf = missing sample).
+/// Fully overlapped Allan variance (IEEE Std 952; NIST SP 1065 eq. 11) of n rates y, each the mean over dt:
+///
+///   s(m) = 1/(2 M) sum_k (Y[k+m] - Y[k])^2,  Y[k] = (y[k] + ... + y[k+m-1]) / m,  k = 0 .. M-1, M = n - 2m + 1
+///
+/// or, for Form::ieee, k = 1 .. n-2m. NaN and infinite samples are missing: see Mask for which clusters then count.
+/// Their loss changes what s(m) estimates a little; Mask::expectation_ratio says by how much and s(m) is left as it
+/// comes.
+///
+/// @param rate rates [signal]; for angle increments divide by dt, for angles difference first.
+/// @param dt sample interval [s].
+/// @param factors averaging factors m in any order, repeats allowed, each 1 <= m <= n/2 (see factors.h).
+/// @throws std::invalid_argument for dt that is not positive and finite, a factor out of range, a minimum fill
+/// outside (0, 1], a record of 2^32 samples or more with gaps, or samples whose sum overflows.
+///
+/// Error: below 1e-12 of s(m) against exact arithmetic on the same doubles for noise on any mean, also where the mean
+/// is 1e9 times the noise; drifts cost digits only as they exceed 1e6 times the noise within 4096 samples (m <= 4096)
+/// or in the whole record (m above). Samples apart from their mean must lie in 1e-150 .. 1e150 or be 0: squares
+/// beyond that leave double and give 0 or infinity.
+///
+/// Cost: O(n) per factor, one pass over memory per factor above 4096 and one for all the others together; memory 8
+/// bytes per sample (12 with gaps) where a factor exceeds 4096. The result has the same bytes for any number of
+/// threads and on any x86-64.
 [[nodiscard]] Curve overlapped_variance(std::span<const double> rate, double dt,
                                         std::span<const std::int64_t> factors, const DeviationOptions& = {});
 
