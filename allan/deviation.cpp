@@ -18,13 +18,13 @@ namespace {
 
 using detail::TripleSum;
 
-// Short clusters are summed tile by tile, all factors while the tile is in cache: its prefix sums start at the tile,
-// so they stay small and keep their digits where a drift makes those of the whole record huge.
+// The record is summed tile by tile, many factors while the tile is in cache. For short clusters the tile has prefix
+// sums of its own: they start at the tile, so they stay small and keep their digits where a drift makes those of the
+// whole record huge.
 constexpr std::int64_t kShort = 4096;  // the longest short cluster
-constexpr std::int64_t kTile = 4 * kShort;
-// Long clusters walk the record in columns of this width, m apart: two of a triple's three stretches of phase are in
-// cache from the step before, so memory is read once per factor.
-constexpr std::int64_t kColumn = 4096;
+constexpr std::int64_t kShortTile = 4 * kShort;
+constexpr std::int64_t kLongTile = 1 << 15;
+constexpr std::size_t kFactorsAtOnce = 256;  // bounds the memory that partial sums take
 
 struct Record {
   std::span<const double> rate;
@@ -38,12 +38,16 @@ struct Record {
   }
 };
 
-/// Sum over `count` triples from the first of x.
-TripleSum sum_triples(const Mask* mask, const double* x, const std::uint32_t* missing, std::int64_t count,
-                      std::int64_t m) {
+/// Phase and missing counts from some triple on; missing is null for a complete record.
+struct Window {
+  const double* x;
+  const std::uint32_t* missing;
+};
+
+TripleSum sum_triples(const Mask* mask, const Window& window, std::int64_t count, std::int64_t m) {
   const detail::SecondDifference& kernel = detail::second_difference();
-  if (mask) return kernel.masked(x, missing, count, m, mask->minimum_count(m));
-  return {kernel.complete(x, count, m), count};
+  if (mask) return kernel.masked(window.x, window.missing, count, m, mask->minimum_count(m));
+  return {kernel.complete(window.x, count, m), count};
 }
 
 /// Adds partial sums in the order of their index, which no thread decides.
@@ -65,64 +69,68 @@ class Total {
   std::int64_t terms_ = 0;
 };
 
-/// Scratch of one thread.
-struct Stretch {
-  std::vector<double> x;
-  std::vector<std::uint32_t> missing;
-};
+/// @param window_at makes the Window that begins at a triple and serves a tile's triples for all factors.
+template <typename WindowAt>
+void sum_tiles(const Record& record, std::int64_t tile_size, WindowAt window_at, std::span<Point*> points) {
+  std::int64_t end = 0;
+  for (const Point* point : points) end = std::max(end, record.end(point->m));
+  const std::int64_t tiles = (end - record.first() + tile_size - 1) / tile_size;
 
-std::vector<Point> short_points(const Record& record, std::span<const std::int64_t> factors) {
-  const auto [shortest, longest] = std::minmax_element(factors.begin(), factors.end());
-  const std::int64_t halo = 2 * *longest, first = record.first(), end = record.end(*shortest);
-  const std::int64_t tiles = (end - first + kTile - 1) / kTile;
-
-  std::vector<TripleSum> parts(static_cast<std::size_t>(tiles) * factors.size());
-  tbb::enumerable_thread_specific<Stretch> scratch;
+  std::vector<TripleSum> parts(static_cast<std::size_t>(tiles) * points.size());
   tbb::parallel_for(std::int64_t{0}, tiles, [&](std::int64_t tile) {
-    const std::int64_t begin = first + tile * kTile;
-    const std::int64_t length = std::min(kTile + halo, record.samples() - begin);
-    const auto rate = record.rate.subspan(static_cast<std::size_t>(begin), static_cast<std::size_t>(length));
-    Stretch& stretch = scratch.local();
-    stretch.x.resize(static_cast<std::size_t>(kTile + halo + 1));
-    detail::integrate_stretch(rate, stretch.x.data());
-    if (record.mask) {
-      stretch.missing.resize(stretch.x.size());
-      detail::count_missing(rate, stretch.missing.data());
-    }
-    TripleSum* part = parts.data() + static_cast<std::size_t>(tile) * factors.size();
-    for (const std::int64_t m : factors) {
-      const std::int64_t count = std::clamp<std::int64_t>(record.end(m) - begin, 0, kTile);
-      *part++ = sum_triples(record.mask, stretch.x.data(), stretch.missing.data(), count, m);
+    const std::int64_t begin = record.first() + tile * tile_size;
+    const Window window = window_at(begin);
+    TripleSum* part = parts.data() + static_cast<std::size_t>(tile) * points.size();
+    for (const Point* point : points) {
+      const std::int64_t count = std::clamp<std::int64_t>(record.end(point->m) - begin, 0, tile_size);
+      *part++ = sum_triples(record.mask, window, count, point->m);
     }
   });
-
-  std::vector<Point> points;
-  for (std::size_t i = 0; i < factors.size(); ++i) {
+  for (std::size_t i = 0; i < points.size(); ++i) {
     Total total;
-    for (std::size_t part = i; part < parts.size(); part += factors.size()) total.add(parts[part]);
-    points.push_back(total.point(factors[i], record.mask != nullptr));
+    for (std::size_t part = i; part < parts.size(); part += points.size()) total.add(parts[part]);
+    *points[i] = total.point(points[i]->m, record.mask != nullptr);
   }
-  return points;
 }
 
-Point long_point(const Record& record, const detail::Phase& phase, std::int64_t m) {
-  std::vector<TripleSum> parts(static_cast<std::size_t>((m + kColumn - 1) / kColumn));
-  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t column) {
-    const std::int64_t left = static_cast<std::int64_t>(column) * kColumn,
-                       width = std::min(kColumn, m - left);
-    Total total;
-    TripleSum& part = parts[column];
-    for (std::int64_t k = record.first() + left; k < record.end(m); k += m) {
-      const std::int64_t count = std::min(width, record.end(m) - k);
-      const TripleSum step = sum_triples(record.mask, phase.x.get() + k,
-                                         record.mask ? phase.missing.get() + k : nullptr, count, m);
-      part.squares += step.squares;
-      part.terms += step.terms;
+void sum_short(const Record& record, std::span<Point*> points) {
+  std::int64_t longest = 0;
+  for (const Point* point : points) longest = std::max(longest, point->m);
+  const std::int64_t needed = kShortTile + 2 * longest;
+
+  struct Scratch {
+    std::vector<double> x;
+    std::vector<std::uint32_t> missing;
+  };
+  tbb::enumerable_thread_specific<Scratch> scratch;
+  const auto window_at = [&](std::int64_t begin) {
+    const auto length = static_cast<std::size_t>(std::min(needed, record.samples() - begin));
+    const auto rate = record.rate.subspan(static_cast<std::size_t>(begin), length);
+    auto& [x, missing] = scratch.local();
+    x.resize(static_cast<std::size_t>(needed) + 1);
+    detail::integrate_stretch(rate, record.mask != nullptr, x.data());
+    if (record.mask) {
+      missing.resize(x.size());
+      detail::count_missing(rate, missing.data());
     }
-  });
-  Total total;
-  for (const TripleSum& part : parts) total.add(part);
-  return total.point(m, record.mask != nullptr);
+    return Window{x.data(), missing.data()};
+  };
+  sum_tiles(record, kShortTile, window_at, points);
+}
+
+void sum_long(const Record& record, const detail::Phase& phase, std::span<Point*> points) {
+  const auto window_at = [&](std::int64_t begin) {
+    return Window{phase.x.get() + begin, record.mask ? phase.missing.get() + begin : nullptr};
+  };
+  sum_tiles(record, kLongTile, window_at, points);
+}
+
+/// Calls work for at most kFactorsAtOnce points at a time.
+template <typename Work>
+void in_batches(std::span<Point*> points, Work work) {
+  for (; !points.empty(); points = points.subspan(std::min(kFactorsAtOnce, points.size()))) {
+    work(points.first(std::min(kFactorsAtOnce, points.size())));
+  }
 }
 
 void check(std::span<const double> rate, double dt, std::span<const std::int64_t> factors,
@@ -153,22 +161,17 @@ Curve overlapped_variance(std::span<const double> rate, double dt, std::span<con
   const detail::Census facts = detail::census(rate, options.minimum_fill);
   const Record record{rate, facts.mask.get(), options.form};
 
-  std::vector<std::int64_t> short_factors;
-  std::copy_if(factors.begin(), factors.end(), std::back_inserter(short_factors),
-               [](std::int64_t m) { return m <= kShort; });
-  std::vector<Point> from_tiles;
-  if (!short_factors.empty()) from_tiles = short_points(record, short_factors);
-  detail::Phase phase;
-  if (short_factors.size() < factors.size()) phase = detail::integrate(rate, facts);
-
   Curve curve{dt, record.samples(), facts.mean, options.form, std::vector<Point>(factors.size()), facts.mask};
-  auto next = from_tiles.begin();
+  std::vector<Point*> short_points, long_points;
   for (std::size_t i = 0; i < factors.size(); ++i) {
-    if (factors[i] <= kShort) curve.points[i] = *next++;
+    curve.points[i].m = factors[i];
+    (factors[i] <= kShort ? short_points : long_points).push_back(&curve.points[i]);
   }
-  tbb::parallel_for(std::size_t{0}, factors.size(), [&](std::size_t i) {
-    if (factors[i] > kShort) curve.points[i] = long_point(record, phase, factors[i]);
-  });
+  in_batches(short_points, [&](std::span<Point*> points) { sum_short(record, points); });
+  if (!long_points.empty()) {
+    const detail::Phase phase = detail::integrate(rate, facts);
+    in_batches(long_points, [&](std::span<Point*> points) { sum_long(record, phase, points); });
+  }
   return curve;
 }
 

@@ -56,7 +56,7 @@ struct Curve {
 /// or in the whole record (m above). Samples apart from their mean must lie in 1e-150 .. 1e150 or be 0: squares
 /// beyond that leave double and give 0 or infinity.
 ///
-/// Cost: O(n) per factor, one pass over memory per factor above 4096 and one for all the others together; memory 8
+/// Cost: O(n) per factor, in cache-sized tiles that serve up to 256 factors at a time; memory 8
 /// bytes per sample (12 with gaps) where a factor exceeds 4096. The result has the same bytes for any number of
 /// threads and on any x86-64.
 [[nodiscard]] Curve overlapped_variance(std::span<const double> rate, double dt,

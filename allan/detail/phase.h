@@ -37,22 +37,17 @@ struct Census {
 };
 [[nodiscard]] Census census(std::span<const double> rate, double minimum_fill);
 
-/// A sample less `mean`; 0 where it is missing. Subtracting a constant changes no Allan variance, and where the
-/// mean dwarfs the noise the subtraction is exact (Sterbenz), so the noise keeps all its digits.
-[[nodiscard]] inline double centred(double sample, double mean) {
-  const double value = sample - mean;
-  return value - value == 0 ? value : 0;  // Inf - Inf and NaN are not 0
-}
-
-/// Prefix sums of a record, x[k] = sum of the first k centred samples, and of its gaps.
+/// Prefix sums of a record, x[k] = sum of the first k samples less their mean each, and of its gaps. A missing sample
+/// adds 0. Subtracting a constant changes no Allan variance, and where the mean dwarfs the noise the subtraction is
+/// exact (Sterbenz), so the noise keeps all its digits.
 struct Phase {
   std::unique_ptr<double[]> x;               ///< n + 1
   std::unique_ptr<std::uint32_t[]> missing;  ///< n + 1 counts modulo 2^32; null for a complete record
 };
 [[nodiscard]] Phase integrate(std::span<const double> rate, const Census&);
 
-/// Prefix sums of a stretch of a record about the stretch's own mean: x[0] = 0 to x[rate.size()].
-void integrate_stretch(std::span<const double> rate, double* x);
+/// Prefix sums of a stretch of a record about a constant near the stretch's own mean: x[0] = 0 to x[rate.size()].
+void integrate_stretch(std::span<const double> rate, bool has_gaps, double* x);
 /// The number of missing samples before each position, likewise.
 void count_missing(std::span<const double> rate, std::uint32_t* missing);
 

@@ -6,21 +6,23 @@
 // The loops are written once and compiled once per instruction set: always_inline bodies inside functions that
 // differ by their target attribute alone.
 #if defined(__x86_64__) && defined(__GNUC__)
-#define GYROBUDGET_HAS_AVX2 1
 #define GYROBUDGET_AVX2 [[gnu::target("avx2")]]
+#define GYROBUDGET_AVX512 [[gnu::target("avx512f,avx512vl,avx512dq,prefer-vector-width=512")]]
 #else
-#define GYROBUDGET_HAS_AVX2 0
 #define GYROBUDGET_AVX2
+#define GYROBUDGET_AVX512
 #endif
 
 namespace gyrobudget::inline v0::allan::detail {
 namespace {
 
-constexpr int kLanes = 8;
+constexpr int kLanes = 16;
 
-template <typename T>
-[[gnu::always_inline]] inline T sum_lanes(const T (&lane)[kLanes]) {
-  return ((lane[0] + lane[4]) + (lane[1] + lane[5])) + ((lane[2] + lane[6]) + (lane[3] + lane[7]));
+[[gnu::always_inline]] inline double sum_lanes(double (&lane)[kLanes]) {
+  for (int half = kLanes / 2; half > 0; half /= 2) {
+    for (int l = 0; l < half; ++l) lane[l] += lane[l + half];
+  }
+  return lane[0];
 }
 
 /// Calls body(k, lane) for k = 0 .. count-1 with lane = k mod kLanes, in blocks the compiler turns into vectors.
@@ -84,27 +86,43 @@ GYROBUDGET_AVX2 TripleSum masked_avx2(const double* x, const std::uint32_t* miss
                                       std::int64_t m, std::int64_t minimum_count) {
   return masked(x, missing, count, m, minimum_count);
 }
+GYROBUDGET_AVX512 double complete_avx512(const double* x, std::int64_t count, std::int64_t m) {
+  return complete(x, count, m);
+}
+GYROBUDGET_AVX512 TripleSum masked_avx512(const double* x, const std::uint32_t* missing, std::int64_t count,
+                                          std::int64_t m, std::int64_t minimum_count) {
+  return masked(x, missing, count, m, minimum_count);
+}
 
 }  // namespace
 
 bool supported(InstructionSet set) {
-  if (set == InstructionSet::baseline) return true;
-#if GYROBUDGET_HAS_AVX2
-  return __builtin_cpu_supports("avx2") != 0;
-#else
-  return false;
+  switch (set) {
+    case InstructionSet::baseline:
+      return true;
+#if defined(__x86_64__) && defined(__GNUC__)
+    case InstructionSet::avx2:
+      return __builtin_cpu_supports("avx2") != 0;
+    case InstructionSet::avx512:
+      return __builtin_cpu_supports("avx512f") != 0 && __builtin_cpu_supports("avx512vl") != 0 &&
+             __builtin_cpu_supports("avx512dq") != 0;
 #endif
+    default:
+      return false;
+  }
 }
 
 const SecondDifference& second_difference(InstructionSet set) {
-  static constexpr SecondDifference kBaseline{complete_baseline, masked_baseline};
-  static constexpr SecondDifference kAvx2{complete_avx2, masked_avx2};
-  return set == InstructionSet::avx2 ? kAvx2 : kBaseline;
+  static constexpr SecondDifference kKernels[] = {
+      {complete_baseline, masked_baseline}, {complete_avx2, masked_avx2}, {complete_avx512, masked_avx512}};
+  return kKernels[static_cast<std::size_t>(set)];
 }
 
 const SecondDifference& second_difference() {
   static const SecondDifference& best =
-      second_difference(supported(InstructionSet::avx2) ? InstructionSet::avx2 : InstructionSet::baseline);
+      second_difference(supported(InstructionSet::avx512) ? InstructionSet::avx512
+                        : supported(InstructionSet::avx2) ? InstructionSet::avx2
+                                                          : InstructionSet::baseline);
   return best;
 }
 

@@ -24,7 +24,7 @@ struct SecondDifference {
                       std::int64_t minimum_count);
 };
 
-enum class InstructionSet { baseline, avx2 };
+enum class InstructionSet { baseline, avx2, avx512 };
 [[nodiscard]] bool supported(InstructionSet);
 [[nodiscard]] const SecondDifference& second_difference(InstructionSet);
 /// The fastest that this machine has.

@@ -196,28 +196,32 @@ TEST(SameBytes, AnyNumberOfThreads) {
   }
 }
 
-TEST(SameBytes, AnyInstructionSet) {
-  using detail::InstructionSet;
-  if (!detail::supported(InstructionSet::avx2)) GTEST_SKIP() << "this machine has no AVX2 to compare with";
-  const detail::SecondDifference& baseline = detail::second_difference(InstructionSet::baseline);
-  const detail::SecondDifference& avx2 = detail::second_difference(InstructionSet::avx2);
+class EveryInstructionSet : public testing::TestWithParam<detail::InstructionSet> {};
+
+TEST_P(EveryInstructionSet, GivesTheBytesOfTheBaseline) {
+  if (!detail::supported(GetParam())) GTEST_SKIP() << "this machine has no such instructions";
+  const detail::SecondDifference& baseline = detail::second_difference(detail::InstructionSet::baseline);
+  const detail::SecondDifference& other = detail::second_difference(GetParam());
   const std::vector<double> x = accumulate(reference::normal(10'000, 11));
   std::vector<std::uint32_t> missing(x.size());
   for (std::size_t k = 1; k < x.size(); ++k)
     missing[k] = missing[k - 1] + (k % 37 == 0 || k / 100 == 7 ? 1U : 0U);
   for (const std::int64_t m : {1, 2, 3, 7, 64, 1000, 3333}) {
     for (std::int64_t count = 0; count < 40; ++count) {
-      const double a = baseline.complete(x.data(), count, m), b = avx2.complete(x.data(), count, m);
+      const double a = baseline.complete(x.data(), count, m), b = other.complete(x.data(), count, m);
       ASSERT_EQ(std::bit_cast<std::uint64_t>(a), std::bit_cast<std::uint64_t>(b));
     }
-    const std::int64_t count = 10'000 - 2 * m;
-    const auto a = baseline.masked(x.data(), missing.data(), count, m, (19 * m + 19) / 20);
-    const auto b = avx2.masked(x.data(), missing.data(), count, m, (19 * m + 19) / 20);
+    const std::int64_t count = 10'000 - 2 * m, least = (19 * m + 19) / 20;
+    const auto a = baseline.masked(x.data(), missing.data(), count, m, least);
+    const auto b = other.masked(x.data(), missing.data(), count, m, least);
     ASSERT_EQ(std::bit_cast<std::uint64_t>(a.squares), std::bit_cast<std::uint64_t>(b.squares));
     ASSERT_EQ(a.terms, b.terms);
     ASSERT_GT(a.terms, 0);
   }
 }
+
+INSTANTIATE_TEST_SUITE_P(SameBytes, EveryInstructionSet,
+                         testing::Values(detail::InstructionSet::avx2, detail::InstructionSet::avx512));
 
 TEST(SameBytes, AnyOrderOfFactorsAndAnyScaleByTwo) {
   const std::vector<double> rate = reference::normal(30'000, 12);
