@@ -27,6 +27,8 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::int64_t kTestedClusters = 16;  // goodness of fit over n/m >= 16: beyond, s is too skewed for chi-square
 constexpr double kScatter95 = 1.96;
 constexpr double kNegligible = 0.01;          // of the deviation
+constexpr double kCutBelow = 1e-4;            // p-value of the whole curve below which short taus may be cut
+constexpr double kFirstTauCut = 6.63;         // 1 % cut of chi-square with 1 degree of freedom
 constexpr int kSparePoints = 2;               // a start must leave this many tested taus more than terms
 
 // A curve ready to fit: points with terms, terms in the order Q N B K R, variances scaled by a power of two so that
@@ -150,29 +152,41 @@ Run fit_from(const Prepared& p, Eigen::Index first, bool drop_quantization) {
   return run;
 }
 
-// The start of the longest described run. Quantization is strongest at the first tau: a run that must cut that tau
-// cannot hold it.
-Run choose_run(const Prepared& p, const Options& options) {
-  if (options.tau_min_s) {
-    const auto first = std::partition_point(p.m.begin(), p.m.end(), [&](auto m) {
-      return static_cast<double>(m) * p.dt < *options.tau_min_s * (1 - 1e-9);
-    });
-    if (p.m.end() - first <= static_cast<std::ptrdiff_t>(p.terms.size())) {
-      throw std::invalid_argument(fmt::format("only {} taus from {} s on: too few to fit {} terms", p.m.end() - first,
-                                              *options.tau_min_s, p.terms.size()));
-    }
-    return fit_from(p, first - p.m.begin(), false);
+// The first tau asked for.
+Run run_from_tau(const Prepared& p, double tau_min_s) {
+  const auto first = std::partition_point(p.m.begin(), p.m.end(), [&](auto m) {
+    return static_cast<double>(m) * p.dt < tau_min_s * (1 - 1e-9);
+  });
+  if (p.m.end() - first <= static_cast<std::ptrdiff_t>(p.terms.size())) {
+    throw std::invalid_argument(fmt::format("only {} taus from {} s on: too few to fit {} terms", p.m.end() - first,
+                                            tau_min_s, p.terms.size()));
   }
-  Run whole = fit_from(p, 0, false);
-  if (whole.p_value >= options.p_value_limit) return whole;
+  return fit_from(p, first - p.m.begin(), false);
+}
+
+// The start of the longest described run: its p-value reaches the limit, and its first tau belongs to it, that is,
+// fitting without that tau does not lower chi-square by more than chance. Quantization is strongest at the first tau:
+// a run that must cut that tau cannot hold it.
+std::optional<Run> longest_described_run(const Prepared& p, const Options& options) {
   const Eigen::Index tested = p.tested_until();
-  for (Eigen::Index first = 1; first <= tested / 2; ++first) {
-    if (tested - first < static_cast<Eigen::Index>(p.terms.size()) + kSparePoints) break;
+  const auto fewest = static_cast<Eigen::Index>(p.terms.size()) + kSparePoints;
+  std::optional<Run> candidate;
+  for (Eigen::Index first = 1; first <= tested / 2 + 1 && tested - first >= fewest; ++first) {
     Run run = fit_from(p, first, true);
-    if (run.terms.empty()) break;
-    if (run.p_value >= options.p_value_limit) return run;
+    if (run.terms.empty()) return std::nullopt;
+    if (candidate && candidate->chi2 - run.chi2 < kFirstTauCut) return candidate;
+    candidate.reset();
+    if (run.p_value >= options.p_value_limit && first <= tested / 2) candidate = std::move(run);
   }
-  return whole;
+  return candidate;
+}
+
+Run choose_run(const Prepared& p, const Options& options) {
+  if (options.tau_min_s) return run_from_tau(p, *options.tau_min_s);
+  Run whole = fit_from(p, 0, false);
+  if (whole.p_value >= kCutBelow) return whole;
+  auto described = longest_described_run(p, options);
+  return described ? std::move(*described) : whole;
 }
 
 Eigen::VectorXd standard_deviations(const Run& run) {
@@ -218,17 +232,19 @@ Coefficient judge(const Run& run, Eigen::Index j, double deviation, double scale
   const double theta = run.solution.theta(j);
   c.value = std::sqrt(theta * scale);
   c.relative_std = theta > 0 ? 0.5 * deviation / theta : kInfinity;
-  c.lower = c.upper = c.value;
+  c.lower = c.upper = c.upper_two_sided = c.value;
   c.status = theta > 0 ? Status::identified : Status::upper_bound;
   if (!intervals) return c;
   c.boundary_test = theta > 0 ? profile_test(run.model, {j, 0.0}, run.solution.theta) : 0;
   const bool identified = c.boundary_test > kBoundaryCut;
   c.status = identified ? Status::identified : Status::upper_bound;
-  const ProfileInterval interval =
-      profile_interval(run.model, j, run.solution, deviation, identified ? kIntervalCut : kBoundaryCut);
+  const ProfileInterval interval = profile_interval(run.model, j, run.solution, deviation, kIntervalCut);
   c.lower = identified ? std::sqrt(interval.lower * scale) : 0;
-  c.upper = std::sqrt(interval.upper * scale);
-  if (!identified && negligible(run, j, interval.upper)) c.status = Status::left_out;
+  c.upper = c.upper_two_sided = std::sqrt(interval.upper * scale);
+  if (identified) return c;
+  const double limit = profile_interval(run.model, j, run.solution, deviation, kBoundaryCut).upper;
+  c.upper = std::sqrt(limit * scale);
+  if (negligible(run, j, limit)) c.status = Status::left_out;
   return c;
 }
 

@@ -15,8 +15,8 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kMostReweightings = 200;
 constexpr int kDampAfter = 15;             // a two-cycle of the active set is broken by averaging
-constexpr double kFixedPoint = 1e-10;      // relative change of the modelled variances
-constexpr double kRootBits = 26;           // interval limits to about 1e-8 of their bracket
+constexpr double kFixedPoint = 1e-12;      // relative change of the modelled variances
+constexpr unsigned kRootBits = 38;         // interval limits to about 1e-11 of their bracket
 
 using Columns = std::vector<Eigen::Index>;
 
@@ -152,7 +152,7 @@ double solve_cut(const LinearModel& model, Eigen::Index index, const Eigen::Vect
   const bool rising = outside > inside;
   const auto bracket = boost::math::tools::toms748_solve(
       f, std::min(inside, outside), std::max(inside, outside), excess(rising ? t_inside : t_outside),
-      excess(rising ? t_outside : t_inside), boost::math::tools::eps_tolerance<double>(static_cast<unsigned>(kRootBits)),
+      excess(rising ? t_outside : t_inside), boost::math::tools::eps_tolerance<double>(kRootBits),
       budget);
   return 0.5 * (bracket.first + bracket.second);
 }

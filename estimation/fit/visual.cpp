@@ -76,7 +76,7 @@ Coefficient coefficient(Term term, const Reading& reading, double value, const a
   c.fitted = true;
   c.value = value;
   c.lower = std::sqrt(interval.lower);
-  c.upper = std::sqrt(interval.upper);
+  c.upper = c.upper_two_sided = std::sqrt(interval.upper);
   c.relative_std = 1 / std::sqrt(2 * edf);
   c.boundary_test = std::numeric_limits<double>::quiet_NaN();
   c.status = Status::identified;

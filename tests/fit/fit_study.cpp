@@ -19,12 +19,12 @@ void print(const char* name, const tests::Study& study, const std::array<double,
   const double error = 1.96 * std::sqrt(0.95 * 0.05 / study.records);
   fmt::print("{} ({} records; coverage is known to +-{:.3f}, RMSE to +-{:.1f} %, both 95 %)\n", name, study.records, error,
              196 / std::sqrt(2.0 * study.records));
-  fmt::print("  {:<3} {:>9} {:>9} {:>12} {:>9} {:>10} {:>11}\n", "", "bias %", "RMSE %", "theory's %", "bound %", "coverage",
-             "identified");
+  fmt::print("  {:<3} {:>9} {:>9} {:>12} {:>9} {:>10} {:>11} {:>11}\n", "", "bias %", "RMSE %", "theory's %", "bound %", "coverage",
+             "by status", "identified");
   for (std::size_t j = 0; j < 3; ++j) {
     const auto& c = study.coefficients[j];
-    fmt::print("  {:<3} {:>9.3f} {:>9.3f} {:>12.3f} {:>9.3f} {:>10.4f} {:>11.4f}\n", kNames[j], 100 * c.bias, 100 * c.rmse,
-               theory[j], 100 * c.bound, c.coverage, c.identified);
+    fmt::print("  {:<3} {:>9.3f} {:>9.3f} {:>12.3f} {:>9.3f} {:>10.4f} {:>11.4f} {:>11.4f}\n", kNames[j], 100 * c.bias,
+               100 * c.rmse, theory[j], 100 * c.bound, c.coverage, c.coverage_by_status, c.identified);
   }
   fmt::print("  p < 0.05 in {:.4f}, p < 0.01 in {:.4f}; taus cut in {:.4f}, not described {:.4f}, unconverged {:.4f}; "
              "{:.1f} ms a fit\n\n", study.p_below_5_percent, study.p_below_1_percent, study.cut, study.not_described,

@@ -129,7 +129,7 @@ TEST(Fit, FindsTheStartOfTheLongestDescribedRun) {
   EXPECT_EQ(result.moved.size(), 3U);
   EXPECT_FALSE(result.residuals.front().used);
   EXPECT_LT(result.residuals.front().misfit, -0.5);
-  EXPECT_NEAR(result[Term::white].value / gyro.n, 1, 0.05);
+  EXPECT_NEAR(result[Term::white].value / gyro.n, 1, 0.08);  // the filter is cut where its bias meets the scatter, 3 %
 }
 
 TEST(Fit, SaysWhenNothingDescribesTheRecord) {

@@ -39,7 +39,8 @@ One one_record(const Gyro& gyro, const allan::CurveCovariance& covariance, std::
   return one;
 }
 
-bool covers(const fit::Coefficient& c, double truth) { return c.lower <= truth && truth <= c.upper; }
+bool covers(const fit::Coefficient& c, double truth) { return c.lower <= truth && truth <= c.upper_two_sided; }
+bool covers_by_status(const fit::Coefficient& c, double truth) { return c.lower <= truth && truth <= c.upper; }
 
 }  // namespace
 
@@ -64,6 +65,7 @@ Study run_study(const Gyro& gyro, int records, std::int64_t samples, double dt, 
       s.bias += share * error;
       s.rmse += share * error * error;
       s.coverage += share * covers(c, truth[j]);
+      s.coverage_by_status += share * covers_by_status(c, truth[j]);
       s.identified += share * (c.status == fit::Status::identified);
     }
     study.p_below_5_percent += share * (one.p_value < 0.05);

@@ -13,7 +13,8 @@ struct CoefficientStudy {
   double bias = 0;             ///< mean of value/truth - 1
   double rmse = 0;             ///< root mean square of value/truth - 1
   double bound = 0;            ///< Cramer-Rao bound on it
-  double coverage = 0;         ///< part of the 95 % intervals that hold the truth (one-sided limits count as such)
+  double coverage = 0;         ///< part of the two-sided 95 % intervals that hold the truth
+  double coverage_by_status = 0;  ///< the same with the one-sided limit where zero is not excluded
   double identified = 0;       ///< part of the records in which zero is excluded
 };
 
