@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "advice.h"
 
+#include "gyrobudget/allan/lines.h"
 #include "gyrobudget/fit/information.h"
+#include "gyrobudget/noise/sensor.h"
 
 #include <algorithm>
 #include <array>
@@ -79,6 +81,17 @@ void advise_cut(std::vector<std::string>& advice, const fit::Result& fit) {
       fit.tau_min_s, 100 * std::abs(worst->misfit), worst->misfit > 0 ? "above" : "below", worst->tau_s));
 }
 
+// Lines are noise that no coefficient describes: vibration, mains, a fan, a control loop.
+void advise_lines(std::vector<std::string>& advice, const io::Axis& axis, double dt) {
+  const auto unit = noise::datasheet_unit(axis.signal);
+  for (const auto& line : allan::find_lines(axis.rate, dt)) {
+    advice.push_back(fmt::format(
+        "A spectral line at {:.4g} Hz (amplitude about {}, {:.0f} times the spectrum beside it) is in the record but not "
+        "in the model. It shifts the deviation at taus up to its period, {:.3g} s.",
+        line.frequency_hz, noise::quantity_text(line.amplitude, unit, 2), line.ratio, 1 / line.frequency_hz));
+  }
+}
+
 bool all_equal(const allan::Curve& curve) {
   return std::all_of(curve.points.begin(), curve.points.end(), [](const auto& p) { return !(p.variance > 0); });
 }
@@ -130,6 +143,7 @@ std::vector<std::string> advise(const fit::Result& fit, const io::Axis& axis, co
                      "quantization. Record at a finer resolution, or longer.");
   }
   advise_misfit(advice, fit);
+  advise_lines(advice, axis, octaves.dt);
   if (fit.verdict != fit::Verdict::not_described) {
     advise_cut(advice, fit);
     advise_unresolved(advice, fit);

@@ -8,6 +8,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
+#include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/special_functions/gamma.hpp>
 #include <chrono>
 #include <cmath>
@@ -29,6 +30,7 @@ constexpr double kScatter95 = 1.96;
 constexpr double kNegligible = 0.01;          // of the deviation
 constexpr double kCutBelow = 1e-4;            // p-value of the whole curve below which short taus may be cut
 constexpr double kFirstTauCut = 6.63;         // 1 % cut of chi-square with 1 degree of freedom
+constexpr double kFailedModelLevel = 1e-3;    // of the F test that a term must pass where the model fails its own
 constexpr int kSparePoints = 2;               // a start must leave this many tested taus more than terms
 
 // A curve ready to fit: points with terms, terms in the order Q N B K R, variances scaled by a power of two so that
@@ -225,7 +227,24 @@ bool negligible(const Run& run, Eigen::Index j, double upper_theta) {
   return ((1 + added / model.max(1e-300)).sqrt() - 1 < kNegligible).all();
 }
 
-Coefficient judge(const Run& run, Eigen::Index j, double deviation, double scale, bool intervals) {
+// What the tests of coefficients are held against. Where the model fails its own test, chi-square per degree of
+// freedom measures how much worse than chance it misses, and a term must be seen above that (F test, 0.1 %): a wrong
+// model must not lend significance to its smallest parts.
+struct Cuts {
+  double boundary = kBoundaryCut;
+  double one_sided = kBoundaryCut;
+  double two_sided = kIntervalCut;
+};
+
+Cuts cuts_of(const Run& run, const Options& options) {
+  if (run.p_value >= options.p_value_limit || run.dof < 1) return {};
+  const double excess = std::max(1.0, run.chi2 / run.dof);
+  const boost::math::fisher_f_distribution<> F(1, run.dof);
+  return {excess * boost::math::quantile(complement(F, kFailedModelLevel)), excess * kBoundaryCut,
+          excess * kIntervalCut};
+}
+
+Coefficient judge(const Run& run, Eigen::Index j, double deviation, double scale, const Cuts& cuts, bool intervals) {
   Coefficient c;
   c.term = run.terms[static_cast<std::size_t>(j)];
   c.fitted = true;
@@ -236,19 +255,20 @@ Coefficient judge(const Run& run, Eigen::Index j, double deviation, double scale
   c.status = theta > 0 ? Status::identified : Status::upper_bound;
   if (!intervals) return c;
   c.boundary_test = theta > 0 ? profile_test(run.model, {j, 0.0}, run.solution.theta) : 0;
-  const bool identified = c.boundary_test > kBoundaryCut;
+  const bool identified = c.boundary_test > cuts.boundary;
   c.status = identified ? Status::identified : Status::upper_bound;
-  const ProfileInterval interval = profile_interval(run.model, j, run.solution, deviation, kIntervalCut);
+  const ProfileInterval interval = profile_interval(run.model, j, run.solution, deviation, cuts.two_sided);
   c.lower = identified ? std::sqrt(interval.lower * scale) : 0;
   c.upper = c.upper_two_sided = std::sqrt(interval.upper * scale);
   if (identified) return c;
-  const double limit = profile_interval(run.model, j, run.solution, deviation, kBoundaryCut).upper;
+  const double limit = profile_interval(run.model, j, run.solution, deviation, cuts.one_sided).upper;
   c.upper = std::sqrt(limit * scale);
   if (negligible(run, j, limit)) c.status = Status::left_out;
   return c;
 }
 
-void add_coefficients(Result& result, const Run& run, double scale, bool intervals) {
+void add_coefficients(Result& result, const Run& run, double scale, const Options& options) {
+  const Cuts cuts = cuts_of(run, options);
   const Eigen::VectorXd deviation = standard_deviations(run);
   for (const Term t : kLinearTerms) {
     const auto at = std::find(run.terms.begin(), run.terms.end(), t);
@@ -256,7 +276,7 @@ void add_coefficients(Result& result, const Run& run, double scale, bool interva
       result.coefficients.push_back({.term = t});
     } else {
       const Eigen::Index j = at - run.terms.begin();
-      result.coefficients.push_back(judge(run, j, deviation(j), scale, intervals));
+      result.coefficients.push_back(judge(run, j, deviation(j), scale, cuts, options.intervals));
     }
   }
 }
@@ -367,7 +387,7 @@ Result fit(const allan::Curve& curve, const allan::CurveCovariance& covariance, 
   Result result;
   result.fitted_terms = run.terms;
   refine_run(run, p.scale, result);
-  add_coefficients(result, run, p.scale, options.intervals);
+  add_coefficients(result, run, p.scale, options);
   result.tau_min_s = static_cast<double>(p.m[static_cast<std::size_t>(run.first)]) * p.dt;
   result.tau_max_s = static_cast<double>(p.m.back()) * p.dt;
   add_residuals(result, p, run, curve);

@@ -21,7 +21,7 @@ enum class Method {
 
 /// What a record says of one coefficient.
 enum class Status {
-  identified,   ///< the boundary test T(0) exceeds kBoundaryCut: zero is excluded
+  identified,   ///< the boundary test T(0) exceeds its cut (kBoundaryCut where the model fits): zero is excluded
   upper_bound,  ///< zero is not excluded; `upper` is the one-sided 95 % limit
   left_out,     ///< never fitted, or zero with a limit that adds under 1 % to the deviation at every tau
 };
@@ -120,6 +120,9 @@ struct Result {
 /// Values and intervals come from the full fit always; the boundary test T(0) only sets `status`, and with it which
 /// limit `upper` is. Choosing the limit by the status costs coverage where the truth is near the cut (93 % for the B of
 /// the paper's MEMS gyro in 10 h): [lower, upper_two_sided] does not.
+/// Where the fit's p-value is below p_value_limit, all cuts are multiplied by chi-square per degree of freedom, and a
+/// term counts as identified only beyond the 0.1 % point of F(1, dof): a model that is wrong lends no significance to
+/// its smallest parts.
 ///
 /// Start: every tau, unless that has a p-value below 1e-4 (a true model is cut in one record of some thousands). Then
 /// the first tau from which the p-value reaches p_value_limit and whose removal lowers chi-square by less than 6.63,

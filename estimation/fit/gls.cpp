@@ -114,13 +114,14 @@ GlsSolution iterate_gls(const LinearModel& model, std::optional<Held> held, cons
     solution.S = model.covariance(solution.theta);
     const Eigen::LLT<Eigen::MatrixXd> factor(solution.S);
     if (factor.info() != Eigen::Success) return solution;
-    Eigen::VectorXd next = nonnegative_least_squares(factor.matrixL().solve(model.A),
-                                                     factor.matrixL().solve(model.s), held);
-    if (solution.iterations > kDampAfter) next = 0.5 * (next + solution.theta);
+    const Eigen::VectorXd optimum = nonnegative_least_squares(factor.matrixL().solve(model.A),
+                                                              factor.matrixL().solve(model.s), held);
+    const bool damped = solution.iterations > kDampAfter;
+    const Eigen::VectorXd next = damped ? Eigen::VectorXd(0.5 * (optimum + solution.theta)) : optimum;
     const Eigen::VectorXd before = model.A * solution.theta;
     const double change = ((model.A * next - before).array().abs() / before.array().max(1e-300)).maxCoeff();
     solution.converged = change < kFixedPoint;
-    solution.theta = std::move(next);
+    solution.theta = solution.converged ? optimum : next;  // the optimum has exact zeros, a damped step has not
     ++solution.iterations;
     solution.chi2 = squared_norm_whitened(factor, model.s - model.A * solution.theta);
   }

@@ -93,7 +93,7 @@ TEST(Fit, IntervalsHoldTheValueAndTheOneSidedLimitIsAboveIt) {
     EXPECT_LE(c.lower, c.value);
     EXPECT_GT(c.upper, c.value);
     EXPECT_TRUE(std::isfinite(c.upper));
-    EXPECT_EQ(c.status == Status::identified, c.boundary_test > kBoundaryCut);
+    EXPECT_EQ(c.status == Status::identified, c.boundary_test > kBoundaryCut);  // the model fits: p above 1 %
   }
 }
 
