@@ -4,6 +4,7 @@
 #include "gyrobudget/io/error.h"
 #include "gyrobudget/noise/sensor.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -11,34 +12,70 @@
 
 namespace gyrobudget::inline v0::io {
 
-enum class Input { rate, increment, angle };  ///< what a column holds per sample
+/// What a column holds for each sample: a rate (or acceleration); its increment over the sample interval, an angle (or
+/// velocity); or the angle (velocity) itself. n angles give n - 1 rates. An angle that is kept within one turn is
+/// unwrapped.
+enum class Input { rate, increment, angle };
 
 struct LogOptions {
-  std::string path;                   ///< "-" is standard input
-  std::optional<double> rate_hz;      ///< needed where there is no time column; checked against it where there is
-  std::optional<std::string> unit;    ///< of every data column without one in the header; "1" is dimensionless
+  std::string path = {};                 ///< "-" is standard input
+  std::optional<double> rate_hz = {};    ///< needed where there is no time column; checked where there is one
+  std::optional<std::string> unit = {};  ///< of data columns without one in the header; "1" is dimensionless
   Input input = Input::rate;
-  double scale = 1;                   ///< units per count
-  std::vector<std::string> columns;   ///< names or numbers (from 1); empty: every data column
+  double scale = 1;                       ///< units per count, for all data columns
+  std::vector<std::string> columns = {};  ///< names or numbers (from 1); empty: every data column
+  /// Text that one task parses, in bytes; the result does not depend on it.
+  std::size_t chunk_bytes = std::size_t{1} << 20;
 };
 
 struct Axis {
   std::string name;
   noise::Signal signal = noise::Signal::angular_rate;
-  std::vector<double> rate;           ///< mean rate over each sample interval, SI; NaN where missing
+  std::vector<double> rate;  ///< mean rate over each sample interval [rad/s, m/s^2 or 1]; NaN where missing
 };
 
 /// A log on a uniform time grid.
 struct Record {
-  std::string source;
-  double rate_hz = 0;
-  std::int64_t samples = 0;           ///< grid points, missing ones included
-  std::int64_t missing_samples = 0;   ///< grid points at which any axis has no number
+  std::string source;                ///< the path; "standard input" for "-"
+  double rate_hz = 0;                ///< [Hz]
+  std::int64_t samples = 0;          ///< grid points, missing ones included
+  std::int64_t missing_samples = 0;  ///< grid points at which any axis has no number
   std::vector<Axis> axes;
-  std::vector<std::string> notes;     ///< what a person should know of how it was read
+  std::vector<std::string> notes;  ///< what a person should know of how it was read, one sentence each
 };
 
-/// @throws InputError
+// How the time column becomes a grid; each is said in a note or in the error.
+inline constexpr double kRateTolerance =
+    0.01;  ///< LogOptions::rate_hz may differ this much from the time column
+inline constexpr double kMostRepeated = 0.05;   ///< share of repeated stamps from which the column is refused
+inline constexpr double kMostMissing = 0.5;     ///< share of missing samples from which the record is refused
+inline constexpr double kLargestJitter = 0.25;  ///< rms of the stamps about the grid, in sample intervals
+
+/// Reads a log as people have them.
+///
+/// **Text**: cells parted by commas, semicolons, tabs or blanks; comment lines (#, %, //) and blank lines anywhere; a
+/// header with units in brackets, also as a comment, or none; LF or CR LF; byte order mark; gzip; decimal commas where
+/// they are not delimiters too. Empty cells, NaN, Inf, NA and the like are missing samples. Numbers are correctly
+/// rounded; a chosen cell that holds text, a row with more or fewer cells than the others, and a number beyond double
+/// are errors, and the first one in the file is reported.
+///
+/// **Columns**: a unit comes from the header, `gyro_x (deg/s)`, or from LogOptions::unit. Its dimension tells gyros
+/// from accelerometers. Without LogOptions::columns every column is read that has a unit of the kind that
+/// LogOptions::input asks for; what is left out is said in the notes.
+///
+/// **Time**: the column that is named time, timestamp, t ... or has a unit of time, absolute or relative, in integer
+/// nanoseconds (never through double). A time column without unit is taken only where one of s, ms, us, ns agrees with
+/// LogOptions::rate_hz. The rate is the slope of the stamps over the sample number. Gaps become missing samples; a
+/// stamp that repeats masks its grid point; jitter is tolerated up to kLargestJitter and said. Time that goes back is
+/// an error.
+///
+/// **Memory**: a plain file is mapped and parsed in chunks on all cores; the peak is about the numbers read, as
+/// doubles. gzip, pipes and standard input take the length of the text beside that.
+///
+///     const io::Record record = io::read_log({.path = "log.csv", .rate_hz = 100, .unit = "deg/s"});
+///
+/// @throws InputError for the log, with place, finding, expectation and mend; std::invalid_argument for options that
+/// are wrong with any log (rate_hz or scale not a positive number, an unknown unit).
 [[nodiscard]] Record read_log(const LogOptions&);
 
 }  // namespace gyrobudget::inline v0::io

@@ -1,0 +1,306 @@
+// SPDX-License-Identifier: MIT
+#include "gyrobudget/io/table.h"
+
+#include "gyrobudget/io/number.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <string>
+
+namespace gyrobudget::inline v0::io {
+namespace {
+
+/// Why a row cannot be read, and where in its line.
+struct Fault {
+  std::size_t offset = 0;
+  std::string message;
+};
+
+/// What becomes of each column of the file.
+struct Role {
+  enum Kind : unsigned char { skip, number, stamp } kind = skip;
+  double* numbers = nullptr;
+  double to_si = 1;
+  std::int64_t ns_per_unit = 1;
+  bool further_part = false;  ///< adds to a stamp that another column has begun
+  const std::string* name = nullptr;
+};
+
+std::vector<Role> roles_of(const Layout& layout, const Choice& choice, Table& table) {
+  std::vector<Role> roles(layout.columns);
+  for (std::size_t i = 0; i < choice.data.size(); ++i) {
+    const DataColumn& c = choice.data[i];
+    roles[c.index] = {Role::number, table.numbers[i].data(), c.to_si, 1, false, &c.name};
+  }
+  std::size_t first = layout.columns;
+  for (const StampColumn& s : choice.stamps) {
+    roles[s.index] = {Role::stamp, nullptr, 1, s.ns_per_unit, true, &choice.time_name};
+    first = std::min(first, s.index);
+  }
+  if (first < layout.columns) roles[first].further_part = false;
+  return roles;
+}
+
+/// Parses one row after the other into the columns of a table.
+template <bool kBlanks>
+class RowParser {
+ public:
+  RowParser(Dialect dialect, const std::vector<Role>& roles, Table& table)
+      : dialect_(dialect), roles_(roles), stamps_(table.stamps.data()) {}
+
+  /// @returns the fault where the row is not as it should be
+  std::optional<Fault> parse(const char* begin, const char* end, std::size_t row) const {
+    if (end > begin && end[-1] == '\r') --end;
+    const char* at = begin;
+    for (std::size_t i = 0; i < roles_.size(); ++i) {
+      at = skip_blanks(at, end);
+      if (kBlanks && at == end) return too_few(begin, end, i);
+      if (!parse_cell(roles_[i], at, end, row)) return bad_cell(roles_[i], begin, at, end);
+      if (at != end) {
+        ++at;  // the delimiter
+      } else if (i + 1 < roles_.size()) {
+        return too_few(begin, end, i + 1);
+      } else {
+        return std::nullopt;
+      }
+    }
+    // A delimiter behind the last cell is allowed, a further cell is not.
+    if (skip_blanks(at, end) != end) return too_many(begin, at, end);
+    return std::nullopt;
+  }
+
+ private:
+  bool is_delimiter(char c) const { return kBlanks ? is_blank(c) : c == dialect_.delimiter; }
+
+  /// Blanks around a cell; a tab may be a delimiter.
+  const char* skip_blanks(const char* at, const char* end) const {
+    while (at < end && is_blank(*at) && (kBlanks || *at != dialect_.delimiter)) ++at;
+    return at;
+  }
+
+  const char* cell_end(const char* at, const char* end) const {
+    if constexpr (kBlanks) {
+      while (at < end && !is_blank(*at)) ++at;
+      return at;
+    }
+    const void* found = std::memchr(at, dialect_.delimiter, static_cast<std::size_t>(end - at));
+    return found ? static_cast<const char*>(found) : end;
+  }
+
+  /// Moves `at` to the end of the cell, or leaves it at the start of a bad one.
+  bool parse_cell(const Role& role, const char*& at, const char* end, std::size_t row) const {
+    if (role.kind == Role::number && !dialect_.decimal_comma) {
+      double value = 0;
+      const auto [stop, error] = std::from_chars(at, end, value);
+      const char* behind = skip_blanks(stop, end);
+      const bool complete = kBlanks ? stop == end || is_blank(*stop) : behind == end || is_delimiter(*behind);
+      value *= role.to_si;
+      if (error == std::errc{} && complete && std::isfinite(value)) {
+        role.numbers[row] = value;
+        at = kBlanks ? stop : behind;
+        return true;
+      }
+    }
+    const char* stop = cell_end(at, end);
+    if (!parse_slowly(role, {at, static_cast<std::size_t>(stop - at)}, row)) return false;
+    at = stop;
+    return true;
+  }
+
+  bool parse_slowly(const Role& role, std::string_view cell, std::size_t row) const {
+    if (role.kind == Role::number) {
+      double value = 0;
+      const Cell kind = parse_number(cell, dialect_.decimal_comma, value);
+      role.numbers[row] = value * role.to_si;
+      return kind == Cell::missing || (kind == Cell::number && std::isfinite(role.numbers[row]));
+    }
+    if (role.kind == Role::stamp) {
+      std::int64_t ns = 0;
+      const Cell kind = parse_stamp(cell, dialect_.decimal_comma, role.ns_per_unit, ns);
+      if (!role.further_part) {
+        stamps_[row] = ns;
+      } else if (ns == kNoStamp || stamps_[row] == kNoStamp) {
+        stamps_[row] = kNoStamp;
+      } else if (__builtin_add_overflow(stamps_[row], ns, &stamps_[row])) {
+        return false;
+      }
+      return kind == Cell::number || kind == Cell::missing;
+    }
+    return true;
+  }
+
+  // --- Faults ---
+
+  Fault bad_cell(const Role& role, const char* begin, const char* at, const char* end) const {
+    const std::string_view cell = trim({at, static_cast<std::size_t>(cell_end(at, end) - at)});
+    double ignored = 0;
+    const bool text = parse_number(cell, dialect_.decimal_comma, ignored) == Cell::text;
+    const std::string expected = text                        ? "a number"
+                                 : role.kind == Role::number ? "a number within the range of double (1.8e308)"
+                                                             : "a time within 292 years of its zero";
+    return {static_cast<std::size_t>(at - begin),
+            fmt::format("found {} in {}, expected {}; correct it, or write nan where a sample is missing",
+                        quoted(cell),
+                        role.kind == Role::number && !role.name->starts_with("column ")
+                            ? "column " + quoted(*role.name)
+                            : *role.name,
+                        expected)};
+  }
+
+  Fault too_few(const char* begin, const char* end, std::size_t found) const {
+    return {static_cast<std::size_t>(end - begin), wrong_count(found)};
+  }
+
+  Fault too_many(const char* begin, const char* at, const char* end) const {
+    const std::string_view line(begin, static_cast<std::size_t>(end - begin));
+    return {static_cast<std::size_t>(at - begin), wrong_count(split(line, dialect_.delimiter).size())};
+  }
+
+  std::string wrong_count(std::size_t found) const {
+    return fmt::format("found {} cell{}, expected {} as in the first row; complete the row or delete it",
+                       found, found == 1 ? "" : "s", roles_.size());
+  }
+
+  Dialect dialect_;
+  const std::vector<Role>& roles_;
+  std::int64_t* stamps_;
+};
+
+/// Calls visit(begin, end) with each line that starts in [begin, end) of the text, until it returns false or a line is
+/// too long: then it returns where that one starts, else npos.
+template <class Visit>
+std::size_t for_each_line(std::string_view text, std::size_t begin, std::size_t end, Visit visit) {
+  while (begin < end) {
+    const std::size_t stop = line_end(text, begin);
+    if (stop == std::string_view::npos) return begin;
+    if (!visit(begin, stop)) break;
+    begin = stop + 1;
+  }
+  return std::string_view::npos;
+}
+
+/// kind_of, with a short cut for rows that start with a digit or a sign.
+Line quick_kind(std::string_view text, std::size_t begin, std::size_t end) {
+  if (begin < end && (is_digit(text[begin]) || text[begin] == '-')) return Line::data;
+  return kind_of(text.substr(begin, end - begin));
+}
+
+}  // namespace
+
+TableReader::TableReader(const Source& source, const Layout& layout, std::size_t chunk_bytes)
+    : source_(source), layout_(layout) {
+  const std::string_view text = source.text();
+  const std::size_t size = std::max<std::size_t>(chunk_bytes, 1);
+  for (std::size_t begin = layout.body; begin < text.size(); begin += size) {
+    chunks_.push_back({begin, std::min(begin + size, text.size()), 0, 0, 0, 0, std::string_view::npos});
+  }
+  tbb::parallel_for(std::size_t{0}, chunks_.size(), [&](std::size_t i) { count(chunks_[i]); });
+
+  std::int64_t lines = layout.body_line - 1;
+  std::size_t pending_blank = 0;
+  for (Chunk& c : chunks_) {
+    if (c.long_line != std::string_view::npos) {
+      fail_long_line(source.name(), lines + c.lines + 1, text.substr(c.long_line));
+    }
+    if (c.rows > 0) inner_blank_ += pending_blank + c.blank - c.trailing_blank;
+    pending_blank = c.rows > 0 ? c.trailing_blank : pending_blank + c.blank;
+    lines += std::exchange(c.lines, lines);
+    rows_ += std::exchange(c.rows, rows_);
+  }
+}
+
+void TableReader::count(Chunk& c) const {
+  const std::string_view text = source_.text();
+  const std::string_view nominal = text.substr(0, c.end);
+  if (c.begin != layout_.body) {  // the line that the chunk before it has begun is not ours
+    const std::size_t newline = nominal.find('\n', c.begin - 1);
+    c.begin = newline == std::string_view::npos ? c.end : newline + 1;
+  }
+  c.long_line = for_each_line(text, c.begin, c.end, [&](std::size_t begin, std::size_t end) {
+    const Line kind = quick_kind(text, begin, end);
+    ++c.lines;
+    if (kind == Line::data) {
+      ++c.rows;
+      c.trailing_blank = 0;
+    } else if (kind == Line::blank) {
+      ++c.blank;
+      ++c.trailing_blank;
+    }
+    return true;
+  });
+  source_.release(text.substr(c.begin, c.end - c.begin));
+}
+
+Table TableReader::read(const Choice& choice) const {
+  Table table;
+  table.rows = rows_;
+  table.inner_blank = inner_blank_;
+  table.numbers.resize(choice.data.size());
+  if (!choice.stamps.empty()) table.stamps.resize(rows_);
+  tbb::parallel_for(std::size_t{0}, table.numbers.size(),
+                    [&](std::size_t i) { table.numbers[i].resize(rows_); });
+
+  const std::vector<Role> roles = roles_of(layout_, choice, table);
+  if (layout_.dialect.delimiter == ' ') {
+    parse_rows(RowParser<true>(layout_.dialect, roles, table));
+  } else {
+    parse_rows(RowParser<false>(layout_.dialect, roles, table));
+  }
+  return table;
+}
+
+template <class Parser>
+void TableReader::parse_rows(const Parser& parser) const {
+  struct Found {
+    std::int64_t line = 0;
+    Fault fault;
+  };
+  std::vector<std::optional<Found>> faults(chunks_.size());
+  std::atomic<std::size_t> first_fault{chunks_.size()};
+  const std::string_view text = source_.text();
+  tbb::parallel_for(std::size_t{0}, chunks_.size(), [&](std::size_t i) {
+    if (i > first_fault.load(std::memory_order_relaxed)) return;  // an earlier one will be reported
+    const Chunk& c = chunks_[i];
+    std::int64_t line = c.lines;
+    std::size_t row = c.rows;
+    for_each_line(text, c.begin, c.end, [&](std::size_t begin, std::size_t end) {
+      ++line;
+      if (quick_kind(text, begin, end) != Line::data) return true;
+      if (auto fault = parser.parse(text.data() + begin, text.data() + end, row++)) {
+        faults[i] = Found{line, *std::move(fault)};
+        std::size_t before = first_fault.load();
+        while (i < before && !first_fault.compare_exchange_weak(before, i)) {
+        }
+        return false;
+      }
+      return true;
+    });
+    source_.release(text.substr(c.begin, c.end - c.begin));
+  });
+  if (first_fault < faults.size()) {
+    const Found& f = *faults[first_fault];
+    fail_at(source_.name(), f.line, static_cast<std::int64_t>(f.fault.offset) + 1, f.fault.message);
+  }
+}
+
+std::int64_t TableReader::line_of_row(std::size_t row) const {
+  const auto next = std::ranges::upper_bound(chunks_, row, {}, &Chunk::rows);
+  const Chunk& c = *std::prev(next);
+  std::int64_t line = c.lines;
+  std::size_t at = c.rows;
+  for_each_line(source_.text(), c.begin, c.end, [&](std::size_t begin, std::size_t end) {
+    ++line;
+    return quick_kind(source_.text(), begin, end) != Line::data || at++ != row;
+  });
+  return line;
+}
+
+}  // namespace gyrobudget::inline v0::io
