@@ -46,15 +46,15 @@ Spectrum welch(std::span<const double> rate, std::size_t length, double mean, do
     window[i] = s * s;
     energy += window[i] * window[i];
   }
-  std::vector<std::complex<double>> segment(length);
+  std::vector<double> segment(length);
   std::size_t segments = 0;
   for (std::size_t start = 0; start + length <= rate.size(); start += length / 2, ++segments) {
     for (std::size_t i = 0; i < length; ++i) {
       const double y = rate[start + i];
       segment[i] = std::isfinite(y) ? window[i] * (y - mean) : 0;
     }
-    noise::fft(segment);
-    for (std::size_t k = 0; k < spectrum.power.size(); ++k) spectrum.power[k] += std::norm(segment[k]);
+    const auto bins = noise::real_spectrum(segment);
+    for (std::size_t k = 0; k < spectrum.power.size(); ++k) spectrum.power[k] += std::norm(bins[k]);
   }
   for (double& p : spectrum.power) p *= 2 * dt / (energy * static_cast<double>(segments));
   spectrum.averages = std::max(1.0, kIndependentShare * static_cast<double>(segments));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/allan/mask.h"
 
+#include "gyrobudget/allan/detail/pair_sum.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -39,6 +41,13 @@ std::int64_t Mask::minimum_count(std::int64_t m) const {
   constexpr double kForgive = 1e-12;
   const double least = std::ceil(minimum_fill_ * static_cast<double>(m) * (1 - kForgive));
   return std::max<std::int64_t>(1, static_cast<std::int64_t>(least));
+}
+
+double Mask::expectation_ratio(const noise::Process& process, std::int64_t m, double dt, Form form) const {
+  const noise::Process processes[] = {process};
+  const detail::FactorFacts facts =
+      factor_facts(detail::make_setting(samples_, dt, processes, form, this), m);
+  return facts.gain[0] * facts.gain[0];
 }
 
 }  // namespace gyrobudget::inline v0::allan

@@ -36,6 +36,19 @@ class Mask {
   /// The fewest samples with which a cluster of m counts: minimum_fill m rounded up, at least 1.
   [[nodiscard]] std::int64_t minimum_count(std::int64_t m) const;
 
+  /// E[masked estimate] / E[complete estimate] of a process at factor m; 1 where every cluster that counts is
+  /// complete, NaN where none counts.
+  ///
+  /// White noise: exact, the mean of (1/c1 + 1/c2) m/2 over all triples that count, c the samples that exist in their
+  /// clusters. Others: over at most 128 triples spread evenly among those that miss samples; of each the expectation
+  /// is exact for quantization, ramp and sinusoid (averaged over its phase), and for flicker, random walk and
+  /// Gauss-Markov from the structure function between 32 blocks a cluster. Error of the ratio for up to 5 % of samples
+  /// lost, at random or in gaps: below 1e-3 + 5 % of its distance from 1 (tested against all triples, all samples).
+  ///
+  /// @throws std::invalid_argument for m outside 1 .. n/2 or an invalid dt [s] or process.
+  [[nodiscard]] double expectation_ratio(const noise::Process&, std::int64_t m, double dt,
+                                         Form form = Form::full) const;
+
  private:
   std::int64_t samples_;
   std::int64_t missing_ = 0;
