@@ -1,0 +1,390 @@
+// SPDX-License-Identifier: MIT
+#include "gyrobudget/noise/units.h"
+#include "gyrobudget/report/curves.h"
+#include "gyrobudget/report/page_parts.h"
+#include "gyrobudget/report/report.h"
+#include "gyrobudget/report/words.h"
+#include "gyrobudget/version.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+// Numbers that are not finite become null: JSON has no others. Keys keep the order of writing.
+namespace gyrobudget::inline v0::report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using fit::Coefficient;
+using fit::Status;
+using fit::Verdict;
+using noise::Signal;
+using noise::Term;
+
+constexpr std::size_t kLineWidth = 200;
+constexpr std::size_t kPagePoints = 300;
+
+std::string_view text(Status status) {
+  switch (status) {
+    case Status::identified:
+      return "identified";
+    case Status::upper_bound:
+      return "upper_bound";
+    case Status::left_out:
+      break;
+  }
+  return "left_out";
+}
+
+std::string_view text(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::described:
+      return "described";
+    case Verdict::described_within:
+      return "described_within";
+    case Verdict::not_described:
+      break;
+  }
+  return "not_described";
+}
+
+std::string_view text(Signal signal) {
+  switch (signal) {
+    case Signal::angular_rate:
+      return "angular_rate";
+    case Signal::specific_force:
+      return "specific_force";
+    case Signal::dimensionless:
+      break;
+  }
+  return "dimensionless";
+}
+
+/// One value as text; invalid UTF-8 in names of columns and files is replaced, never an error.
+std::string compact(const Json& value) { return value.dump(-1, ' ', false, Json::error_handler_t::replace); }
+
+/// Readable and still dense: a list or object without lists or objects inside stands on one line where it fits.
+void write(const Json& value, std::size_t indent, std::string& out) {
+  const bool nested =
+      std::any_of(value.begin(), value.end(), [](const Json& v) { return v.is_structured(); });
+  if (!value.is_structured() || value.empty()) {
+    out += compact(value);
+    return;
+  }
+  if (!nested) {
+    const std::string line = compact(value);
+    if (indent + line.size() <= kLineWidth || (value.is_array() && value.front().is_number())) {
+      out += line;
+      return;
+    }
+  }
+  out += value.is_array() ? '[' : '{';
+  bool first = true;
+  for (const auto& [key, item] : value.items()) {
+    out += first ? "\n" : ",\n";
+    first = false;
+    out.append(indent + 2, ' ');
+    if (value.is_object()) out += compact(Json(key)) + ": ";
+    write(item, indent + 2, out);
+  }
+  out += '\n';
+  out.append(indent, ' ');
+  out += value.is_array() ? ']' : '}';
+}
+
+std::string document(const Json& value) {
+  std::string out;
+  write(value, 0, out);
+  return out + '\n';
+}
+
+/// Converts between SI and a datasheet unit.
+class Scale {
+ public:
+  explicit Scale(std::string_view unit) : unit_(unit), to_si_(noise::parse_unit(unit).to_si) {}
+  explicit Scale(Signal signal) : Scale(noise::datasheet_unit(signal)) {}
+  Scale(Signal signal, Term term) : Scale(noise::datasheet_unit(signal, term)) {}
+  [[nodiscard]] double operator()(double si) const { return si / to_si_; }
+  [[nodiscard]] const std::string& unit() const { return unit_; }
+  [[nodiscard]] double to_si() const { return to_si_; }
+  [[nodiscard]] std::vector<double> operator()(const std::vector<double>& si) const {
+    std::vector<double> result;
+    result.reserve(si.size());
+    for (const double v : si) result.push_back((*this)(v));
+    return result;
+  }
+
+ private:
+  std::string unit_;
+  double to_si_;
+};
+
+Json head(const LogResult& result, std::string_view schema) {
+  return {{"schema", schema},
+          {"version", kVersion},
+          {"command", result.command},
+          {"source", result.source},
+          {"record",
+           {{"samples", result.samples},
+            {"rate_hz", result.rate_hz},
+            {"duration_s", static_cast<double>(result.samples) / result.rate_hz},
+            {"missing_samples", result.missing_samples}}},
+          {"estimator", result.estimator},
+          {"notes", result.notes}};
+}
+
+Json axis_head(const AxisResult& axis) {
+  const Scale scale(axis.signal);
+  return {{"name", axis.name},
+          {"signal", text(axis.signal)},
+          {"unit", scale.unit()},
+          {"si_unit", si_unit(noise::dimension_of(axis.signal))},
+          {"si_per_unit", scale.to_si()},
+          {"mean", scale(axis.mean)}};
+}
+
+Json allan_document(const LogResult& result) {
+  Json document = head(result, "gyrobudget.allan/1");
+  Json& axes = document["axes"] = Json::array();
+  for (const AxisResult& axis : result.axes) {
+    const Scale scale(axis.signal);
+    Json out = axis_head(axis);
+    Json& points = out["points"] = Json::array();
+    for (const DeviationPoint& p : axis.points) {
+      points.push_back({{"tau_s", p.tau_s},
+                        {"m", p.m},
+                        {"deviation", scale(p.deviation)},
+                        {"lower", scale(p.lower)},
+                        {"upper", scale(p.upper)},
+                        {"edf", p.edf},
+                        {"terms", p.terms},
+                        {"alpha", p.alpha}});
+    }
+    axes.push_back(std::move(out));
+  }
+  return document;
+}
+
+/// A reader may rely on numbers for what was fitted: an open interval is written as the widest one.
+Json parameter(Signal signal, const Coefficient& c) {
+  const Scale scale(signal, c.term);
+  const double widest = std::numeric_limits<double>::max() * std::min(1.0, scale.to_si());
+  const auto known = [&](double value) { return c.fitted ? Json(value) : Json(nullptr); };
+  const double lower = std::isfinite(c.lower) ? c.lower : 0;
+  const double upper = std::isfinite(c.upper) ? c.upper : widest;
+  return {{"value", known(scale(c.value))},
+          {"unit", scale.unit()},
+          {"lower", known(scale(lower))},
+          {"upper", known(scale(upper))},
+          {"relative_std", known(c.relative_std)},
+          {"status", text(c.status)},
+          {"symbol", std::string(1, static_cast<char>(c.term))},
+          {"label", noise::label(signal, c.term)},
+          {"fitted", c.fitted},
+          {"boundary_test", known(c.boundary_test)},
+          {"upper_two_sided", known(scale(c.upper_two_sided))},
+          {"si",
+           {{"value", known(c.value)},
+            {"lower", known(lower)},
+            {"upper", known(upper)},
+            {"unit", si_unit(noise::dimension_of(signal, c.term))}}}};
+}
+
+Json parameters(const AxisResult& axis) {
+  Json out = Json::object();
+  for (const Term term : reading_order()) {
+    if (const Coefficient* c = find(*axis.fit, term)) {
+      out[std::string(noise::key(axis.signal, term))] = parameter(axis.signal, *c);
+    }
+  }
+  return out;
+}
+
+Json residuals(const AxisResult& axis) {
+  const Scale scale(axis.signal);
+  Json out = Json::array();
+  for (const fit::Residual& r : axis.fit->residuals) {
+    out.push_back({{"tau_s", r.tau_s},
+                   {"m", r.m},
+                   {"measured", scale(r.measured)},
+                   {"model", scale(r.model)},
+                   {"misfit", r.misfit},
+                   {"relative_std", r.relative_std},
+                   {"used", r.used}});
+  }
+  return out;
+}
+
+Json moves(const AxisResult& axis) {
+  Json out = Json::array();
+  for (const fit::Move& move : axis.fit->moved) {
+    const Scale scale(axis.signal, move.term);
+    out.push_back({{"parameter", noise::key(axis.signal, move.term)},
+                   {"from", scale(move.from)},
+                   {"to", scale(move.to)},
+                   {"unit", scale.unit()}});
+  }
+  return out;
+}
+
+/// Of the fitted coefficients in their datasheet units.
+Json covariance(const AxisResult& axis) {
+  const fit::Result& fit = *axis.fit;
+  Json names = Json::array(), matrix = Json::array();
+  const auto size = static_cast<std::size_t>(fit.covariance.rows());
+  if (size != fit.fitted_terms.size()) return nullptr;
+  for (std::size_t i = 0; i < size; ++i) {
+    names.push_back(noise::key(axis.signal, fit.fitted_terms[i]));
+    Json row = Json::array();
+    for (std::size_t j = 0; j < size; ++j) {
+      const double units =
+          Scale(axis.signal, fit.fitted_terms[i]).to_si() * Scale(axis.signal, fit.fitted_terms[j]).to_si();
+      row.push_back(fit.covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) / units);
+    }
+    matrix.push_back(std::move(row));
+  }
+  return {{"parameters", names}, {"matrix", matrix}};
+}
+
+Json fit_summary(const AxisResult& axis) {
+  const fit::Result& fit = *axis.fit;
+  const bool tested = fit.method == fit::Method::gls && fit.dof > 0;
+  const auto if_tested = [&](double value) { return tested ? Json(value) : Json(nullptr); };
+  return {{"method", fit.method == fit::Method::gls ? "gls" : "visual"},
+          {"tau_min_s", fit.tau_min_s},
+          {"tau_max_s", fit.tau_max_s},
+          {"chi2", if_tested(fit.chi2)},
+          {"dof", fit.dof},
+          {"p_value", if_tested(fit.p_value)},
+          {"worst_misfit", fit.worst_misfit},
+          {"worst_misfit_tau_s", fit.worst_misfit_tau_s},
+          {"verdict", text(fit.verdict)},
+          {"verdict_text", verdict_text(fit) + " " + consequence_text(fit)},
+          {"converged", fit.converged},
+          {"iterations", fit.iterations},
+          {"seconds", fit.seconds},
+          {"moved", moves(axis)},
+          {"covariance", covariance(axis)},
+          {"residuals", residuals(axis)}};
+}
+
+Json minimum(const AxisResult& axis) {
+  if (!(axis.fit->minimum_deviation > 0)) return nullptr;
+  const Scale scale(axis.signal);
+  return {{"deviation", scale(axis.fit->minimum_deviation)},
+          {"tau_s", axis.fit->minimum_tau_s},
+          {"unit", scale.unit()},
+          {"over_0.664", scale(axis.fit->minimum_deviation / kFlickerFloor)}};
+}
+
+Json calibration_document(const LogResult& result) {
+  Json document = head(result, "gyrobudget.calibration/1");
+  Json& axes = document["axes"] = Json::array();
+  for (const AxisResult& axis : result.axes) {
+    Json out = axis_head(axis);
+    out["parameters"] = axis.fit ? parameters(axis) : Json::object();
+    out["minimum"] = axis.fit ? minimum(axis) : Json(nullptr);
+    out["beta"] = axis.fit ? Json(axis.fit->beta) : Json(nullptr);
+    out["fit"] = axis.fit ? fit_summary(axis) : Json(nullptr);
+    out["advice"] = axis.advice;
+    axes.push_back(std::move(out));
+  }
+  return document;
+}
+
+Json rows(const AxisResult& axis) {
+  const auto cells = [](const CoefficientText& t) {
+    return Json{{"value", t.value}, {"interval", t.interval}, {"unit", t.unit}};
+  };
+  Json out = Json::array();
+  for (const Term term : reading_order()) {
+    const Coefficient* c = find(*axis.fit, term);
+    if (c == nullptr) continue;
+    out.push_back({{"symbol", std::string(1, static_cast<char>(term))},
+                   {"label", noise::label(axis.signal, term)},
+                   {"status", text(c->status)},
+                   {"status_text", status_text(axis.signal, *c, *axis.fit)},
+                   {"datasheet", cells(datasheet_text(axis.signal, *c))},
+                   {"si", cells(si_text(axis.signal, *c))}});
+  }
+  return out;
+}
+
+Json curves(const AxisResult& axis, double rate_hz) {
+  const Scale scale(axis.signal);
+  const AxisCurves curves = axis_curves(axis, rate_hz);
+  Json terms = Json::array(), marks = Json::array();
+  for (const TermCurve& t : curves.terms) {
+    terms.push_back({{"symbol", std::string(1, static_cast<char>(t.term))},
+                     {"limit", t.limit},
+                     {"text",
+                      {{"datasheet", term_text(axis.signal, t, noise::datasheet_unit(axis.signal, t.term))},
+                       {"si", term_text(axis.signal, t, si_unit(noise::dimension_of(axis.signal, t.term)))}}},
+                     {"deviation", scale(t.deviation)}});
+  }
+  for (const Mark& m : curves.marks) {
+    marks.push_back(
+        {{"name", m.name}, {"tau_s", m.tau_s}, {"deviation", scale(m.deviation)}, {"text", m.text}});
+  }
+  return {{"tau_s", curves.tau_s},
+          {"model", scale(curves.model)},
+          {"terms", terms},
+          {"marks", marks},
+          {"tau_range_s", {curves.tau_low_s, curves.tau_high_s}},
+          {"deviation_range", {scale(curves.deviation_low), scale(curves.deviation_high)}}};
+}
+
+Json words(const AxisResult& axis, double rate_hz) {
+  const fit::Result& fit = *axis.fit;
+  return {{"headline", verdict_headline(fit)},
+          {"verdict", verdict_text(fit)},
+          {"consequence", consequence_text(fit)},
+          {"minimum", minimum_text(axis, rate_hz)},
+          {"beta", beta_text(fit)},
+          {"cut", cut_text(axis)}};
+}
+
+/// A "<" could close the script element the data stand in; as an escape it is the same text to every JSON reader.
+std::string without_markup(const std::string& json) {
+  std::string out;
+  out.reserve(json.size());
+  for (const char c : json) {
+    if (c == '<') {
+      out += "\\u003c";
+    } else {
+      out += c;
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string allan_json(const LogResult& result) { return document(allan_document(result)); }
+
+std::string calibration_json(const LogResult& result) { return document(calibration_document(result)); }
+
+std::string page_data(const LogResult& result) {
+  LogResult small = result;
+  for (AxisResult& axis : small.axes) axis.points = thinned(axis.points, kPagePoints);
+  Json data = {{"allan", allan_document(small)},
+               {"calibration", calibration_document(small)},
+               {"record_text", record_text(result)},
+               {"estimator_text", estimator_text(result.estimator)}};
+  for (Json& axis : data["calibration"]["axes"]) {
+    if (!axis["fit"].is_null()) axis["fit"].erase("seconds");  // the same command shall give the same page
+  }
+  Json& axes = data["axes"] = Json::array();
+  for (const AxisResult& axis : small.axes) {
+    axes.push_back({{"curves", curves(axis, result.rate_hz)},
+                    {"rows", axis.fit ? rows(axis) : Json::array()},
+                    {"words", axis.fit ? words(axis, result.rate_hz) : Json(nullptr)}});
+  }
+  return without_markup(compact(data));
+}
+
+}  // namespace gyrobudget::inline v0::report

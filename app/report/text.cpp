@@ -1,0 +1,224 @@
+// SPDX-License-Identifier: MIT
+#include "gyrobudget/noise/units.h"
+#include "gyrobudget/report/report.h"
+#include "gyrobudget/report/words.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gyrobudget::inline v0::report {
+namespace {
+
+using noise::Signal;
+using noise::Term;
+
+constexpr std::size_t kLineWidth = 100;
+
+/// Columns that take, on a terminal, as many cells as the text has code points.
+std::size_t width(std::string_view text) {
+  constexpr unsigned kContinuationMask = 0xC0, kContinuation = 0x80;
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & kContinuationMask) != kContinuation;
+  }));
+}
+
+enum class Align { left, right };
+
+/// A table whose columns are as wide as what stands in them.
+class Table {
+ public:
+  explicit Table(std::vector<Align> columns) : columns_(std::move(columns)) {}
+  void row(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
+
+  [[nodiscard]] std::string text() const {
+    std::vector<std::size_t> widths(columns_.size(), 0);
+    for (const auto& cells : rows_) {
+      for (std::size_t i = 0; i < cells.size(); ++i) widths[i] = std::max(widths[i], width(cells[i]));
+    }
+    std::string out;
+    for (const auto& cells : rows_) out += line(cells, widths);
+    return out;
+  }
+
+ private:
+  [[nodiscard]] std::string line(const std::vector<std::string>& cells,
+                                 const std::vector<std::size_t>& widths) const {
+    std::string out;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      const std::string padding(widths[i] - width(cells[i]), ' ');
+      out += "  " + (columns_[i] == Align::left ? cells[i] + padding : padding + cells[i]);
+    }
+    out.erase(out.find_last_not_of(' ') + 1);
+    return out + '\n';
+  }
+
+  std::vector<Align> columns_;
+  std::vector<std::vector<std::string>> rows_;
+};
+
+/// The next piece of a text that must not be broken: a word, or numbers with the word behind them ("0.70 deg/h").
+std::string_view take_piece(std::string_view& text) {
+  std::size_t end = text.find(' ');
+  while (end != std::string_view::npos && end > 0 &&
+         std::isdigit(static_cast<unsigned char>(text[end - 1])) != 0) {
+    end = text.find(' ', end + 1);
+  }
+  const std::string_view piece = text.substr(0, end);
+  text.remove_prefix(std::min(piece.size() + 1, text.size()));
+  return piece;
+}
+
+/// Text broken into lines that start with `first`, then `later`. Empty text gives nothing.
+std::string wrapped(std::string_view text, std::string_view first, std::string_view later) {
+  std::string out, line(first);
+  bool empty = true;
+  while (!text.empty()) {
+    const std::string_view piece = take_piece(text);
+    if (!empty && width(line) + 1 + width(piece) > kLineWidth) {
+      out += line + '\n';
+      line = later;
+      empty = true;
+    }
+    if (!empty) line += ' ';
+    line += piece;
+    empty = false;
+  }
+  return empty ? out : out + line + '\n';
+}
+
+std::string paragraph(std::string_view text) { return wrapped(text, "  ", "  "); }
+
+std::string bullets(std::string_view title, const std::vector<std::string>& items) {
+  if (items.empty()) return {};
+  std::string out = fmt::format("\n  {}:\n", title);
+  for (const std::string& item : items) out += wrapped(printable(item), "  - ", "    ");
+  return out;
+}
+
+std::string heading(const LogResult& result) {
+  return fmt::format("{}: {}\n", printable(result.source), record_text(result));
+}
+
+std::string axis_heading(const AxisResult& axis) {
+  return fmt::format("{}  (mean {})\n", printable(axis.name),
+                     in_unit(axis.mean, noise::datasheet_unit(axis.signal)));
+}
+
+std::string curve_table(const AxisResult& axis) {
+  const auto unit = noise::datasheet_unit(axis.signal);
+  const auto in_unit = [&](double si) { return number(noise::from_si(si, unit)); };
+  Table table(std::vector<Align>(6, Align::right));
+  table.row({"tau [s]", fmt::format("deviation [{}]", unit), "95 % from", "to", "edf", "terms"});
+  for (const DeviationPoint& p : axis.points) {
+    table.row({fmt::format("{:.6g}", p.tau_s), in_unit(p.deviation), in_unit(p.lower), in_unit(p.upper),
+               fmt::format("{:.1f}", p.edf), fmt::format("{}", p.terms)});
+  }
+  return table.text();
+}
+
+bool is_fitted(const fit::Result& fit, Term term) {
+  const auto* c = find(fit, term);
+  return c != nullptr && c->fitted;
+}
+
+std::string coefficient_table(const AxisResult& axis) {
+  const fit::Result& fit = *axis.fit;
+  Table table({Align::left, Align::left, Align::right, Align::right, Align::left, Align::left});
+  table.row({"", "", "value ± std", "95 % interval", "unit", "status"});
+  for (const Term term : reading_order()) {
+    if (!is_fitted(fit, term)) continue;
+    const fit::Coefficient& c = *find(fit, term);
+    const auto datasheet = datasheet_text(axis.signal, c), si = si_text(axis.signal, c);
+    table.row({std::string(1, static_cast<char>(term)), std::string(noise::label(axis.signal, term)),
+               datasheet.value, datasheet.interval, datasheet.unit, status_text(axis.signal, c, fit)});
+    if (si.unit != datasheet.unit) table.row({"", "", si.value, si.interval, si.unit});
+  }
+  return table.text();
+}
+
+std::string left_out(const AxisResult& axis) {
+  std::string names;
+  for (const Term term : reading_order()) {
+    if (is_fitted(*axis.fit, term)) continue;
+    names += fmt::format("{}{} ({})", names.empty() ? "" : ", ", noise::label(axis.signal, term),
+                         static_cast<char>(term));
+  }
+  return names.empty() ? names : "Left out (not fitted): " + names + ".";
+}
+
+std::string axis_sheet(const AxisResult& axis, double rate_hz) {
+  std::string out = '\n' + axis_heading(axis);
+  if (!axis.fit)
+    return out + paragraph("No coefficients were fitted.") + bullets("What to know or do", axis.advice);
+  const fit::Result& fit = *axis.fit;
+  out += coefficient_table(axis) + paragraph(left_out(axis));
+  if (const std::string text = minimum_text(axis, rate_hz); !text.empty()) out += '\n' + paragraph(text);
+  out += paragraph(beta_text(fit));
+  out += '\n' + paragraph("Verdict: " + verdict_headline(fit) + ". " + verdict_text(fit));
+  out += paragraph("What follows: " + consequence_text(fit));
+  out += paragraph(cut_text(axis));
+  return out + bullets("What to know or do", axis.advice);
+}
+
+/// The coefficients of all axes of one kind beside each other.
+std::string summary_of(const LogResult& result, Signal signal) {
+  const std::vector<Term> terms = {Term::white, Term::flicker, Term::rate_random_walk};
+  Table table({Align::left, Align::right, Align::right, Align::right, Align::left});
+  std::vector<std::string> head = {""};
+  for (const Term term : terms) {
+    head.push_back(fmt::format("{} [{}]", static_cast<char>(term), noise::datasheet_unit(signal, term)));
+  }
+  head.emplace_back("verdict");
+  table.row(std::move(head));
+  for (const AxisResult& axis : result.axes) {
+    if (axis.signal != signal || !axis.fit) continue;
+    std::vector<std::string> cells = {printable(axis.name)};
+    for (const Term term : terms) {
+      const auto* c = find(*axis.fit, term);
+      if (c == nullptr || !c->fitted) {
+        cells.emplace_back("-");
+      } else if (c->status == fit::Status::identified || axis.fit->method == fit::Method::visual) {
+        cells.push_back(datasheet_text(signal, *c).value);
+      } else {
+        cells.push_back("< " + number(noise::from_si(c->upper, noise::datasheet_unit(signal, term)), 2));
+      }
+    }
+    cells.push_back(verdict_headline(*axis.fit));
+    table.row(std::move(cells));
+  }
+  return table.text();
+}
+
+std::string summary(const LogResult& result) {
+  std::string out;
+  for (const Signal signal : {Signal::angular_rate, Signal::specific_force, Signal::dimensionless}) {
+    const auto fitted = std::count_if(result.axes.begin(), result.axes.end(),
+                                      [&](const AxisResult& a) { return a.signal == signal && a.fit; });
+    if (fitted > 1) out += '\n' + summary_of(result, signal);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string allan_table(const LogResult& result) {
+  std::string out = heading(result) + paragraph(estimator_text(result.estimator));
+  for (const AxisResult& axis : result.axes) {
+    out += '\n' + axis_heading(axis) + curve_table(axis);
+    out += bullets("What to know or do", axis.advice);
+  }
+  return out + bullets("How the log was read", result.notes);
+}
+
+std::string datasheet(const LogResult& result) {
+  std::string out = heading(result) + summary(result);
+  for (const AxisResult& axis : result.axes) out += axis_sheet(axis, result.rate_hz);
+  return out + bullets("How the log was read", result.notes);
+}
+
+}  // namespace gyrobudget::inline v0::report

@@ -1,0 +1,180 @@
+// SPDX-License-Identifier: MIT
+#include "gyrobudget/report/curves.h"
+
+#include "gyrobudget/allan/factors.h"
+#include "gyrobudget/noise/process.h"
+#include "gyrobudget/noise/units.h"
+#include "gyrobudget/report/words.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+namespace gyrobudget::inline v0::report {
+namespace {
+
+using fit::Coefficient;
+using fit::Status;
+using noise::Term;
+
+constexpr std::int64_t kCurvePoints = 120;
+/// Reading points further than this below the measured minimum would squeeze the curve; they are not shown.
+constexpr double kDeepestMark = 30;
+
+/// Averaging factors of the curves: the span of the measured points, filled evenly in log m.
+std::vector<std::int64_t> curve_factors(const std::vector<DeviationPoint>& points) {
+  const std::int64_t first = points.front().m, last = points.back().m;
+  std::vector<std::int64_t> factors = allan::log_factors(2 * last, kCurvePoints);
+  std::erase_if(factors, [&](std::int64_t m) { return m <= first || m >= last; });
+  factors.insert(factors.begin(), first);
+  if (last > first) factors.push_back(last);
+  return factors;
+}
+
+/// The coefficient whose line is drawn: the value, or the limit of one that is only bounded; 0 for none.
+double drawn_value(const Coefficient& c) {
+  if (!c.fitted) return 0;
+  return c.status == Status::upper_bound ? c.upper : c.value;
+}
+
+std::vector<double> deviations(Term term, double coefficient, const std::vector<std::int64_t>& factors,
+                               double dt) {
+  const auto process = noise::with_coefficient(noise::unit_process(term), coefficient);
+  std::vector<double> result;
+  result.reserve(factors.size());
+  for (const std::int64_t m : factors) result.push_back(std::sqrt(noise::allan_variance(process, m, dt)));
+  return result;
+}
+
+void add_model(AxisCurves& curves, const AxisResult& axis, const std::vector<std::int64_t>& factors,
+               double dt) {
+  std::vector<double> variance(factors.size(), 0.0);
+  for (const Term term : reading_order()) {
+    const Coefficient* c = find(*axis.fit, term);
+    if (c == nullptr || !(drawn_value(*c) > 0)) continue;
+    const double drawn = drawn_value(*c);
+    curves.terms.push_back(
+        {term, c->status == Status::upper_bound, drawn, deviations(term, drawn, factors, dt)});
+    const auto own = deviations(term, c->value, factors, dt);
+    for (std::size_t i = 0; i < own.size(); ++i) variance[i] += own[i] * own[i];
+  }
+  if (curves.terms.empty()) return;
+  for (const double v : variance) curves.model.push_back(std::sqrt(v));
+}
+
+/// Averaging time at which the line of a term reads the coefficient in SI, as IEEE Std 952 has it; for flicker, where
+/// white noise and random walk cover it least.
+double reading_tau(const AxisResult& axis, Term term) {
+  switch (term) {
+    case Term::white:
+      return 1;
+    case Term::rate_random_walk:
+      return 3;
+    case Term::quantization:
+      return std::numbers::sqrt3;
+    case Term::rate_ramp:
+      return std::numbers::sqrt2;
+    default:
+      break;
+  }
+  const Coefficient* white = find(*axis.fit, Term::white);
+  const Coefficient* walk = find(*axis.fit, Term::rate_random_walk);
+  const bool crossing = white && walk && white->value > 0 && walk->value > 0;
+  return crossing ? std::numbers::sqrt3 * white->value / walk->value : axis.fit->minimum_tau_s;
+}
+
+std::string reading_text(const AxisResult& axis, const Coefficient& c, double deviation) {
+  return fmt::format("{} = {}: {} reads {}", static_cast<char>(c.term),
+                     in_unit(c.value, noise::datasheet_unit(axis.signal, c.term)),
+                     c.term == Term::flicker ? "the floor 0.664 B" : "its line",
+                     in_unit(deviation, noise::datasheet_unit(axis.signal)));
+}
+
+std::string minimum_mark_text(const AxisResult& axis) {
+  const auto unit = noise::datasheet_unit(axis.signal);
+  return fmt::format("raw minimum {}; over 0.664: {}", in_unit(axis.fit->minimum_deviation, unit),
+                     in_unit(axis.fit->minimum_deviation / kFlickerFloor, unit));
+}
+
+/// Only coefficients that the record gives are marked; a limit is a line without a point.
+void add_marks(AxisCurves& curves, const AxisResult& axis) {
+  for (const Term term : reading_order()) {
+    const Coefficient* c = find(*axis.fit, term);
+    if (c == nullptr || !c->fitted || c->status != Status::identified || !(c->value > 0)) continue;
+    const double tau = reading_tau(axis, term);
+    if (!(tau >= curves.tau_low_s && tau <= curves.tau_high_s)) continue;
+    const double deviation = c->value * (term == Term::flicker ? kFlickerFloor : 1);
+    if (deviation * kDeepestMark < axis.fit->minimum_deviation) continue;
+    curves.marks.push_back(
+        {std::string(1, static_cast<char>(term)), tau, deviation, reading_text(axis, *c, deviation)});
+  }
+  if (axis.fit->minimum_deviation > 0) {
+    curves.marks.push_back(
+        {"min", axis.fit->minimum_tau_s, axis.fit->minimum_deviation, minimum_mark_text(axis)});
+  }
+}
+
+/// The measured curve fills the picture; intervals of the last few points may run out of it.
+void set_range(AxisCurves& curves, const AxisResult& axis) {
+  constexpr double kMargin = 1.6, kBandMargin = 3;
+  curves.tau_low_s = axis.points.front().tau_s;
+  curves.tau_high_s = axis.points.back().tau_s;
+  double low = std::numeric_limits<double>::infinity(), high = 0, band_low = low, band_high = 0;
+  const auto take = [](double value, double& least, double& most) {
+    if (!(value > 0) || !std::isfinite(value)) return;
+    least = std::min(least, value);
+    most = std::max(most, value);
+  };
+  for (const DeviationPoint& p : axis.points) {
+    take(p.deviation, low, high);
+    take(p.lower, band_low, band_high);
+    take(p.upper, band_low, band_high);
+  }
+  if (high == 0) return;
+  curves.deviation_low = std::max(band_low, low / kBandMargin);
+  curves.deviation_high = std::min(band_high, high * kBandMargin);
+  curves.deviation_low = std::min(curves.deviation_low, low) / kMargin;
+  curves.deviation_high = std::max(curves.deviation_high, high) * kMargin;
+}
+
+}  // namespace
+
+std::string term_text(noise::Signal signal, const TermCurve& curve, std::string_view unit) {
+  return fmt::format("{}: {} {} {}", noise::label(signal, curve.term), static_cast<char>(curve.term),
+                     curve.limit ? "<" : "=", in_unit(curve.coefficient, unit, 3));
+}
+
+AxisCurves axis_curves(const AxisResult& axis, double rate_hz) {
+  AxisCurves curves;
+  if (axis.points.empty()) return curves;
+  set_range(curves, axis);
+  const auto factors = curve_factors(axis.points);
+  for (const std::int64_t m : factors) curves.tau_s.push_back(static_cast<double>(m) / rate_hz);
+  if (!axis.fit) return curves;
+  add_model(curves, axis, factors, 1 / rate_hz);
+  add_marks(curves, axis);
+  for (const Mark& mark : curves.marks) {
+    constexpr double kMarkMargin = 1.8;
+    curves.deviation_low = std::min(curves.deviation_low, mark.deviation / kMarkMargin);
+    curves.deviation_high = std::max(curves.deviation_high, mark.deviation * kMarkMargin);
+  }
+  return curves;
+}
+
+std::vector<DeviationPoint> thinned(const std::vector<DeviationPoint>& points, std::size_t limit) {
+  if (points.size() <= limit || limit < 3) return points;
+  const double span = std::log(points.back().tau_s / points.front().tau_s);
+  const double step = span / static_cast<double>(limit - 2);
+  std::vector<DeviationPoint> kept{points.front()};
+  for (const DeviationPoint& p : points) {
+    if (std::log(p.tau_s / kept.back().tau_s) >= step) kept.push_back(p);
+  }
+  if (kept.back().m != points.back().m) kept.push_back(points.back());
+  return kept;
+}
+
+}  // namespace gyrobudget::inline v0::report

@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: MIT
+#include "gyrobudget/report/plan.h"
+
+#include "gyrobudget/noise/sensor.h"
+#include "gyrobudget/version.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <fmt/format.h>
+
+namespace gyrobudget::inline v0::report {
+namespace {
+
+constexpr auto kGyro = noise::Signal::angular_rate;
+constexpr double kReached = 0.10;  // the fit reaches the bound below this
+
+std::string hours(double seconds) {
+  if (!std::isfinite(seconds)) return "never";
+  const double h = seconds / 3600;
+  return h < 1 ? fmt::format("{:.3g} min", 60 * h) : fmt::format("{:.3g} h", h);
+}
+
+std::string percent(double relative) {
+  if (!std::isfinite(relative) || relative > 10) return "> 1000 %";
+  return fmt::format("{}{:.3g} %", relative > kReached ? ">= " : "", 100 * relative);
+}
+
+nlohmann::ordered_json number(double x) {
+  return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(nullptr);
+}
+
+}  // namespace
+
+std::string plan_table(const Plan& plan) {
+  std::string text = fmt::format("{}: what a record at {:g} Hz buys (one sigma of each coefficient)\n\n", plan.sensor,
+                                 plan.rate_hz);
+  if (!plan.rows.empty()) {
+    text += fmt::format("  {:>10}", "record");
+    for (const auto& t : plan.terms) text += fmt::format("  {:>18}", noise::label(kGyro, t.term));
+    text += fmt::format("\n  {:>10}", "");
+    for (const auto& t : plan.terms) {
+      text += fmt::format("  {:>18}", noise::quantity_text(t.value, noise::datasheet_unit(kGyro, t.term), 3));
+    }
+    text += "\n";
+    for (const auto& row : plan.rows) {
+      text += fmt::format("  {:>10}", hours(row.duration_s));
+      for (const double x : row.relative_std) text += fmt::format("  {:>18}", percent(x));
+      text += "\n";
+    }
+    text += "\n";
+  }
+  for (const auto& answer : plan.answers) {
+    if (std::isfinite(answer.duration_s)) {
+      text += fmt::format("{} to {:.3g} %: record {}.\n", noise::label(kGyro, answer.term), 100 * answer.relative_std,
+                          hours(answer.duration_s));
+    } else {
+      text += fmt::format("{} to {:.3g} %: no record of 1e15 samples would do.\n", noise::label(kGyro, answer.term),
+                          100 * answer.relative_std);
+    }
+  }
+  text += "\nFrom the Fisher information (Cramer-Rao). The fit reaches these figures below about 10 %; above, they are "
+          "lower bounds (>=).\n";
+  return text;
+}
+
+std::string plan_json(const Plan& plan) {
+  nlohmann::ordered_json json;
+  json["schema"] = "gyrobudget.plan/1";
+  json["version"] = kVersion;
+  json["command"] = plan.command;
+  json["sensor"] = plan.sensor;
+  json["rate_hz"] = plan.rate_hz;
+  json["durations"] = nlohmann::ordered_json::array();
+  for (const auto& row : plan.rows) {
+    nlohmann::ordered_json entry{{"duration_s", row.duration_s}};
+    for (std::size_t i = 0; i < plan.terms.size(); ++i) {
+      entry["relative_std"][std::string(noise::key(kGyro, plan.terms[i].term))] = number(row.relative_std[i]);
+    }
+    json["durations"].push_back(entry);
+  }
+  json["answers"] = nlohmann::ordered_json::array();
+  for (const auto& answer : plan.answers) {
+    json["answers"].push_back({{"parameter", noise::key(kGyro, answer.term)},
+                               {"relative_std", answer.relative_std},
+                               {"duration_s", number(answer.duration_s)},
+                               {"lower_bound", answer.relative_std > kReached}});
+  }
+  return json.dump(2) + "\n";
+}
+
+}  // namespace gyrobudget::inline v0::report

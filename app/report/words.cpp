@@ -1,0 +1,418 @@
+// SPDX-License-Identifier: MIT
+#include "gyrobudget/report/words.h"
+
+#include "gyrobudget/noise/units.h"
+#include "gyrobudget/report/curves.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace gyrobudget::inline v0::report {
+namespace {
+
+using fit::Coefficient;
+using fit::Method;
+using fit::Status;
+using fit::Verdict;
+using noise::Signal;
+using noise::Term;
+
+/// Below this, the crossing of white noise and rate random walk lies so far above the flicker floor that the curve
+/// hardly shows it (relative std of B about 0.74/beta/sqrt(T f*)).
+constexpr double kCoveredBeta = 0.3;
+
+int leading_exponent(double value) { return static_cast<int>(std::floor(std::log10(std::abs(value)))); }
+
+bool needs_exponent(double magnitude) { return magnitude != 0 && (magnitude < 1e-4 || magnitude >= 1e6); }
+
+/// Where to cut the digits of a coefficient, its interval and its standard deviation.
+struct Resolution {
+  int exponent = 0;  ///< common power of ten, 0 for fixed notation
+  int decimals = 0;  ///< after dividing by it
+};
+
+Resolution resolution(double size, double step) {
+  constexpr int kMostDecimals = 12;
+  constexpr double kSmallestFixed = 1e-3, kLargestFixed = 1e6;
+  Resolution result;
+  if (size < kSmallestFixed || size >= kLargestFixed) result.exponent = leading_exponent(size);
+  result.decimals = std::clamp(result.exponent + 1 - leading_exponent(step), 0, kMostDecimals);
+  return result;
+}
+
+std::string fixed(double value, const Resolution& r) {
+  if (value == 0) return "0";
+  return fmt::format("{:.{}f}", value / std::pow(10.0, r.exponent), r.decimals);
+}
+
+std::string with_exponent(const std::string& text, const Resolution& r) {
+  return r.exponent == 0 ? text : fmt::format("({})e{:+03d}", text, r.exponent);
+}
+
+/// Bytes of the well-formed UTF-8 sequence that text starts with (Unicode, table 3-7); 0 for none.
+std::size_t utf8_length(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
+  const auto follows = [&](std::size_t i) { return byte(i) >= 0x80 && byte(i) <= 0xBF; };
+  const unsigned first = byte(0), second = byte(1);
+  if (first < 0x80) return 1;
+  if (first < 0xC2 || first > 0xF4 || !follows(1)) return 0;
+  if (first < 0xE0) return 2;
+  if (first < 0xF0) {
+    const bool overlong = first == 0xE0 && second < 0xA0, surrogate = first == 0xED && second > 0x9F;
+    return overlong || surrogate || !follows(2) ? 0 : 3;
+  }
+  const bool overlong = first == 0xF0 && second < 0x90, beyond = first == 0xF4 && second > 0x8F;
+  return overlong || beyond || !follows(2) || !follows(3) ? 0 : 4;
+}
+
+double si_per_datasheet_unit(Signal signal, Term term) {
+  return noise::parse_unit(noise::datasheet_unit(signal, term)).to_si;
+}
+
+/// A deviation or bias in the datasheet unit of the signal, with it.
+std::string rate_text(Signal signal, double si, int digits = 3) {
+  return in_unit(si, noise::datasheet_unit(signal), digits);
+}
+
+std::string quantity(Signal signal, Term term, double si, int digits = 3) {
+  return in_unit(si, noise::datasheet_unit(signal, term), digits);
+}
+
+std::string probability(double p) {
+  if (p < 1e-300) return "p < 1e-300";
+  return p < 1e-3 ? fmt::format("p = {:.1e}", p) : fmt::format("p = {}", number(p, 2));
+}
+
+/// The chi-square test needs more averaging times than terms.
+bool is_tested(const fit::Result& fit) { return fit.method == Method::gls && fit.dof > 0; }
+
+/// Whether the coefficients say something of the sensor.
+bool is_usable(const fit::Result& fit) {
+  return fit.method == Method::gls && fit.converged && fit.verdict != Verdict::not_described;
+}
+
+std::string signed_percent(double fraction) {
+  return fmt::format("{}{}", fraction < 0 ? '-' : '+', percent(std::abs(fraction)));
+}
+
+std::string join(const std::vector<std::string>& parts, std::string_view last_separator) {
+  std::string text;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (i > 0) text += i + 1 == parts.size() ? last_separator : ", ";
+    text += parts[i];
+  }
+  return text;
+}
+
+std::string cut_range_text(const std::vector<const fit::Residual*>& cut, std::string_view side,
+                           double limit) {
+  if (cut.empty()) return {};
+  const auto& worst = **std::max_element(cut.begin(), cut.end(), [](const auto* a, const auto* b) {
+    return std::abs(a->misfit) < std::abs(b->misfit);
+  });
+  return fmt::format(
+      "Not used: {} averaging {} {} {}, where the curve departs from the model by up to {} (at {}). ",
+      cut.size(), cut.size() == 1 ? "time" : "times", side, tau_text(limit), signed_percent(worst.misfit),
+      tau_text(worst.tau_s));
+}
+
+std::string move_text(Signal signal, const fit::Move& move) {
+  const auto unit = noise::datasheet_unit(signal, move.term);
+  std::string text =
+      fmt::format("{} from {} to {}", noise::label(signal, move.term),
+                  number(noise::from_si(move.from, unit)), quantity(signal, move.term, move.to, 4));
+  constexpr double kVisible = 5e-4;
+  if (move.from > 0 && std::abs(move.to / move.from - 1) < kVisible) return text + " (unchanged)";
+  return move.from > 0 ? text + fmt::format(" ({})", signed_percent(move.to / move.from - 1)) : text;
+}
+
+}  // namespace
+
+std::string number(double value, int digits) {
+  if (std::isnan(value)) return "-";
+  if (std::isinf(value)) return value > 0 ? "infinite" : "-infinite";
+  if (value == 0) return "0";
+  if (needs_exponent(std::abs(value))) return fmt::format("{:.{}e}", value, digits - 1);
+  return fmt::format("{:.{}f}", value, std::max(0, digits - 1 - leading_exponent(value)));
+}
+
+std::string in_unit(double si, std::string_view unit, int digits) {
+  const std::string value = number(noise::from_si(si, unit), digits);
+  return unit == "1" ? value : fmt::format("{} {}", value, unit);
+}
+
+std::string percent(double fraction) {
+  const double percents = 100 * fraction;
+  if (!std::isfinite(percents)) return "-";
+  return std::abs(percents) >= 10 ? fmt::format("{:.0f} %", percents) : number(percents, 2) + " %";
+}
+
+std::string tau_text(double seconds) {
+  constexpr double kFourDigits = 1e4;  // above, {:.4g} would switch to powers of ten
+  return seconds < kFourDigits ? fmt::format("{:.4g} s", seconds) : fmt::format("{:.0f} s", seconds);
+}
+
+std::string duration_text(double seconds) {
+  constexpr double kMinute = 60, kHour = 3600, kDay = 86400;
+  if (seconds < 2 * kMinute) return fmt::format("{:.4g} s", seconds);
+  if (seconds < 2 * kHour) return fmt::format("{:.4g} min", seconds / kMinute);
+  if (seconds < 3 * kDay) return fmt::format("{:.4g} h", seconds / kHour);
+  return fmt::format("{:.4g} days", seconds / kDay);
+}
+
+std::string count_text(std::int64_t count) {
+  std::string text = fmt::format("{}", count);
+  for (auto at = static_cast<std::int64_t>(text.size()) - 3; at > (count < 0 ? 1 : 0); at -= 3) {
+    text.insert(static_cast<std::size_t>(at), 1, ' ');
+  }
+  return text;
+}
+
+std::string printable(std::string_view text) {
+  std::string out;
+  out.reserve(text.size());
+  while (!text.empty()) {
+    const std::size_t length = utf8_length(text);
+    const bool control = static_cast<unsigned char>(text[0]) < ' ' || text[0] == '\x7f';
+    if (length == 0) {
+      out += '?';
+    } else if (control) {
+      out += ' ';
+    } else {
+      out += text.substr(0, length);
+    }
+    text.remove_prefix(std::max<std::size_t>(1, length));
+  }
+  return out;
+}
+
+std::string si_unit(const noise::Dimension& dimension) {
+  const auto power = [](std::string_view base, int doubled) {
+    const int whole = doubled / 2;
+    std::string text;
+    if (whole == 1) text = base;
+    if (whole > 1) text = fmt::format("{}^{}", base, whole);
+    if (doubled % 2 != 0) text += fmt::format("{}sqrt({})", whole == 0 ? "" : "*", base);
+    return text;
+  };
+  std::string text;
+  const auto multiply = [&](const std::string& factor) {
+    text += text.empty() ? factor : fmt::format("*{}", factor);
+  };
+  if (dimension.angle > 0) multiply(power("rad", dimension.angle));
+  if (dimension.length > 0) multiply(power("m", dimension.length));
+  if (dimension.time > 0) multiply(power("s", dimension.time));
+  if (text.empty()) text.push_back('1');
+  if (dimension.time < 0) {
+    if (const int whole = -dimension.time / 2; whole > 0) text += fmt::format("/{}", power("s", 2 * whole));
+    if (dimension.time % 2 != 0) text += "/sqrt(s)";
+  }
+  return text;
+}
+
+CoefficientText coefficient_text(const Coefficient& c, double si_per_unit, std::string unit) {
+  if (!c.fitted) return {"-", "-", std::move(unit)};
+  const double value = c.value / si_per_unit, lower = c.lower / si_per_unit, upper = c.upper / si_per_unit;
+  const double std_dev = c.relative_std * value;
+  const bool has_std = std::isfinite(std_dev) && std_dev > 0;
+  const double size = value > 0 ? value : upper;
+  if (!(size > 0) || !std::isfinite(size)) return {number(value), "-", std::move(unit)};
+  const Resolution r = resolution(size, has_std ? std_dev : size / 10);
+  const std::string value_text =
+      has_std ? fmt::format("{} ± {}", fixed(value, r), fixed(std_dev, r)) : fixed(value, r);
+  return {value == 0 ? "0" : with_exponent(value_text, r),
+          with_exponent(fmt::format("{} to {}", fixed(lower, r), fixed(upper, r)), r), std::move(unit)};
+}
+
+CoefficientText datasheet_text(Signal signal, const Coefficient& c) {
+  return coefficient_text(c, si_per_datasheet_unit(signal, c.term),
+                          std::string(noise::datasheet_unit(signal, c.term)));
+}
+
+CoefficientText si_text(Signal signal, const Coefficient& c) {
+  return coefficient_text(c, 1, si_unit(noise::dimension_of(signal, c.term)));
+}
+
+const std::vector<Term>& reading_order() {
+  static const std::vector<Term> kOrder = {Term::white, Term::flicker, Term::rate_random_walk,
+                                           Term::quantization, Term::rate_ramp};
+  return kOrder;
+}
+
+const Coefficient* find(const fit::Result& fit, Term term) {
+  const auto it = std::find_if(fit.coefficients.begin(), fit.coefficients.end(),
+                               [term](const Coefficient& c) { return c.term == term; });
+  return it == fit.coefficients.end() ? nullptr : &*it;
+}
+
+std::string status_text(Signal signal, const Coefficient& c, const fit::Result& fit) {
+  if (!c.fitted) return "left out: not fitted";
+  if (fit.method == Method::visual) return "read off the curve";
+  if (is_tested(fit) && !is_usable(fit)) return "do not quote";
+  const std::string limit = fmt::format("at most {} (95 %)", quantity(signal, c.term, c.upper));
+  switch (c.status) {
+    case Status::identified:
+      return "identified";
+    case Status::upper_bound:
+      return "upper bound: " + limit;
+    case Status::left_out:
+      break;
+  }
+  return "left out: " + limit;
+}
+
+std::vector<Share> variance_shares(const fit::Result& fit, double tau_s, double rate_hz) {
+  const std::int64_t m = std::max<std::int64_t>(1, std::llround(tau_s * rate_hz));
+  std::vector<Share> shares;
+  double total = 0;
+  for (const Term term : reading_order()) {
+    const Coefficient* c = find(fit, term);
+    if (c == nullptr || !c->fitted || !(c->value > 0)) continue;
+    const auto process = noise::with_coefficient(noise::unit_process(term), c->value);
+    shares.push_back({term, noise::allan_variance(process, m, 1 / rate_hz)});
+    total += shares.back().part;
+  }
+  for (Share& share : shares) share.part /= total;
+  return shares;
+}
+
+std::string record_text(const LogResult& result) {
+  std::string text = fmt::format("{} samples at {:.6g} Hz, {}", count_text(result.samples), result.rate_hz,
+                                 duration_text(static_cast<double>(result.samples) / result.rate_hz));
+  if (result.missing_samples == 0) return text + ", none missing";
+  const double part = static_cast<double>(result.missing_samples) / static_cast<double>(result.samples);
+  return text + fmt::format(", {} missing ({})", count_text(result.missing_samples), percent(part));
+}
+
+std::string estimator_text(std::string_view estimator) {
+  return estimator == "oadev" ? "fully overlapped Allan deviation (oadev)" : std::string(estimator);
+}
+
+std::string verdict_headline(const fit::Result& fit) {
+  if (fit.method == Method::visual) return "read off the curve";
+  if (!fit.converged) return "the fit did not converge";
+  if (!is_tested(fit)) return "not tested";
+  switch (fit.verdict) {
+    case Verdict::described:
+      return "described";
+    case Verdict::described_within:
+      return "described within " + percent(fit.worst_misfit);
+    case Verdict::not_described:
+      break;
+  }
+  return "not described";
+}
+
+std::string verdict_text(const fit::Result& fit) {
+  const std::string range = fmt::format("from {} to {}", tau_text(fit.tau_min_s), tau_text(fit.tau_max_s));
+  const std::string misfit = fmt::format("{} beyond its 95 % scatter, at tau = {}", percent(fit.worst_misfit),
+                                         tau_text(fit.worst_misfit_tau_s));
+  const std::string worst = fit.worst_misfit > 0
+                                ? "Worst misfit: " + misfit + "."
+                                : std::string("No averaging time departs by more than its 95 % scatter.");
+  if (fit.method == Method::visual) return "Three points of the curve were read, as by eye. " + worst;
+  if (!is_tested(fit)) {
+    return "Too few averaging times have the 16 clusters that a test needs; the model was fitted " + range +
+           ".";
+  }
+  const std::string chance = probability(fit.p_value);
+  switch (fit.verdict) {
+    case Verdict::described:
+      return fmt::format(
+          "The model explains the curve {}: {}, so a record that follows it exactly would depart this "
+          "much or more in {} of cases. {}",
+          range, chance, percent(fit.p_value), worst);
+    case Verdict::described_within:
+      return fmt::format(
+          "Chance alone does not explain how the curve departs from the model {} ({}), but the "
+          "departure is small: at most {}.",
+          range, chance, misfit);
+    case Verdict::not_described:
+      break;
+  }
+  return fmt::format("The model does not describe the curve {}: {}, and it is off by up to {}.", range,
+                     chance, misfit);
+}
+
+std::string consequence_text(const fit::Result& fit) {
+  if (fit.method == Method::visual) {
+    return "Use these numbers only beside readings of others: the intervals are those of the points read, "
+           "and B so "
+           "read holds N and K as well, so it comes out too large. The default fit gives a datasheet.";
+  }
+  if (!fit.converged) return "Do not use these numbers: the fit stopped before it had settled.";
+  if (!is_tested(fit)) return "Nothing here says whether the model fits; take a longer record.";
+  switch (fit.verdict) {
+    case Verdict::described:
+      return "Values and intervals can be used as they stand.";
+    case Verdict::described_within:
+      return fmt::format(
+          "Use the values, and allow {} of the deviation for what the model lacks; the intervals are widened "
+          "by the misfit.",
+          percent(fit.worst_misfit));
+    case Verdict::not_described:
+      break;
+  }
+  return "Do not quote these coefficients as a datasheet: they are the nearest curve of this kind, and their "
+         "intervals "
+         "mean nothing.";
+}
+
+std::string minimum_text(const AxisResult& axis, double rate_hz) {
+  if (!axis.fit || !(axis.fit->minimum_deviation > 0)) return {};
+  const fit::Result& fit = *axis.fit;
+  std::string text = fmt::format(
+      "Raw minimum of the curve: {} at {}. Makers often quote it, or it divided by 0.664 "
+      "({}), as bias instability.",
+      rate_text(axis.signal, fit.minimum_deviation), tau_text(fit.minimum_tau_s),
+      rate_text(axis.signal, fit.minimum_deviation / kFlickerFloor));
+  if (!is_usable(fit)) return text;
+  if (const auto shares = variance_shares(fit, fit.minimum_tau_s, rate_hz); !shares.empty()) {
+    std::vector<std::string> parts;
+    for (const Share& s : shares) {
+      parts.push_back(fmt::format("{} {}", noise::label(axis.signal, s.term), percent(s.part)));
+    }
+    text += fmt::format(" It is not B: the minimum holds every term; by variance, {}.", join(parts, " and "));
+  }
+  const Coefficient* flicker = find(fit, Term::flicker);
+  if (flicker == nullptr || !flicker->fitted) return text;
+  if (flicker->status == Status::identified) {
+    return text + fmt::format(" The flicker floor alone, 0.664 B, is {}.",
+                              rate_text(axis.signal, flicker->value * kFlickerFloor));
+  }
+  return text + fmt::format(" The flicker floor alone, 0.664 B, is at most {} (95 %).",
+                            rate_text(axis.signal, flicker->upper * kFlickerFloor));
+}
+
+std::string beta_text(const fit::Result& fit) {
+  if (!(fit.beta > 0) || !is_usable(fit)) return {};
+  const std::string text = fmt::format("beta = B^2/(N K) = {}: ", number(fit.beta, 3));
+  if (fit.beta < kCoveredBeta) {
+    return text +
+           "below about 0.3, N and K cover the flicker floor; only a much longer record can tell B well.";
+  }
+  if (fit.beta < 1)
+    return text + "N and K cover part of the flicker floor; B can be told, with a wide interval.";
+  return text + "above 1 the flicker floor shows in the curve; B can be told well.";
+}
+
+std::string cut_text(const AxisResult& axis) {
+  if (!axis.fit) return {};
+  const fit::Result& fit = *axis.fit;
+  std::vector<const fit::Residual*> below, above;
+  for (const fit::Residual& r : fit.residuals) {
+    if (!r.used && r.tau_s < fit.tau_min_s) below.push_back(&r);
+    if (!r.used && r.tau_s > fit.tau_max_s) above.push_back(&r);
+  }
+  std::string text =
+      cut_range_text(below, "below", fit.tau_min_s) + cut_range_text(above, "above", fit.tau_max_s);
+  std::vector<std::string> moves;
+  for (const fit::Move& move : fit.moved) moves.push_back(move_text(axis.signal, move));
+  if (!moves.empty()) text += fmt::format("Leaving them out moved {}.", join(moves, " and "));
+  while (!text.empty() && text.back() == ' ') text.pop_back();
+  return text;
+}
+
+}  // namespace gyrobudget::inline v0::report

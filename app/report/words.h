@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "gyrobudget/report/result.h"
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+// How results are put into words and digits: the terminal and the page say the same, in the same figures.
+namespace gyrobudget::inline v0::report {
+
+/// "12.35", "0.001700", "3.394e-06": `digits` significant digits, kept even where they are zeros; fixed notation from
+/// 1e-4 to 1e6. "0" for zero, "-" for what is not a number, "infinite".
+[[nodiscard]] std::string number(double value, int digits = 4);
+/// An SI value in `unit`, with it; the unit "1" is not written.
+[[nodiscard]] std::string in_unit(double si, std::string_view unit, int digits = 4);
+/// "4.3 %" of a fraction, two significant digits; whole percents from 10 % on.
+[[nodiscard]] std::string percent(double fraction);
+/// "0.01 s", "61.4 s", "5243 s".
+[[nodiscard]] std::string tau_text(double seconds);
+/// "90 s", "45 min", "10 h", "12.5 days".
+[[nodiscard]] std::string duration_text(double seconds);
+/// "3 600 000": thousands apart.
+[[nodiscard]] std::string count_text(std::int64_t count);
+/// Text of a user's as one line of well-formed UTF-8: control characters become blanks, bytes that are no UTF-8 "?".
+[[nodiscard]] std::string printable(std::string_view text);
+/// "rad/sqrt(s)", "m/s^2", "1": the SI unit of a dimension.
+[[nodiscard]] std::string si_unit(const noise::Dimension&);
+
+/// A coefficient's numbers in one unit, all at the resolution its standard deviation deserves (two digits of it).
+struct CoefficientText {
+  std::string value;     ///< "0.70 ± 0.12"; "0"; "-" where not fitted
+  std::string interval;  ///< "0.44 to 0.93"; "0 to 1.4"; "-"
+  std::string unit;
+};
+/// @param si_per_unit how many SI units one `unit` is.
+[[nodiscard]] CoefficientText coefficient_text(const fit::Coefficient&, double si_per_unit, std::string unit);
+[[nodiscard]] CoefficientText datasheet_text(noise::Signal, const fit::Coefficient&);
+[[nodiscard]] CoefficientText si_text(noise::Signal, const fit::Coefficient&);
+
+/// Order in which people look for the terms: N, B, K, then Q and R.
+[[nodiscard]] const std::vector<noise::Term>& reading_order();
+[[nodiscard]] const fit::Coefficient* find(const fit::Result&, noise::Term);
+
+/// "identified", "upper bound: at most 0.0014 deg/h", "left out: not fitted".
+[[nodiscard]] std::string status_text(noise::Signal, const fit::Coefficient&, const fit::Result&);
+
+/// Part of the model's variance at one tau that a term accounts for.
+struct Share {
+  noise::Term term;
+  double part = 0;
+};
+/// Shares at the averaging time nearest to tau; empty for a model without terms.
+[[nodiscard]] std::vector<Share> variance_shares(const fit::Result&, double tau_s, double rate_hz);
+
+// Sentences; every number with its unit, every verdict with what follows from it. Empty where there is nothing to say.
+[[nodiscard]] std::string record_text(const LogResult&);
+[[nodiscard]] std::string estimator_text(std::string_view estimator);
+[[nodiscard]] std::string verdict_headline(const fit::Result&);
+[[nodiscard]] std::string verdict_text(const fit::Result&);
+[[nodiscard]] std::string consequence_text(const fit::Result&);
+[[nodiscard]] std::string minimum_text(const AxisResult&, double rate_hz);
+[[nodiscard]] std::string beta_text(const fit::Result&);
+[[nodiscard]] std::string cut_text(const AxisResult&);
+
+}  // namespace gyrobudget::inline v0::report
