@@ -23,8 +23,8 @@ void require_length(std::size_t n, std::size_t multiple_of) {
   }
 }
 
-/// Runs `use` with a transform whose tables live on for the thread's next call of the same small length; those of large
-/// lengths would hold as much memory as the data.
+/// Runs `use` with a transform whose tables live on for the thread's next call of the same small length;
+/// those of large lengths would hold as much memory as the data.
 template <typename Use>
 void with_transform(std::size_t n, Use use) {
   constexpr std::size_t kKept = 1 << 16;

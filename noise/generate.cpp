@@ -54,7 +54,8 @@ class Streams {
   std::map<Term, std::uint64_t> used_;
 };
 
-/// Running sum whose rounding errors are carried along (Neumaier), so that a walk of 10^12 steps is still exact.
+/// Running sum whose rounding errors are carried along (Neumaier), so that a walk of 10^12 steps is still
+/// exact.
 class CompensatedSum {
  public:
   double add(double x) {
@@ -68,7 +69,7 @@ class CompensatedSum {
   double sum_ = 0, error_ = 0;
 };
 
-// --- One process after the other, in constant memory --------------------------------------------------------------
+// --- One process after the other, in constant memory -------------------------------------------------------
 
 /// Adds its samples to what is in `out`, at most kTile at a time.
 class Source {
@@ -196,8 +197,8 @@ class SinusoidSource final : public Source {
   std::int64_t at_ = 0;
 };
 
-/// Sum of first-order states, all from one stream: number k * (states + 1) + i drives state i into sample k, the last of
-/// a sample the walk.
+/// Sum of first-order states, all from one stream: number k * (states + 1) + i drives state i into sample k,
+/// the last of a sample the walk.
 class FlickerSource final : public Source {
  public:
   FlickerSource(std::span<const Process> approximation, double dt, StreamKey key) : normals_(key) {
@@ -263,13 +264,13 @@ void add_in_tiles(Source& source, std::span<double> out) {
   }
 }
 
-// --- Flicker of a whole record ------------------------------------------------------------------------------------
+// --- Flicker of a whole record -----------------------------------------------------------------------------
 
 /// Points of a circulant that holds the increments of `samples` samples: even, at least twice as many.
 std::int64_t circulant_points(std::int64_t samples) { return 4 * fft_length((samples + 1) / 2); }
 
-/// Standard deviations of the real and imaginary part of each bin of the increments' spectrum for B = 1: sqrt of the
-/// circulant's eigenvalues over twice its size.
+/// Standard deviations of the real and imaginary part of each bin of the increments' spectrum for B = 1: sqrt
+/// of the circulant's eigenvalues over twice its size.
 std::vector<double> increment_amplitudes(std::int64_t samples) {
   const auto points = static_cast<std::size_t>(circulant_points(samples));
   std::vector<double> covariance(points);

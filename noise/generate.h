@@ -11,25 +11,27 @@
 
 namespace gyrobudget::inline v0::noise {
 
-// Samples of sums of processes, as process.h defines them sampled. Epoch: flicker and rate random walk are zero at sample
-// 0 and run on from there; ramp and sinusoid count time from sample 0; Gauss-Markov starts in its stationary state.
+// Samples of sums of processes, as process.h defines them sampled. Epoch: flicker and rate random walk are
+// zero at sample 0 and run on from there; ramp and sinusoid count time from sample 0; Gauss-Markov starts in
+// its stationary state.
 //
-// Every process draws from a stream of its own, key.stream | term letter << 48 | occurrence << 56, the occurrence being
-// how many of its term stand before it. So the record of a sum is the sum of the records (to rounding), and adding or
-// removing a process leaves the numbers of the others alone. Both generators give the same bytes for everything but
-// flicker. Bytes depend on the machine only through the last digit of the library's exp, sin and cos, which set the
-// Gauss-Markov step, the sinusoid and flicker's transform; white, quantization, random walk and ramp do not depend on it.
+// Every process draws from a stream of its own, key.stream | term letter << 48 | occurrence << 56, the
+// occurrence being how many of its term stand before it. So the record of a sum is the sum of the records (to
+// rounding), and adding or removing a process leaves the numbers of the others alone. Both generators give
+// the same bytes for everything but flicker. Bytes depend on the machine only through the last digit of the
+// library's exp, sin and cos, which set the Gauss-Markov step, the sinusoid and flicker's transform; white,
+// quantization, random walk and ramp do not depend on it.
 //
-// All throw std::invalid_argument for a sample interval or correlation time that is not positive and finite, a
-// coefficient that is not finite, a stream of 2^48 or more, and more than 256 processes of one term.
+// All throw std::invalid_argument for a sample interval or correlation time that is not positive and finite,
+// a coefficient that is not finite, a stream of 2^48 or more, and more than 256 processes of one term.
 
-/// Makes whole records, exact in distribution, each from its own key. What depends on length only (the spectrum of
-/// flicker's increments) is worked out once; calls are const and safe from many threads.
+/// Makes whole records, exact in distribution, each from its own key. What depends on length only (the
+/// spectrum of flicker's increments) is worked out once; calls are const and safe from many threads.
 ///
-/// Flicker: its increments are stationary with autocovariance (4 B^2/pi)/(1 - 4 h^2). As the terms beside h = 0 are
-/// negative and sum to less than the middle one, a circulant matrix of them has positive eigenvalues at any length, and
-/// a Fourier transform of twice the record makes the increments exactly (Davies & Harte 1987, Wood & Chan 1994). Time
-/// O(n log n), memory about 9 numbers a sample while a call runs, 1 between calls.
+/// Flicker: its increments are stationary with autocovariance (4 B^2/pi)/(1 - 4 h^2). As the terms beside h =
+/// 0 are negative and sum to less than the middle one, a circulant matrix of them has positive eigenvalues at
+/// any length, and a Fourier transform of twice the record makes the increments exactly (Davies & Harte 1987,
+/// Wood & Chan 1994). Time O(n log n), memory about 11 numbers a sample while a call runs, 1 between calls.
 class RecordGenerator {
  public:
   /// @throws std::invalid_argument also for samples < 1, or above 5e8 where there is flicker.
@@ -53,10 +55,10 @@ class RecordGenerator {
 ///
 /// Flicker's structure function is a mixture of exponentials: with a = dt/Tc,
 ///     D(h) = (2 B^2/pi) int_0^inf (1 - e^(-a h)) (a/2)/sinh(a/2) dln(a),
-/// and a Gauss-Markov process has D(h) = 2 sigma^2 (1 - e^(-a h)). The trapezoidal rule in ln(a), poles_per_decade
-/// points to the decade, gives sigma_i^2 = (B^2/pi) ln(r) (a_i/2)/sinh(a_i/2) at a_i = 2 r^i; poles slower than
-/// 30 longest_tau act together as a rate random walk, the last of the result. Largest relative error of the
-/// Allan deviation over tau = dt ... longest_tau, wherever longest_tau falls:
+/// and a Gauss-Markov process has D(h) = 2 sigma^2 (1 - e^(-a h)). The trapezoidal rule in ln(a),
+/// poles_per_decade points to the decade, gives sigma_i^2 = (B^2/pi) ln(r) (a_i/2)/sinh(a_i/2) at a_i = 2
+/// r^i; poles slower than 30 longest_tau act together as a rate random walk, the last of the result. Largest
+/// relative error of the Allan deviation over tau = dt ... longest_tau, wherever longest_tau falls:
 ///
 ///     poles per decade   0.5    1     1.5     2        3 to 10
 ///     error              32 %   4 %   0.65 %  0.016 %  0.008 %
@@ -65,8 +67,8 @@ class RecordGenerator {
 [[nodiscard]] std::vector<Process> flicker_approximation(const Flicker&, double dt, double longest_tau,
                                                          double poles_per_decade);
 
-/// Endless record in constant memory; all exact in distribution but flicker, which is flicker_approximation less its
-/// value at sample 0.
+/// Endless record in constant memory; all exact in distribution but flicker, which is flicker_approximation
+/// less its value at sample 0.
 class Generator {
  public:
   struct Options {

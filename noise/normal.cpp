@@ -18,7 +18,7 @@ namespace gyrobudget::inline v0::noise {
 namespace detail {
 namespace {
 
-// --- Elementary functions in plain double operations, for loops that vectorise -------------------------------------
+// --- Elementary functions in plain double operations, for loops that vectorise -----------------------------
 
 /// x[k] + y x[k+1] + ... by Horner's rule.
 template <std::size_t n>
@@ -57,7 +57,8 @@ GYROBUDGET_INLINE double logarithm(double u) {
   const auto bits = std::bit_cast<std::uint64_t>(u);
   const std::uint64_t shifted = bits - kRootHalf + (std::uint64_t{1023} << 52);  // exponent field 1023 + e
   const auto m = std::bit_cast<double>((shifted & kMantissa) + kRootHalf);
-  // The exponent as a double without an integer conversion, which AVX2 lacks: put it into the mantissa of 2^52.
+  // The exponent as a double without an integer conversion, which AVX2 lacks: put it into the mantissa of
+  // 2^52.
   constexpr double kTwo52 = 0x1p52;
   const auto e =
       std::bit_cast<double>((shifted >> 52) | std::bit_cast<std::uint64_t>(kTwo52)) - (kTwo52 + 1023);
@@ -88,7 +89,7 @@ GYROBUDGET_INLINE void box_muller(std::uint64_t radius_word, std::uint64_t angle
   y = std::bit_cast<double>(b ^ difference ^ sign);
 }
 
-// --- Blocks ------------------------------------------------------------------------------------------------------
+// --- Blocks ------------------------------------------------------------------------------------------------
 
 constexpr std::int64_t kTile = 128;  // blocks whose words stay in the first-level cache
 struct Words {
@@ -109,8 +110,8 @@ void philox_baseline(BlockKey key, std::uint64_t block, std::int64_t count, Word
   }
 }
 
-/// The same, eight blocks at a time (a tile is a whole number of eights). Each 64-bit lane holds one word of the state
-/// in its lower half; what the products leave in the upper half is ignored by the next product.
+/// The same, eight blocks at a time (a tile is a whole number of eights). Each 64-bit lane holds one word of
+/// the state in its lower half; what the products leave in the upper half is ignored by the next product.
 __attribute__((target("avx2"))) void philox_avx2(BlockKey key, std::uint64_t block, std::int64_t count,
                                                  Words& words) {
   constexpr int kChains = 2;  // two vectors hide the latency of the products

@@ -23,7 +23,7 @@ void require_interval(double dt) {
   require(dt > 0 && std::isfinite(dt), "sample interval dt", dt, "positive and finite (s)");
 }
 
-// --- Special functions
+// --- Special functions -------------------------------------------------------------------------------------
 // -------------------------------------------------------------------------------------------
 
 /// psi(n + 1/2) - ln n for n >= kAsymptotic, from the Bernoulli numbers; next term below 1e-16.
@@ -55,7 +55,7 @@ double exponential_tail(double x, int first, Weight weight) {
   return sum;
 }
 
-// --- Quantization
+// --- Quantization ------------------------------------------------------------------------------------------
 // ------------------------------------------------------------------------------------------------
 
 double psd_of(const Quantization& p, double f, double dt) {
@@ -67,7 +67,7 @@ double structure_of(const Quantization& p, double lag, double dt) {
 }
 double phase_of(const Quantization& p, double lag, double) { return lag < 0.5 ? square(p.q) : 0; }
 
-// --- White
+// --- White -------------------------------------------------------------------------------------------------
 // -------------------------------------------------------------------------------------------------------
 
 double psd_of(const White& p, double, double) { return square(p.n); }
@@ -75,7 +75,7 @@ double allan_of(const White& p, double m, double dt) { return square(p.n) / (m *
 double structure_of(const White& p, double lag, double dt) { return lag == 0 ? 0 : 2 * square(p.n) / dt; }
 double phase_of(const White& p, double lag, double dt) { return -0.5 * square(p.n) * dt * lag; }
 
-// --- Flicker
+// --- Flicker -----------------------------------------------------------------------------------------------
 // -----------------------------------------------------------------------------------------------------
 
 double psd_of(const Flicker& p, double f, double dt) {
@@ -94,7 +94,7 @@ double phase_of(const Flicker& p, double lag, double dt) {
   return square(p.b * dt) / (4 * pi) * (4 * square(lag) - 1) * odd_harmonic(lag);
 }
 
-// --- Rate random walk
+// --- Rate random walk --------------------------------------------------------------------------------------
 // --------------------------------------------------------------------------------------------
 
 double psd_of(const RateRandomWalk& p, double f, double dt) {
@@ -108,7 +108,7 @@ double phase_of(const RateRandomWalk& p, double lag, double dt) {
   return square(p.k * dt) * dt * lag * (square(lag) - 1) / 12;
 }
 
-// --- Rate ramp
+// --- Rate ramp ---------------------------------------------------------------------------------------------
 // ---------------------------------------------------------------------------------------------------
 
 double psd_of(const RateRamp&, double, double) { return 0; }
@@ -116,7 +116,7 @@ double allan_of(const RateRamp& p, double m, double dt) { return 0.5 * square(p.
 double structure_of(const RateRamp& p, double lag, double dt) { return square(p.r * lag * dt); }
 double phase_of(const RateRamp&, double, double) { return 0; }
 
-// --- Gauss-Markov
+// --- Gauss-Markov ------------------------------------------------------------------------------------------
 // ------------------------------------------------------------------------------------------------ With a =
 // dt/Tc, phi = exp(-a) and x = a h the variance of the angle gathered over h samples is
 //   V(h) = sigma^2 dt^2 [h (1 + phi)/(1 - phi) - 2 phi (1 - phi^h)/(1 - phi)^2]
@@ -163,7 +163,7 @@ double phase_of(const GaussMarkov& p, double lag, double dt) {
   return -0.5 * square(p.sigma * dt) * lag * (shape.L + lag * shape.P * curve);
 }
 
-// --- Sinusoid
+// --- Sinusoid ----------------------------------------------------------------------------------------------
 // ----------------------------------------------------------------------------------------------------
 
 /// Frequency in cycles per sample as it appears after sampling, in [-1/2, 1/2].

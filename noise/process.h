@@ -72,22 +72,23 @@ using Process = std::variant<Quantization, White, Flicker, RateRandomWalk, RateR
 // Second moments of a process *as it is sampled every dt* [s], which is what the generators make and a record
 // holds:
 //
-//   term  samples y_k (u, w: independent standard normal)             S(f) sampled, s = sin(pi f dt)
-//   Q     Q (u_k - u_{k-1}) / dt                                      4 Q^2 s^2 / dt
-//   N     N u_k / sqrt(dt)                                            N^2
-//   B     (1 - z^-1)^(-1/2) B w_k  (Kasdin 1995, driving std B)       B^2 dt / (2 s)
-//   K     y_{k-1} + K sqrt(dt) u_k                                    K^2 dt^2 / (4 s^2)
-//   R     R k dt                                                      0
-//   G     phi y_{k-1} + sigma sqrt(1 - phi^2) u_k, phi = exp(-dt/Tc)  sigma^2 (1 - phi^2) dt / ((1 - phi)^2 +
-//   4 phi s^2) S     A sin(2 pi f0 k dt + phase)                                 line of power A^2/4 at +-f0
+//   term  samples y_k (u, w: independent standard normal)   S(f) sampled, s = sin(pi f dt)
+//   Q     Q (u_k - u_{k-1}) / dt                            4 Q^2 s^2 / dt
+//   N     N u_k / sqrt(dt)                                  N^2
+//   B     (1 - z^-1)^(-1/2) B w_k  (Kasdin 1995)            B^2 dt / (2 s)
+//   K     y_{k-1} + K sqrt(dt) u_k                          K^2 dt^2 / (4 s^2)
+//   R     R k dt                                            0
+//   G     phi y_{k-1} + sigma sqrt(1 - phi^2) u_k           sigma^2 (1 - phi^2) dt / ((1 - phi)^2 + 4 phi s^2)
+//         with phi = exp(-dt/Tc)
+//   S     A sin(2 pi f0 k dt + phase)                       line of power A^2/4 at +-f0
 //
 // They go to the IEEE densities as f dt -> 0. The differences at small averaging factors m: B reads +44 % in
 // variance at m = 1, +1 % at m = 10; K +50 % at m = 1, +0.5 % at m = 10.
 //
-// Accuracy: relative error below 1e-14 where not said otherwise, for m and lags up to 1e9. Coefficients whose
-// square leaves the range of double give 0 or infinity. All throw std::invalid_argument for dt or a
-// correlation time that is not positive and finite, for m < 1, a lag < 0 and a frequency outside (0, 1/(2
-// dt)].
+// Accuracy: relative error below 1e-14 for m and lags up to 1e9, the sinusoid's but for the rounding of f0 dt.
+// Coefficients whose square leaves the range of double give 0 or infinity. All throw std::invalid_argument for
+// dt or a correlation time that is not positive and finite, for m < 1, a lag < 0 (not finite, of the phase
+// covariance) and a frequency outside (0, 1/(2 dt)].
 
 /// Two-sided power spectral density [signal^2/Hz] at a frequency in (0, 1/(2 dt)]. RateRamp: 0, a trend has
 /// no density. Sinusoid: 0, and infinity at exactly f0 or its alias.
@@ -108,10 +109,13 @@ using Process = std::variant<Quantization, White, Flicker, RateRandomWalk, RateR
 /// function, defined up to an even quadratic: a combination of phases whose weights c annihilate polynomials
 /// of second order in time has covariance sum_ij c_i c_j R(t_i - t_j). Units rad^2. With dt = 1:
 ///
-///   Q  Q^2 where |h| < 1/2, else 0       B  B^2/(4 pi) (4 h^2 - 1) h_|h|,  h_n = (psi(n + 1/2) - psi(1/2)) /
-///   2 N  -N^2 |h| / 2                      G  half the variance of x_h - x_0, negated K  K^2 (|h|^3 - |h|) /
-///   12            S  -A^2/4 (sin(pi f0 h) / sin(pi f0))^2, phase uniformly random R  0: a trend is a mean,
-///   not a covariance
+///   Q  Q^2 where |h| < 1/2, else 0
+///   N  -N^2 |h| / 2
+///   B  B^2/(4 pi) (4 h^2 - 1) h_|h|,  h_n = (psi(n + 1/2) - psi(1/2)) / 2
+///   K  K^2 (|h|^3 - |h|) / 12
+///   R  0: a trend is a mean, not a covariance
+///   G  half the variance of x_h - x_0, negated
+///   S  -A^2/4 (sin(pi f0 h) / sin(pi f0))^2, phase uniformly random
 ///
 /// At whole lags this is the sampled process exactly; between them it is the smooth continuation that
 /// quadrature over lags needs. Quantization has no such continuation: ask for it at whole lags only.

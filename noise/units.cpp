@@ -40,7 +40,7 @@ Scale product(const Scale& a, const Scale& b) {
   return {a.factor * b.factor, a.angle + b.angle, a.length + b.length, a.time + b.time};
 }
 
-// --- Names
+// --- Names -------------------------------------------------------------------------------------------------
 // -------------------------------------------------------------------------------------------------------
 
 struct Name {
@@ -173,6 +173,8 @@ std::string suggestion(std::string_view word) {
   std::string best;
   int best_distance = 1 + static_cast<int>(word.size() / 4);
   const auto offer = [&](const std::string& candidate) {
+    const auto longer = static_cast<int>(candidate.size()) - static_cast<int>(word.size());
+    if (std::abs(longer) > best_distance) return;  // at least so many letters to add or drop
     const int distance = edit_distance(lower(word), lower(candidate));
     if (distance < best_distance || (best.empty() && distance == best_distance)) {
       best = candidate;
@@ -188,7 +190,7 @@ std::string suggestion(std::string_view word) {
   return best.empty() ? best : fmt::format(" (did you mean '{}'?)", best);
 }
 
-// --- Unicode to ASCII
+// --- Unicode to ASCII --------------------------------------------------------------------------------------
 // --------------------------------------------------------------------------------------------
 
 struct Spelling {
@@ -234,7 +236,7 @@ std::string excerpt(std::string_view text) {
   return text.size() > kShown ? result + "..." : result;
 }
 
-// --- Grammar
+// --- Grammar -----------------------------------------------------------------------------------------------
 // -----------------------------------------------------------------------------------------------------
 
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }

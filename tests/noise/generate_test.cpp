@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the generators promise beyond the second moments, which process_battery_test checks: epoch, streams, linearity,
-// chunking, threads, the 1/f approximation's bound.
+// What the generators promise beyond the second moments, which process_battery_test checks: epoch, streams,
+// linearity, chunking, threads, the 1/f approximation's bound.
 #include "gyrobudget/noise/generate.h"
 
 #include <gtest/gtest.h>
@@ -122,7 +122,8 @@ TEST(Generate, BytesDoNotDependOnThreads) {
 }
 
 TEST(Generate, WalkCarriesItsRoundingErrors) {
-  // Against the same steps summed in long double, whose own error is 1000 (the walk) * 5e-20 * sqrt(2^20 steps).
+  // Against the same steps summed in long double, whose own error is 1000 (the walk) * 5e-20 * sqrt(2^20
+  // steps).
   constexpr double kReference = 1e-13;
   constexpr std::size_t kSamples = 1 << 20;
   const StreamKey key{1, 0};

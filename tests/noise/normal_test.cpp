@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Random numbers: published known answers, the transform against the mathematical library, and the distribution.
-// Statistical limits are set so that one run of this file fails by chance with probability below 1e-6 (and the streams are
-// fixed, so it either always passes or has found something).
+// Random numbers: published known answers, the transform against the mathematical library, and the
+// distribution. Statistical limits are set so that one run of this file fails by chance with probability
+// below 1e-6 (and the streams are fixed, so it either always passes or has found something).
 #include "gyrobudget/noise/normal.h"
 
 #include "gyrobudget/noise/detail/normal_kernel.h"
@@ -33,7 +33,8 @@ std::vector<double> uniform(StreamKey key, std::uint64_t first, std::size_t coun
 
 double expected_uniform(std::uint64_t word) { return (static_cast<double>(word >> 12) + 0.5) * 0x1p-52; }
 
-// Philox4x32-10 of the known-answer file of Random123 (kat_vectors), as {counter or stream, key} through our indices.
+// Philox4x32-10 of the known-answer file of Random123 (kat_vectors), as {counter or stream, key} through our
+// indices.
 TEST(Normal, PhiloxKnownAnswers) {
   const auto all = ~std::uint64_t{0};
   // counter ffffffff x4, key ffffffff x2 -> 408f276d 41c83b0e a20bc7c6 6d5451fd
@@ -54,8 +55,9 @@ TEST(Normal, PhiloxKnownAnswers) {
 }
 
 TEST(Normal, TransformMatchesTheMathematicalLibrary) {
-  // Box-Muller of the same words, in long double. The words are those of the uniform stream's neighbour block, so take
-  // them from the kernel: uniforms of the same blocks show their upper 52 bits, and axis and sign show in the result.
+  // Box-Muller of the same words, in long double. The words are those of the uniform stream's neighbour
+  // block, so take them from the kernel: uniforms of the same blocks show their upper 52 bits, and axis and
+  // sign show in the result.
   constexpr std::int64_t kBlocks = 200'000;
   constexpr double kRelative = 1e-15;
   std::vector<double> u(2 * kBlocks), z(2 * kBlocks);
@@ -107,8 +109,8 @@ TEST(Normal, AnyChunkingGivesTheSameBytes) {
 }
 
 TEST(Normal, TailReachesEightSigma) {
-  // The smallest uniform, 2^-53, gives sqrt(2 * 53 ln 2) = 8.57; a word of zeros cannot be asked for, so check the law's
-  // arithmetic and that 4e7 numbers reach 5 sigma as often as they should.
+  // The smallest uniform, 2^-53, gives sqrt(2 * 53 ln 2) = 8.57; a word of zeros cannot be asked for, so
+  // check the law's arithmetic and that 4e7 numbers reach 5 sigma as often as they should.
   EXPECT_GT(std::sqrt(-2 * std::log(0x1p-53)), 8.5);
   constexpr std::size_t kCount = 1 << 20;
   constexpr int kRounds = 40;
@@ -170,8 +172,8 @@ TEST(Normal, KolmogorovSmirnov) {
 }
 
 TEST(Normal, DirectionOfAPairIsUniform) {
-  // Chi-square over 64 sectors of the angle and 16 rings of equal probability of the radius, jointly: octants, axes and
-  // signs of the transform cannot be lopsided.
+  // Chi-square over 64 sectors of the angle and 16 rings of equal probability of the radius, jointly:
+  // octants, axes and signs of the transform cannot be lopsided.
   constexpr std::size_t kPairs = 2'000'000, kSectors = 64, kRings = 16;
   std::vector<double> cells(kSectors * kRings);
   const auto z = normal({3, 0}, 0, 2 * kPairs);

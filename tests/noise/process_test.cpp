@@ -76,6 +76,18 @@ TEST(Process, FlickerAllanVarianceTendsToTheFlat) {
   }
 }
 
+TEST(Process, FlickerPhaseCovarianceBetweenWholeLags) {
+  // h_n = (psi(n + 1/2) - psi(1/2))/2 has h_{1/2} = ln 2 and h_{n+1} = h_n + 1/(2n + 1); R/(B^2/(4 pi)) = (4
+  // n^2 - 1) h_n.
+  constexpr double kDt = 3;
+  double harmonic = ln2;
+  for (double n = 0.5; n < 1000; ++n) {
+    const double expected = kDt * kDt / (4 * pi) * (4 * n * n - 1) * harmonic;
+    EXPECT_NEAR(phase_covariance(Flicker{1}, n, kDt), expected, 1e-14 * std::abs(expected)) << n;
+    harmonic += 1 / (2 * n + 1);
+  }
+}
+
 TEST(Process, RateRandomWalkAllanVarianceOfSampledWalk) {
   EXPECT_REL(allan_variance(RateRandomWalk{1}, 1, 1), 1. / 2, kRounding);
   EXPECT_REL(allan_variance(RateRandomWalk{1}, 2, 1), 3. / 4, kRounding);

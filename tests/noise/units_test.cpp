@@ -260,7 +260,7 @@ TEST(Units, NumberAndUnitMayTouch) {
   EXPECT_EQ(parse_quantity("3 1/s", dimension::kFrequency), 3);
 }
 
-// --- The three unit traps of the field
+// --- The three unit traps of the field ---------------------------------------------------------------------
 // --------------------------------------------------------------------------
 
 TEST(UnitTraps, RateRandomWalkIsReadAtThreeSecondsOrThreeHours) {
@@ -301,7 +301,7 @@ TEST(UnitTraps, RandomWalkUnitsTellAngleFromRate) {
                std::invalid_argument);  // angle is a dimension
 }
 
-// --- Refusals
+// --- Refusals ----------------------------------------------------------------------------------------------
 // ----------------------------------------------------------------------------------------------------
 
 std::string refusal_of_unit(std::string_view text) {
