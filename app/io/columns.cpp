@@ -267,11 +267,10 @@ class Chooser {
   void choose_unnamed_time() {
     for (const Column* c : {&columns_.front(), &columns_.back()}) {
       if (is_requested(*c) || !c->unit_text.empty() || !rises_evenly(*c)) continue;
-      const NameKind kind = layout_.headings.empty() ? NameKind::unknown : kind_of_name(c->name);
-      if (kind == NameKind::gyro || kind == NameKind::accelerometer) continue;
+      if (!layout_.headings.empty() && kind_of_name(c->name) != NameKind::unknown) continue;
       // Running angles rise evenly too: they are taken for time only where they fit the rate.
       const bool must_be_time = requested_.empty() && options_.input != Input::angle;
-      if (const auto unit = agreeing_unit(*c, must_be_time && kind != NameKind::other)) {
+      if (const auto unit = agreeing_unit(*c, must_be_time)) {
         use_time(*c, *unit);
         choice_.notes.push_back(
             fmt::format("{} rises evenly and agrees with --rate in {}: it is read as time", described(*c),

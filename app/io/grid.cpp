@@ -58,14 +58,23 @@ class Scan {
   /// Calls see(row, step) for each stamp but the first.
   template <class See>
   void walk(See see) {
-    std::optional<std::int64_t> before;
+    constexpr std::int64_t kCentury = 3'155'760'000'000'000'000;
+    std::optional<std::int64_t> first;
+    std::int64_t before =
+        0;  // since the first, as all that follows: within a century, so that nothing overflows
     for (std::size_t row = 0; row < stamps_.size(); ++row) {
       if (stamps_[row] == kNoStamp) continue;
-      std::int64_t step = 0;
-      if (before && __builtin_sub_overflow(stamps_[row], *before, &step))
-        fail_at_row(row, "jumps by centuries");
-      if (before) see(row, step);
-      before = stamps_[row];
+      if (!first) {
+        first = stamps_[row];
+        continue;
+      }
+      std::int64_t since = 0;
+      if (__builtin_sub_overflow(stamps_[row], *first, &since))
+        since = stamps_[row] < *first ? -kCentury : kCentury + 1;
+      if (since > kCentury) fail_at_row(row, "is more than a century after its start");
+      since = std::max(since, -kCentury);
+      see(row, since - before);
+      before = since;
     }
   }
 
@@ -147,9 +156,7 @@ Track follow(const std::vector<std::int64_t>& stamps, double interval, Place pla
   const auto first_row = static_cast<std::size_t>(
       std::ranges::find_if(stamps, [](auto t) { return t != kNoStamp; }) - stamps.begin());
   const std::int64_t origin = stamps[first_row];
-  const auto since = [&](std::size_t row) {  // unsigned: centuries before zero to centuries after it fit
-    return static_cast<double>(static_cast<std::uint64_t>(stamps[row]) - static_cast<std::uint64_t>(origin));
-  };
+  const auto since = [&](std::size_t row) { return static_cast<double>(stamps[row] - origin); };
 
   Track track;
   std::int64_t point = -1;

@@ -56,66 +56,6 @@ bool is_missing(std::string_view cell) {
   return parse_number(cell, false, ignored) == Cell::missing;
 }
 
-// --- The dialect ---------------------------------------------------------------------------------------------------
-
-/// How well a dialect explains rows: rows without any text, then cells that are numbers.
-struct Score {
-  std::size_t clean_rows = 0, numbers = 0;
-  friend auto operator<=>(const Score&, const Score&) = default;
-};
-
-Score score(Dialect dialect, const std::vector<NumberedLine>& rows) {
-  Score result;
-  for (const NumberedLine& row : rows) {
-    const auto cells = split(row.text, dialect.delimiter);
-    const std::size_t numbers = count_numbers(cells, dialect.decimal_comma);
-    const auto missing = static_cast<std::size_t>(std::ranges::count_if(cells, is_missing));
-    result.numbers += numbers;
-    result.clean_rows += numbers > 0 && numbers + missing == cells.size() ? 1 : 0;
-  }
-  return result;
-}
-
-/// Rows like "0,123" or "0,123,-0,456": no point anywhere, and digits behind every second comma that start with zero.
-bool commas_may_be_decimal(const std::vector<NumberedLine>& rows) {
-  bool leading_zero = false;
-  for (const NumberedLine& row : rows) {
-    const auto cells = split(row.text, ',');
-    if (cells.size() % 2 != 0 || row.text.find('.') != std::string_view::npos) return false;
-    for (std::size_t i = 1; i < cells.size(); i += 2) {
-      if (cells[i].find_first_not_of("0123456789") != std::string_view::npos) return false;
-      leading_zero |= cells[i].size() > 1 && cells[i].front() == '0';
-    }
-  }
-  return leading_zero;
-}
-
-Dialect find_dialect(const Source& source, std::vector<NumberedLine> rows) {
-  rows.resize(std::min(rows.size(), kDialectRows));
-  // In the order of preference where several explain the rows equally well.
-  constexpr Dialect kCandidates[] = {{',', false}, {';', false}, {'\t', false}, {' ', false},
-                                     {';', true},  {'\t', true}, {' ', true}};
-  Dialect best = kCandidates[0];
-  Score best_score;
-  for (const Dialect candidate : kCandidates) {
-    const Score s = score(candidate, rows);
-    if (s > best_score) {
-      best_score = s;
-      best = candidate;
-    }
-  }
-  if (best.delimiter == ',' && commas_may_be_decimal(rows)) {
-    fail_at(source.name(), rows[0].number, 1,
-            fmt::format(
-                "found {}, where the commas may be decimal marks or part the columns; write decimal points, "
-                "or part the columns by semicolons",
-                quoted(rows[0].text)));
-  }
-  return best;
-}
-
-// --- The header ----------------------------------------------------------------------------------------------------
-
 bool starts_with_bracket(std::string_view text) {
   text = trim(text);
   return text.starts_with('(') || text.starts_with('[');
@@ -147,6 +87,73 @@ std::vector<std::string_view> split_header(std::string_view line, char delimiter
   if (!blanks || !trim(line.substr(begin)).empty()) cells.push_back(line.substr(begin));
   return cells;
 }
+
+// --- The dialect ---------------------------------------------------------------------------------------------------
+
+/// How well a dialect explains rows: rows without any text and with as many cells as the first one, then whether the
+/// line above them has as many cells too, then cells that are numbers.
+struct Score {
+  std::size_t clean_rows = 0;
+  bool header_fits = false;
+  std::size_t numbers = 0;
+  friend auto operator<=>(const Score&, const Score&) = default;
+};
+
+Score score(Dialect dialect, const NumberedLine& above, const std::vector<NumberedLine>& rows) {
+  Score result;
+  const std::size_t cells_expected = split(rows[0].text, dialect.delimiter).size();
+  result.header_fits = split_header(above.text, dialect.delimiter).size() == cells_expected;
+  for (const NumberedLine& row : rows) {
+    const auto cells = split(row.text, dialect.delimiter);
+    const std::size_t numbers = count_numbers(cells, dialect.decimal_comma);
+    const auto missing = static_cast<std::size_t>(std::ranges::count_if(cells, is_missing));
+    if (dialect.decimal_comma && cells.size() < 2) continue;  // "1,5" alone may be two columns
+    const bool clean = numbers > 0 && numbers + missing == cells.size() && cells.size() == cells_expected;
+    result.numbers += numbers;
+    result.clean_rows += clean ? 1 : 0;
+  }
+  return result;
+}
+
+/// Rows like "0,123" or "0,123,-0,456": no point anywhere, and digits behind every second comma that start with zero.
+bool commas_may_be_decimal(const std::vector<NumberedLine>& rows) {
+  bool leading_zero = false;
+  for (const NumberedLine& row : rows) {
+    const auto cells = split(row.text, ',');
+    if (cells.size() % 2 != 0 || row.text.find('.') != std::string_view::npos) return false;
+    for (std::size_t i = 1; i < cells.size(); i += 2) {
+      if (cells[i].find_first_not_of("0123456789") != std::string_view::npos) return false;
+      leading_zero |= cells[i].size() > 1 && cells[i].front() == '0';
+    }
+  }
+  return leading_zero;
+}
+
+Dialect find_dialect(const Source& source, const NumberedLine& above, std::vector<NumberedLine> rows) {
+  rows.resize(std::min(rows.size(), kDialectRows));
+  // In the order of preference where several explain the rows equally well.
+  constexpr Dialect kCandidates[] = {{',', false}, {';', false}, {'\t', false}, {' ', false},
+                                     {';', true},  {'\t', true}, {' ', true}};
+  Dialect best = kCandidates[0];
+  Score best_score;
+  for (const Dialect candidate : kCandidates) {
+    const Score s = score(candidate, above, rows);
+    if (s > best_score) {
+      best_score = s;
+      best = candidate;
+    }
+  }
+  if (best.delimiter == ',' && commas_may_be_decimal(rows)) {
+    fail_at(source.name(), rows[0].number, 1,
+            fmt::format(
+                "found {}, where the commas may be decimal marks or part the columns; write decimal points, "
+                "or part the columns by semicolons",
+                quoted(rows[0].text)));
+  }
+  return best;
+}
+
+// --- The header ----------------------------------------------------------------------------------------------------
 
 /// Where the bracket that closes at the end of the text opens; npos where none does.
 std::size_t opening_bracket(std::string_view text) {
@@ -280,7 +287,7 @@ Layout read_layout(const Source& source) {
 
   Layout layout;
   const std::vector<NumberedLine> behind_first(lines.begin() + (lines.size() > 1 ? 1 : 0), lines.end());
-  layout.dialect = find_dialect(source, behind_first);
+  layout.dialect = find_dialect(source, lines[0], behind_first);
   const char delimiter = layout.dialect.delimiter;
 
   const auto first = split(lines[0].text, delimiter);

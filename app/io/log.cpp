@@ -34,10 +34,11 @@ void check(const LogOptions& options) {
 /// n angles give n - 1 rates.
 std::int64_t fewest_rows(Input input) { return input == Input::angle ? 3 : 2; }
 
-void check_length(const std::string& source, std::int64_t found, Input input, std::string_view what) {
+void check_length(const std::string& source, std::int64_t found, Input input, std::string_view what,
+                  std::string_view where) {
   if (found >= fewest_rows(input)) return;
-  fail(source, fmt::format("holds {} {}{}, expected at least {}; record longer: a datasheet needs hours",
-                           found, what, found == 1 ? "" : "s", fewest_rows(input)));
+  fail(source, fmt::format("holds {} {}{}{}, expected at least {}; record longer: a datasheet needs hours",
+                           found, what, found == 1 ? "" : "s", where, fewest_rows(input)));
 }
 
 std::int64_t count_numbers(const std::vector<double>& values) {
@@ -128,7 +129,7 @@ Record read_log(const LogOptions& options) {
   Choice choice = choose_columns(source.name(), layout, options);
   const TableReader reader(source, layout, options.chunk_bytes);
   Table table = reader.read(choice);
-  check_length(source.name(), static_cast<std::int64_t>(table.rows), options.input, "sample");
+  check_length(source.name(), static_cast<std::int64_t>(table.rows), options.input, "sample", "");
   Grid grid = grid_of(table, choice, reader, source.name(), options);
 
   Record record;
@@ -147,7 +148,7 @@ Record read_log(const LogOptions& options) {
   for (std::size_t i = 0; i < axes; ++i) {
     const DataColumn& column = choice.data[i];
     check_length(source.name(), count_numbers(table.numbers[i]) + (options.input == Input::angle ? 1 : 0),
-                 options.input, fmt::format("number in column {}", quoted(column.name)));
+                 options.input, "number", " in column " + quoted(column.name));
     if (turns[i] > 0)
       record.notes.push_back(fmt::format("{} is unwrapped {} times", quoted(column.name), turns[i]));
     record.axes.push_back({column.name, column.signal, std::move(table.numbers[i])});
