@@ -26,10 +26,11 @@ namespace gyrobudget::inline v0::noise {
 // a coefficient that is not finite, a stream of 2^48 or more, and more than 256 processes of one term.
 
 /// Makes whole records, exact in distribution, each from its own key. What depends on length only (the
-/// spectrum of flicker's increments) is worked out once; calls are const and safe from many threads.
+/// spectrum of flicker's increments) is worked out once; calls are const and safe from many threads, with the
+/// same bytes.
 ///
-/// Flicker: its increments are stationary with autocovariance (4 B^2/pi)/(1 - 4 h^2). As the terms beside h =
-/// 0 are negative and sum to less than the middle one, a circulant matrix of them has positive eigenvalues at
+/// Flicker: its increments are stationary with autocovariance (4 B^2/pi)/(1 - 4 h^2). The terms with h != 0 are
+/// negative and sum to less than the one with h = 0, so a circulant matrix of them has positive eigenvalues at
 /// any length, and a Fourier transform of twice the record makes the increments exactly (Davies & Harte 1987,
 /// Wood & Chan 1994). Time O(n log n), memory about 11 numbers a sample while a call runs, 1 between calls.
 class RecordGenerator {
@@ -55,10 +56,10 @@ class RecordGenerator {
 ///
 /// Flicker's structure function is a mixture of exponentials: with a = dt/Tc,
 ///     D(h) = (2 B^2/pi) int_0^inf (1 - e^(-a h)) (a/2)/sinh(a/2) dln(a),
-/// and a Gauss-Markov process has D(h) = 2 sigma^2 (1 - e^(-a h)). The trapezoidal rule in ln(a),
-/// poles_per_decade points to the decade, gives sigma_i^2 = (B^2/pi) ln(r) (a_i/2)/sinh(a_i/2) at a_i = 2
-/// r^i; poles slower than 30 longest_tau act together as a rate random walk, the last of the result. Largest
-/// relative error of the Allan deviation over tau = dt ... longest_tau, wherever longest_tau falls:
+/// and a Gauss-Markov process has D(h) = 2 sigma^2 (1 - e^(-a h)). The trapezoidal rule in ln(a) with ratio
+/// r = 10^(1/poles_per_decade) gives sigma_i^2 = (B^2/pi) ln(r) (a_i/2)/sinh(a_i/2) at a_i = 2 r^i. Poles slower
+/// than 30 longest_tau act together as a rate random walk, the last of the result. Largest relative error of
+/// the Allan deviation over tau = dt ... longest_tau, wherever longest_tau falls:
 ///
 ///     poles per decade   0.5    1     1.5     2        3 to 10
 ///     error              32 %   4 %   0.65 %  0.016 %  0.008 %
@@ -68,7 +69,8 @@ class RecordGenerator {
                                                          double poles_per_decade);
 
 /// Endless record in constant memory; all exact in distribution but flicker, which is flicker_approximation
-/// less its value at sample 0.
+/// less its value at sample 0. noise_benchmark has the table of its error against its run time.
+/// @throws std::invalid_argument also what flicker_approximation refuses, where there is flicker.
 class Generator {
  public:
   struct Options {
