@@ -93,24 +93,26 @@ double flicker_phase_covariance(double x) {
   return (4 * square(x) - 1) * (std::log(x) + digamma_remainder(x)) / (8 * pi);
 }
 
-/// sum_k 2 m^(2k) / (2k)! R^(2k)(x), the second difference over m << x, from the derivatives of x^2 ln x / (2 pi):
-/// R'' = (2 ln x + 3) / (2 pi) and R^(2k) = -2 (2k-3)! / (2 pi x^(2k-2)) for k >= 2. The second-largest part of R,
-/// -ln x / (8 pi), adds (1 + m^2 / (2 x^2)) / (8 pi x^2). Relative error below 1e-13 for x >= kFar m, kFarLag.
-constexpr double kFar = 16, kFarLag = 512;
+/// The second difference over m << x, part by part of 8 pi R = 4 x^2 ln x - ln x + 1/6 - 17/(240 x^2) + ...:
+/// the first from its derivatives, sum_k 2 m^(2k) / (2k)! f^(2k) with (x^2 ln x)^(2k) = -2 (2k-3)! / x^(2k-2), the
+/// second in closed form. Relative error below 1e-13 for x >= kFar m and x >= kFarLag.
+constexpr double kFar = 16, kFarLag = 64;
 double flicker_far(double m, double x) {
-  const double q = square(m / x);
-  const double leading = 2 * std::log(x) + 3 - q * (1. / 6 + q * (1. / 30 + q * (1. / 84 + q / 180)));
-  return square(m) * (leading + (0.25 + 0.125 * q) / square(x)) / (2 * pi);
+  const double q = square(m / x), z = 1 / square(x);
+  const double first = 2 * std::log(x) + 3 - q * (1. / 6 + q * (1. / 30 + q * (1. / 84 + q / 180)));
+  const double rest = z * z * (-17. / 40 * (1 + 5. / 3 * q) + 0.4534 * z);
+  return square(m) * (first / (2 * pi) + rest / (8 * pi)) - std::log1p(-q) / (8 * pi);
 }
 
 /// Both second differences at once for m1, m2 << u, where the logarithms of flicker_far would cancel:
-/// sum_ij 4 m1^(2i) m2^(2j) / (2i)! / (2j)! R^(2i+2j)(u). Relative error below 1e-7 for u >= kVeryFar m2, kFarLag.
+/// sum_ij 4 m1^(2i) m2^(2j) / (2i)! / (2j)! R^(2i+2j)(u). Relative error below 1e-9 for u >= kVeryFar m2, kFarLag.
 constexpr double kVeryFar = 16;
 double flicker_very_far(double m1, double m2, double u) {
-  const double p = square(m1 / u), q = square(m2 / u), sum = p + q;
+  const double p = square(m1 / u), q = square(m2 / u), sum = p + q, z = 1 / square(u);
   const double order6 = sum / 2, order8 = 120 * ((p * p + q * q) / 360 + p * q / 144);
   const double order10 = 5040 * ((p * p * p + q * q * q) / 20160 + p * q * sum / 4320);
-  return -square(m1 * m2 / u) / pi * (1 + order6 + order8 + order10 - 0.75 / square(u));
+  const double rest = z * (-0.75 - 1.25 * sum + 1.0625 * z);
+  return -square(m1 * m2 / u) / pi * (1 + order6 + order8 + order10 + rest);
 }
 
 void kernel(const noise::Flicker&, const Lengths& l, std::span<const double> u, std::span<double> c) {

@@ -19,7 +19,7 @@ struct LagNodes {
 ///
 /// The kSmooth lags next to each of those are taken one by one; further away come panels of 2^k whole lags, no longer
 /// than their distance, each with a Gauss rule *for sums*: kNodes real nodes that sum every polynomial of degree
-/// 2 kNodes - 1 over the panel's lags exactly, be it short or long. Error for products of two kernels: below 1e-10 of
+/// 2 kNodes - 1 over the panel's lags exactly, be it short or long. Error for products of two kernels: below 1e-9 of
 /// the sum of their absolute values.
 ///
 /// @param end number of lags, from 0.

@@ -88,20 +88,19 @@ double product_sum(const Samples& samples, std::size_t a, std::size_t b) {
   return sum;
 }
 
-/// sum_u count(u) C_line(u) C(u), whose first kernel oscillates. Few cycles within the reach of the second: panels
-/// shorter than a quarter of a cycle. Many: the count hardly changes over a cycle, and the sum of C(u) cos is the
+/// sum_u count(u) C_line(u) C(u), whose first kernel oscillates. Few cycles in the record: panels shorter than a quarter
+/// of a cycle. Many: where the line matters the count hardly changes over a cycle, and the sum of C(u) cos is the
 /// cross-spectrum of the two differences at the line, |H_1| |H_2| S / dt, |H_m| = sqrt2 sin^2(pi c m)/(m sin(pi c)).
 double line_sum(const Setting& setting, const Pair& pair, const PairCount& count, std::size_t line,
                 std::size_t a) {
   const auto& sinusoid = std::get<noise::Sinusoid>(setting.processes[line]);
   const double cycles = std::abs(std::remainder(sinusoid.frequency * setting.dt, 1.0));
   if (cycles == 0) return 0;
-  constexpr double kManyCycles = 100;
-  const auto reach = static_cast<double>(pair.m1 + pair.m2);
-  if (cycles * reach < kManyCycles) {
-    const std::int64_t end = std::min(count.end(), 4 * (pair.m1 + pair.m2));
-    const auto panel = static_cast<std::int64_t>(std::min(0.25 / cycles, reach));
-    const Samples samples = take_samples(setting, pair, count, lag_nodes(pair, end, panel));
+  constexpr double kManyCycles = 500;
+  const auto lags = static_cast<double>(count.end());
+  if (cycles * lags < kManyCycles) {
+    const auto panel = static_cast<std::int64_t>(std::min(0.25 / cycles, lags));
+    const Samples samples = take_samples(setting, pair, count, lag_nodes(pair, count.end(), panel));
     return product_sum(samples, line, a);
   }
   const double amplitude = std::sqrt(noise::allan_variance(sinusoid, pair.m1, setting.dt) *
