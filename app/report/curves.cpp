@@ -13,6 +13,7 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 namespace gyrobudget::inline v0::report {
 namespace {
@@ -100,17 +101,21 @@ std::string minimum_mark_text(const AxisResult& axis) {
                      in_unit(axis.fit->minimum_deviation / kFlickerFloor, unit));
 }
 
-/// Only coefficients that the record gives are marked; a limit is a line without a point.
+/// Where the coefficient can be read; only those that the record gives are marked: a limit is a line without a point.
+std::optional<Mark> reading_mark(const AxisCurves& curves, const AxisResult& axis, const Coefficient& c) {
+  if (!c.fitted || c.status != Status::identified || !(c.value > 0)) return std::nullopt;
+  const double tau = reading_tau(axis, c.term);
+  if (!(tau >= curves.tau_low_s && tau <= curves.tau_high_s)) return std::nullopt;
+  const double deviation = c.value * (c.term == Term::flicker ? kFlickerFloor : 1);
+  if (deviation * kDeepestMark < axis.fit->minimum_deviation) return std::nullopt;
+  return Mark{std::string(1, static_cast<char>(c.term)), tau, deviation, reading_text(axis, c, deviation)};
+}
+
 void add_marks(AxisCurves& curves, const AxisResult& axis) {
   for (const Term term : reading_order()) {
     const Coefficient* c = find(*axis.fit, term);
-    if (c == nullptr || !c->fitted || c->status != Status::identified || !(c->value > 0)) continue;
-    const double tau = reading_tau(axis, term);
-    if (!(tau >= curves.tau_low_s && tau <= curves.tau_high_s)) continue;
-    const double deviation = c->value * (term == Term::flicker ? kFlickerFloor : 1);
-    if (deviation * kDeepestMark < axis.fit->minimum_deviation) continue;
-    curves.marks.push_back(
-        {std::string(1, static_cast<char>(term)), tau, deviation, reading_text(axis, *c, deviation)});
+    if (c == nullptr || !is_quotable(*axis.fit)) continue;
+    if (auto mark = reading_mark(curves, axis, *c)) curves.marks.push_back(std::move(*mark));
   }
   if (axis.fit->minimum_deviation > 0) {
     curves.marks.push_back(

@@ -341,6 +341,7 @@ Json curves(const AxisResult& axis, double rate_hz) {
 Json words(const AxisResult& axis, double rate_hz) {
   const fit::Result& fit = *axis.fit;
   return {{"headline", verdict_headline(fit)},
+          {"quotable", is_quotable(fit)},
           {"verdict", verdict_text(fit)},
           {"consequence", consequence_text(fit)},
           {"minimum", minimum_text(axis, rate_hz)},

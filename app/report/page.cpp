@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/report/page_parts.h"
 #include "gyrobudget/report/report.h"
+#include "gyrobudget/report/words.h"
 
 #include <algorithm>
 #include <array>
@@ -68,7 +69,8 @@ std::string filled(std::string_view page, const std::array<Slot, kSlots>& slots)
 
 std::string page(const LogResult& result) {
   const bool fitted = is_fitted(result);
-  const std::string title = html_escaped((fitted ? "Datasheet of " : "Allan deviation of ") + result.source);
+  const std::string title =
+      html_escaped((fitted ? "Datasheet of " : "Allan deviation of ") + file_name(result.source));
   const std::string text = html_escaped(fitted ? datasheet(result) : allan_table(result));
   const std::string data = page_data(result);
   return filled(kPageHtml, std::array<Slot, 6>{{{"title", title},

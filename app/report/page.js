@@ -647,7 +647,7 @@
     const symbols = ["N", "B", "K"];
     const cell = (axis, symbol) => {
       const row = axis.rows.find((r) => r.symbol === symbol);
-      if (!row) return "-";
+      if (!row || !axis.words.quotable) return "-";
       return row.status === "upper_bound" ? `< ${number(limitOf(axis, symbol), 2)}` : row[state.units].value;
     };
     const rows = group.map((axis) => ({
@@ -660,7 +660,7 @@
   // --- Sections -------------------------------------------------------------------------------------------------------
 
   function toneOf(axis) {
-    if (!axis.fit.converged || axis.fit.verdict === "not_described") return "bad";
+    if (!axis.words.quotable) return "bad";
     return axis.fit.verdict === "described" ? "good" : "fair";
   }
 

@@ -233,7 +233,7 @@ std::string title_of(const Panel& panel, const LogResult& result, bool single) {
   constexpr std::size_t kLongestName = 40;
   std::string first = shortened(printable(panel.axis->name), kLongestName), second;
   if (single) {
-    first += fmt::format("  ({})", shortened(printable(result.source), kLongestName));
+    first += fmt::format("  ({})", shortened(printable(file_name(result.source)), kLongestName));
     second = record_text(result);
   }
   if (panel.axis->fit) second += (single ? "; model: " : "model: ") + verdict_headline(*panel.axis->fit);

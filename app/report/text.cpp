@@ -180,7 +180,7 @@ std::string summary_of(const LogResult& result, Signal signal) {
     std::vector<std::string> cells = {printable(axis.name)};
     for (const Term term : terms) {
       const auto* c = find(*axis.fit, term);
-      if (c == nullptr || !c->fitted) {
+      if (c == nullptr || !c->fitted || !is_quotable(*axis.fit)) {
         cells.emplace_back("-");
       } else if (c->status == fit::Status::identified || axis.fit->method == fit::Method::visual) {
         cells.push_back(datasheet_text(signal, *c).value);

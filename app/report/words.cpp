@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 namespace gyrobudget::inline v0::report {
 namespace {
@@ -89,9 +90,7 @@ std::string probability(double p) {
 bool is_tested(const fit::Result& fit) { return fit.method == Method::gls && fit.dof > 0; }
 
 /// Whether the coefficients say something of the sensor.
-bool is_usable(const fit::Result& fit) {
-  return fit.method == Method::gls && fit.converged && fit.verdict != Verdict::not_described;
-}
+bool is_usable(const fit::Result& fit) { return fit.method == Method::gls && is_quotable(fit); }
 
 std::string signed_percent(double fraction) {
   return fmt::format("{}{}", fraction < 0 ? '-' : '+', percent(std::abs(fraction)));
@@ -247,10 +246,20 @@ const Coefficient* find(const fit::Result& fit, Term term) {
   return it == fit.coefficients.end() ? nullptr : &*it;
 }
 
+bool is_quotable(const fit::Result& fit) {
+  const bool refused = fit.method == Method::gls && is_tested(fit) && fit.verdict == Verdict::not_described;
+  return fit.converged && !refused;
+}
+
+std::string file_name(const std::string& path) {
+  const std::string name = std::filesystem::path(path).filename().string();
+  return name.empty() ? path : name;
+}
+
 std::string status_text(Signal signal, const Coefficient& c, const fit::Result& fit) {
   if (!c.fitted) return "left out: not fitted";
   if (fit.method == Method::visual) return "read off the curve";
-  if (is_tested(fit) && !is_usable(fit)) return "do not quote";
+  if (!is_quotable(fit)) return "do not quote";
   const std::string limit = fmt::format("at most {} (95 %)", quantity(signal, c.term, c.upper));
   switch (c.status) {
     case Status::identified:
@@ -346,7 +355,8 @@ std::string consequence_text(const fit::Result& fit) {
   if (!is_tested(fit)) return "Nothing here says whether the model fits; take a longer record.";
   switch (fit.verdict) {
     case Verdict::described:
-      return "Values and intervals can be used as they stand.";
+      return fmt::format("Values and intervals can be used as they stand, for averaging times from {} on.",
+                         tau_text(fit.tau_min_s));
     case Verdict::described_within:
       return fmt::format(
           "Use the values, and allow {} of the deviation for what the model lacks; the intervals are widened "
@@ -389,12 +399,17 @@ std::string minimum_text(const AxisResult& axis, double rate_hz) {
 std::string beta_text(const fit::Result& fit) {
   if (!(fit.beta > 0) || !is_usable(fit)) return {};
   const std::string text = fmt::format("beta = B^2/(N K) = {}: ", number(fit.beta, 3));
+  const Coefficient* flicker = find(fit, Term::flicker);
+  if (flicker != nullptr && flicker->status != Status::identified) {
+    return text + "the flicker floor does not stand out from the crossing of N and K; quote the limit of B.";
+  }
   if (fit.beta < kCoveredBeta) {
     return text +
            "below about 0.3, N and K cover the flicker floor; only a much longer record can tell B well.";
   }
-  if (fit.beta < 1)
+  if (fit.beta < 1) {
     return text + "N and K cover part of the flicker floor; B can be told, with a wide interval.";
+  }
   return text + "above 1 the flicker floor shows in the curve; B can be told well.";
 }
 

@@ -43,6 +43,10 @@ struct CoefficientText {
 [[nodiscard]] const std::vector<noise::Term>& reading_order();
 [[nodiscard]] const fit::Coefficient* find(const fit::Result&, noise::Term);
 
+/// False where the model does not describe the record or the fit did not converge: its coefficients must not be quoted.
+[[nodiscard]] bool is_quotable(const fit::Result&);
+/// The last part of a path, for titles.
+[[nodiscard]] std::string file_name(const std::string& path);
 /// "identified", "upper bound: at most 0.0014 deg/h", "left out: not fitted".
 [[nodiscard]] std::string status_text(noise::Signal, const fit::Coefficient&, const fit::Result&);
 

@@ -82,6 +82,14 @@ TEST(Curves, ALimitIsDrawnButNeitherSummedNorMarked) {
   EXPECT_EQ(find_mark(curves, "K"), nullptr);
 }
 
+TEST(Curves, WhatMustNotBeQuotedHasNoReadingPoints) {
+  const LogResult result = fixtures::not_described();
+  const AxisCurves curves = axis_curves(result.axes.front(), result.rate_hz);
+  EXPECT_EQ(curves.terms.size(), 3U);
+  ASSERT_EQ(curves.marks.size(), 1U);
+  EXPECT_EQ(curves.marks.front().name, "min");
+}
+
 TEST(Curves, WithoutFitThereIsOnlyARange) {
   const LogResult result = fixtures::mems_curve_only();
   const AxisCurves curves = axis_curves(result.axes.front(), result.rate_hz);

@@ -75,7 +75,7 @@ TEST(Page, NamesOfUsersStayText) {
   EXPECT_EQ(count(text, "</script>"), 3U);
   EXPECT_EQ(text.find("<b>"), std::string::npos);
   EXPECT_EQ(text.find("<img"), std::string::npos);
-  EXPECT_NE(text.find("<title>Datasheet of a&lt;/script&gt;&lt;b&gt;&quot;it&#39;s&quot;&amp;"),
+  EXPECT_NE(text.find("<title>Datasheet of script&gt;&lt;b&gt;&quot;it&#39;s&quot;&amp;"),
             std::string::npos);
   const Json data = data_of(text);
   EXPECT_EQ(data.at("allan").at("source"), result.source);
@@ -164,6 +164,12 @@ TEST(Page, ExplainsEachNumber) {
                            "Raw minimum", "identified, upper bound, left out", "Allan deviation"}) {
     EXPECT_NE(glossary.find(word), std::string::npos) << word;
   }
+}
+
+TEST(Page, TitleIsTheNameOfTheFile) {
+  LogResult result = fixtures::mems();
+  result.source = "some/folder/log.csv";
+  EXPECT_NE(page(result).find("<title>Datasheet of log.csv</title>"), std::string::npos);
 }
 
 TEST(Page, GivesChartJsItsLicence) {

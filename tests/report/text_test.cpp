@@ -47,7 +47,9 @@ TEST(Datasheet, SaysWhatAPersonWantsFirst) {
   EXPECT_SAYS(text, "Left out (not fitted): quantization (Q), rate ramp (R).");
   EXPECT_SAYS(text, "Verdict: described.");
   EXPECT_SAYS(text, "p = 0.43");
-  EXPECT_SAYS(text, "What follows: Values and intervals can be used as they stand.");
+  EXPECT_SAYS(
+      text,
+      "What follows: Values and intervals can be used as they stand, for averaging times from 0.01 s on.");
   EXPECT_SAYS(text, "For 10 %, record 27.4 h");
 }
 
@@ -122,6 +124,12 @@ TEST(Datasheet, SeveralAxesStartWithASummary) {
               "4.32 ± 0.54 described");
   EXPECT_SAYS(flow, "N [m/s/sqrt(h)] B [ug] K [ug/sqrt(h)] verdict acc_x");
   EXPECT_LT(text.find("verdict"), text.find("gyro_x  (mean"));
+}
+
+TEST(Datasheet, TheSummaryQuotesNothingThatIsNotDescribed) {
+  LogResult result = fixtures::imu();
+  result.axes[1].fit->verdict = fit::Verdict::not_described;
+  EXPECT_SAYS(flowing(datasheet(result)), "gyro_y - - - not described");
 }
 
 TEST(Datasheet, HasNoControlCharactersOfItsOwn) {
