@@ -114,13 +114,13 @@ void philox_baseline(BlockKey key, std::uint64_t block, std::int64_t count, Word
 /// the state in its lower half; what the products leave in the upper half is ignored by the next product.
 __attribute__((target("avx2"))) void philox_avx2(BlockKey key, std::uint64_t block, std::int64_t count,
                                                  Words& words) {
-  constexpr int kChains = 2;  // two vectors hide the latency of the products
+  constexpr std::int64_t kChains = 2;  // two vectors hide the latency of the products
   const __m256i multiplier0 = _mm256_set1_epi64x(PHILOX_M4x32_0),
                 multiplier1 = _mm256_set1_epi64x(PHILOX_M4x32_1);
   const __m256i lower_half = _mm256_set1_epi64x(0xffffffff);
   for (std::int64_t i = 0; i < count; i += 4 * kChains) {
     __m256i c0[kChains], c1[kChains], c2[kChains], c3[kChains];
-    for (int j = 0; j < kChains; ++j) {
+    for (std::int64_t j = 0; j < kChains; ++j) {
       const std::uint64_t at = block + static_cast<std::uint64_t>(i + 4 * j);
       c0[j] = _mm256_add_epi64(_mm256_set1_epi64x(static_cast<long long>(at)), _mm256_set_epi64x(3, 2, 1, 0));
       c1[j] = _mm256_srli_epi64(c0[j], 32);
@@ -130,7 +130,7 @@ __attribute__((target("avx2"))) void philox_avx2(BlockKey key, std::uint64_t blo
     std::uint32_t k0 = low(key.seed), k1 = high(key.seed);
     for (int round = 0; round < 10; ++round, k0 += PHILOX_W32_0, k1 += PHILOX_W32_1) {
       const __m256i key0 = _mm256_set1_epi64x(k0), key1 = _mm256_set1_epi64x(k1);
-      for (int j = 0; j < kChains; ++j) {
+      for (std::int64_t j = 0; j < kChains; ++j) {
         const __m256i p0 = _mm256_mul_epu32(c0[j], multiplier0), p1 = _mm256_mul_epu32(c2[j], multiplier1);
         c0[j] = _mm256_xor_si256(_mm256_xor_si256(_mm256_srli_epi64(p1, 32), c1[j]), key0);
         c2[j] = _mm256_xor_si256(_mm256_xor_si256(_mm256_srli_epi64(p0, 32), c3[j]), key1);
@@ -138,7 +138,7 @@ __attribute__((target("avx2"))) void philox_avx2(BlockKey key, std::uint64_t blo
         c3[j] = p0;
       }
     }
-    for (int j = 0; j < kChains; ++j) {
+    for (std::int64_t j = 0; j < kChains; ++j) {
       const __m256i first =
           _mm256_or_si256(_mm256_and_si256(c0[j], lower_half), _mm256_slli_epi64(c1[j], 32));
       const __m256i second =

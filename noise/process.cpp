@@ -36,7 +36,10 @@ constexpr double kAsymptotic = 16;
 /// h_n = 1 + 1/3 + 1/5 + ... + 1/(2n-1), continued to real n >= 0 as (psi(n + 1/2) - psi(1/2)) / 2.
 double odd_harmonic(double n) {
   double below = 0;  // h_{n+1} = h_n + 1/(2n+1) lifts small n to where the series holds
-  for (; n < kAsymptotic; ++n) below += 1 / (2 * n + 1);
+  while (n < kAsymptotic) {
+    below += 1 / (2 * n + 1);
+    n += 1;
+  }
   constexpr double kMinusPsiHalf = std::numbers::egamma + 2 * std::numbers::ln2;
   return 0.5 * (std::log(n) + kMinusPsiHalf + digamma_remainder(n)) - below;
 }
