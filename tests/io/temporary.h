@@ -28,6 +28,7 @@ class TemporaryFolder : public testing::Test {
 
   /// Writes a file and returns its path.
   [[nodiscard]] std::string file(const std::string& name, std::string_view bytes) const {
+    std::filesystem::remove(path(name));  // rewriting a file in place waits for the disk
     std::ofstream(path(name), std::ios::binary) << bytes;
     return path(name);
   }
