@@ -3,13 +3,15 @@
 
 #include "gyrobudget/noise/fft.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <bit>
 #include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
-#include <complex>
 #include <fmt/format.h>
 #include <numbers>
+#include <numeric>
 #include <stdexcept>
 
 namespace gyrobudget::inline v0::allan {
@@ -18,8 +20,9 @@ namespace {
 constexpr std::size_t kFewestSamples = 1024;
 constexpr std::size_t kLongestSegment = std::size_t{1} << 20;
 constexpr std::size_t kFirstBin = 50;
-constexpr std::size_t kLeastNeighbours = 30;
-constexpr double kNeighbourhood = 0.05;
+constexpr std::size_t kLeastBlock = 60;
+constexpr double kBlockRatio = 1.1;
+constexpr std::size_t kParts = 8;
 constexpr double kIndependentShare = 0.947;    // of half-overlapping Hann segments
 
 struct Spectrum {
@@ -37,39 +40,82 @@ double mean_of(std::span<const double> rate) {
   return count > 0 ? sum / static_cast<double>(count) : 0;
 }
 
-Spectrum welch(std::span<const double> rate, std::size_t length, double mean, double dt) {
-  Spectrum spectrum{std::vector<double>(length / 2 + 1), length, 0};
+std::vector<double> hann(std::size_t length) {
   std::vector<double> window(length);
-  double energy = 0;
   for (std::size_t i = 0; i < length; ++i) {
     const double s = std::sin(std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(length));
     window[i] = s * s;
-    energy += window[i] * window[i];
   }
-  std::vector<double> segment(length);
-  std::size_t segments = 0;
-  for (std::size_t start = 0; start + length <= rate.size(); start += length / 2, ++segments) {
+  return window;
+}
+
+// Sum of the periodograms of segments first, first + 1, ... before last, which start half a length apart.
+std::vector<double> sum_periodograms(std::span<const double> rate, std::span<const double> window, double mean,
+                                     std::size_t first, std::size_t last) {
+  const std::size_t length = window.size();
+  std::vector<double> power(length / 2 + 1), segment(length);
+  for (std::size_t s = first; s < last; ++s) {
     for (std::size_t i = 0; i < length; ++i) {
-      const double y = rate[start + i];
+      const double y = rate[s * (length / 2) + i];
       segment[i] = std::isfinite(y) ? window[i] * (y - mean) : 0;
     }
     const auto bins = noise::real_spectrum(segment);
-    for (std::size_t k = 0; k < spectrum.power.size(); ++k) spectrum.power[k] += std::norm(bins[k]);
+    for (std::size_t k = 0; k < power.size(); ++k) power[k] += std::norm(bins[k]);
+  }
+  return power;
+}
+
+Spectrum welch(std::span<const double> rate, std::size_t length, double mean, double dt) {
+  const auto window = hann(length);
+  const double energy = std::inner_product(window.begin(), window.end(), window.begin(), 0.0);
+  const std::size_t segments = (rate.size() - length) / (length / 2) + 1;
+  // A fixed number of parts, added in order: the same bytes at any number of threads.
+  const std::size_t parts = std::min(segments, kParts);
+  std::vector<std::vector<double>> sums(parts);
+  tbb::parallel_for(std::size_t{0}, parts, [&](std::size_t i) {
+    sums[i] = sum_periodograms(rate, window, mean, i * segments / parts, (i + 1) * segments / parts);
+  });
+  Spectrum spectrum{std::vector<double>(length / 2 + 1), length,
+                    std::max(1.0, kIndependentShare * static_cast<double>(segments))};
+  for (const auto& sum : sums) {
+    for (std::size_t k = 0; k < sum.size(); ++k) spectrum.power[k] += sum[k];
   }
   for (double& p : spectrum.power) p *= 2 * dt / (energy * static_cast<double>(segments));
-  spectrum.averages = std::max(1.0, kIndependentShare * static_cast<double>(segments));
   return spectrum;
 }
 
-double local_median(const Spectrum& spectrum, std::size_t k, std::vector<double>& scratch) {
-  const auto half = std::max(kLeastNeighbours, static_cast<std::size_t>(kNeighbourhood * static_cast<double>(k)));
-  const std::size_t low = k > half ? k - half : 1, high = std::min(k + half, spectrum.power.size() - 2);
-  scratch.assign(spectrum.power.begin() + static_cast<std::ptrdiff_t>(low),
-                 spectrum.power.begin() + static_cast<std::ptrdiff_t>(high) + 1);
-  const auto middle = scratch.begin() + static_cast<std::ptrdiff_t>(scratch.size() / 2);
-  std::nth_element(scratch.begin(), middle, scratch.end());
-  return *middle;
-}
+// The level of the spectrum without its peaks: medians of blocks 10 % wide, joined by straight lines in log-log.
+class Level {
+ public:
+  explicit Level(const Spectrum& spectrum) {
+    const std::size_t end = spectrum.power.size() - 1;  // the last bin, Nyquist, has another law
+    std::vector<double> block;
+    for (std::size_t low = kFirstBin / 2; low + kLeastBlock <= end;) {
+      const auto wide = static_cast<std::size_t>(kBlockRatio * static_cast<double>(low));
+      const std::size_t high = std::min(std::max(wide, low + kLeastBlock), end);
+      block.assign(spectrum.power.begin() + static_cast<std::ptrdiff_t>(low),
+                   spectrum.power.begin() + static_cast<std::ptrdiff_t>(high));
+      const auto middle = block.begin() + static_cast<std::ptrdiff_t>(block.size() / 2);
+      std::nth_element(block.begin(), middle, block.end());
+      log_bin_.push_back(0.5 * (std::log(static_cast<double>(low)) + std::log(static_cast<double>(high))));
+      log_level_.push_back(std::log(*middle));
+      low = high;
+    }
+  }
+
+  [[nodiscard]] bool empty() const { return log_bin_.size() < 2; }
+
+  [[nodiscard]] double at(std::size_t bin) const {
+    const double x = std::log(static_cast<double>(bin));
+    const auto above = std::upper_bound(log_bin_.begin() + 1, log_bin_.end() - 1, x) - log_bin_.begin();
+    const auto i = static_cast<std::size_t>(above);
+    const double share = (x - log_bin_[i - 1]) / (log_bin_[i] - log_bin_[i - 1]);
+    return std::exp(log_level_[i - 1] + std::clamp(share, 0.0, 1.0) * (log_level_[i] - log_level_[i - 1]));
+  }
+
+ private:
+  std::vector<double> log_bin_, log_level_;
+};
 
 // Power of the whole peak above its surroundings: the bins around it that exceed twice the median.
 double excess(const Spectrum& spectrum, std::size_t k, double median) {
@@ -87,11 +133,12 @@ void add_lines(std::vector<SpectralLine>& lines, const Spectrum& spectrum, doubl
   const double cut = boost::math::gamma_q_inv(a, false_alarm / static_cast<double>(bins)) / a;
   const double median_over_mean = boost::math::gamma_q_inv(a, 0.5) / a;
   const double width = 1 / (static_cast<double>(spectrum.length) * dt);
-  std::vector<double> scratch;
+  const Level level(spectrum);
+  if (level.empty()) return;
   for (std::size_t k = kFirstBin; k + 1 < bins; ++k) {
     const double p = spectrum.power[k];
     if (p < spectrum.power[k - 1] || p <= spectrum.power[k + 1]) continue;  // peaks only
-    const double median = local_median(spectrum, k, scratch);
+    const double median = level.at(k);
     if (!(p * median_over_mean > cut * median)) continue;
     lines.push_back({.frequency_hz = static_cast<double>(k) * width,
                      .resolution_hz = width,

@@ -22,9 +22,9 @@ struct LineOptions {
 /// Lines of a record, strongest first.
 ///
 /// Averaged Hann-windowed periodograms (Welch, half overlap) at three segment lengths, for lines that hold their
-/// frequency all along and lines that wander; a bin is a line where it exceeds the median of its neighbourhood
-/// (+-5 %, at least 30 bins) by what chance would exceed with probability false_alarm / (bins tested), from the
-/// chi-square law of the average. Bins below 50 cycles a segment are not tested: there the 1/f slope is no flat
+/// frequency all along and lines that wander; a bin is a line where it exceeds the level of the spectrum around
+/// it (medians of blocks 10 % and at least 60 bins wide) by what chance would exceed with probability
+/// false_alarm / (bins tested), from the chi-square law of the average. Bins below 50 cycles a segment are not tested: there the 1/f slope is no flat
 /// neighbourhood. Missing samples (NaN) count as the mean.
 /// @param rate  at least 1024 samples, else nothing is found; dt > 0 [s].
 /// @throws std::invalid_argument for dt that is not above zero.

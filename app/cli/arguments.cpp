@@ -13,6 +13,7 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <map>
+#include <memory>
 #include <numeric>
 #include <stdexcept>
 
@@ -270,6 +271,18 @@ void finish(PlanArguments& a, const Texts& texts) {
   for (const auto& text : texts.wishes) a.wishes.push_back(wish(text));
 }
 
+// --- Help -----------------------------------------------------------------------------------------------------------
+
+// The list of verbs shows what each is for, without its examples.
+class Formatter : public CLI::Formatter {
+ public:
+  Formatter() { column_width(30); }
+  std::string make_subcommand(const CLI::App* verb) const override {
+    const std::string description = verb->get_description();
+    return fmt::format("  {:<12}{}\n", verb->get_name(), description.substr(0, description.find('\n')));
+  }
+};
+
 // --- Errors of use --------------------------------------------------------------------------------------------------
 
 std::size_t edit_distance(const std::string& a, const std::string& b) {
@@ -308,19 +321,16 @@ std::string suggestion(const CLI::App& app, const std::string& word) {
   return best.empty() ? "" : fmt::format("; did you mean {}?", best);
 }
 
-Answered answer(const CLI::App& app, const CLI::ParseError& error, int argc, const char* const* argv) {
+Answered answer(const CLI::App& app, const CLI::ParseError& error) {
   if (error.get_exit_code() == 0) {  // --help and --version
     app.exit(error);
     return {exit_done};
   }
   std::string hint;
-  if (error.get_name() == "ExtrasError" || error.get_name() == "RequiredError") {
-    for (int i = 1; i < argc && hint.empty(); ++i) {
-      const std::string word = argv[i];
-      const bool known = app.get_option_no_throw(word) != nullptr || app.get_subcommand_no_throw(word) != nullptr;
-      if (!known && (i == 1 || word.rfind("--", 0) == 0)) hint = suggestion(app, word.substr(0, word.find('=')));
-      if (hint.find(word + "?") != std::string::npos) hint.clear();  // the word itself: it is known
-    }
+  if (error.get_name() == "ExtrasError") {  // "The following argument was not expected: --rat 5"
+    const std::string what = error.what();
+    const std::string words = what.substr(what.rfind(": ") + 2);
+    hint = suggestion(app, words.substr(0, words.find_first_of(" =")));
   }
   fmt::print(stderr, "gyrobudget: {}{}\nRun gyrobudget --help, or gyrobudget VERB --help.\n", error.what(), hint);
   return {exit_usage};
@@ -352,7 +362,7 @@ Arguments parse_arguments(int argc, const char* const* argv) {
       "gyrobudget");
   app.set_version_flag("-V,--version", fmt::format("gyrobudget {}", kVersion));
   app.require_subcommand(0, 1);
-  app.get_formatter()->column_width(34);
+  app.formatter(std::make_shared<Formatter>());
   SimulateArguments simulate;
   AllanArguments allan;
   CalibrateArguments calibrate;
@@ -365,7 +375,7 @@ Arguments parse_arguments(int argc, const char* const* argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return answer(app, error, argc, argv);
+    return answer(app, error);
   }
   const std::string line = command_line(argc, argv);
   if (calibrate_verb->parsed()) {

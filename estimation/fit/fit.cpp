@@ -166,29 +166,31 @@ Run run_from_tau(const Prepared& p, double tau_min_s) {
   return fit_from(p, first - p.m.begin(), false);
 }
 
-// The start of the longest described run: its p-value reaches the limit, and its first tau belongs to it, that is,
+// The runs that the model describes, longest first: the p-value reaches the limit and the first tau belongs, that is,
 // fitting without that tau does not lower chi-square by more than chance. Quantization is strongest at the first tau:
 // a run that must cut that tau cannot hold it.
-std::optional<Run> longest_described_run(const Prepared& p, const Options& options) {
+std::vector<Run> described_runs(const Prepared& p, const Options& options) {
   const Eigen::Index tested = p.tested_until();
   const auto fewest = static_cast<Eigen::Index>(p.terms.size()) + kSparePoints;
-  std::optional<Run> candidate;
+  std::vector<Run> runs;
   for (Eigen::Index first = 1; first <= tested / 2 + 1 && tested - first >= fewest; ++first) {
-    Run run = fit_from(p, first, true);
-    if (run.terms.empty()) return std::nullopt;
-    if (candidate && candidate->chi2 - run.chi2 < kFirstTauCut) return candidate;
-    candidate.reset();
-    if (run.p_value >= options.p_value_limit && first <= tested / 2) candidate = std::move(run);
+    runs.push_back(fit_from(p, first, true));
+    if (runs.back().terms.empty()) return {};
   }
-  return candidate;
+  std::vector<Run> described;
+  for (std::size_t i = 0; i < runs.size() && runs[i].first <= tested / 2; ++i) {
+    const bool belongs = i + 1 == runs.size() || runs[i].chi2 - runs[i + 1].chi2 < kFirstTauCut;
+    if (belongs && runs[i].p_value >= options.p_value_limit) described.push_back(runs[i]);
+  }
+  return described;
 }
 
 Run choose_run(const Prepared& p, const Options& options) {
   if (options.tau_min_s) return run_from_tau(p, *options.tau_min_s);
   Run whole = fit_from(p, 0, false);
   if (whole.p_value >= kCutBelow) return whole;
-  auto described = longest_described_run(p, options);
-  return described ? std::move(*described) : whole;
+  const auto described = described_runs(p, options);
+  return described.empty() ? whole : described.front();
 }
 
 Eigen::VectorXd standard_deviations(const Run& run) {
