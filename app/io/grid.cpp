@@ -5,6 +5,7 @@
 #include "gyrobudget/io/text.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,6 +16,8 @@ namespace gyrobudget::inline v0::io {
 namespace {
 
 constexpr double kNanosecond = 1e-9;
+constexpr std::int64_t kCentury =
+    3'155'760'000'000'000'000;      // [ns] the longest log; keeps sums within 64 bits
 constexpr double kSameRate = 1e-6;  // rates this near are one rate, written with other digits
 
 double hertz(double interval_ns) { return 1 / (interval_ns * kNanosecond); }
@@ -58,7 +61,6 @@ class Scan {
   /// Calls see(row, step) for each stamp but the first.
   template <class See>
   void walk(See see) {
-    constexpr std::int64_t kCentury = 3'155'760'000'000'000'000;
     std::optional<std::int64_t> first;
     std::int64_t before =
         0;  // since the first, as all that follows: within a century, so that nothing overflows
@@ -137,11 +139,28 @@ class Scan {
 
 // --- Following the stamps --------------------------------------------------------------------------------------------
 
+/// Unevenness of the stamps, from how the steps between them differ from whole intervals.
+struct Jitter {
+  double squares = 0, largest = 0, steps = 0;
+
+  void add(double difference) {
+    squares += difference * difference;
+    largest = std::max(largest, std::abs(difference));
+    steps += 1;
+  }
+  void add(const Jitter& other) {
+    squares += other.squares;
+    largest = std::max(largest, other.largest);
+    steps += other.steps;
+  }
+  /// Of a stamp: a step has two of them.
+  [[nodiscard]] double rms() const { return steps > 0 ? std::sqrt(squares / steps / 2) : 0; }
+};
+
 struct Track {
   std::int64_t points = 0;
-  double interval = 0;    ///< least squares [ns]
-  double jitter_rms = 0;  ///< of stamps about the tracked time, in intervals
-  double jitter_max = 0;
+  double interval = 0;  ///< least squares [ns]
+  Jitter jitter;
   std::int64_t gaps = 0;
   std::int64_t longest_gap = 0;  ///< [points]
   std::size_t row_behind_longest = 0;
@@ -161,7 +180,8 @@ Track follow(const std::vector<std::int64_t>& stamps, double interval, Place pla
   Track track;
   std::int64_t point = -1;
   double expected = 0;  // time of the next grid point
-  double sum_k = 0, sum_r = 0, sum_kk = 0, sum_kr = 0, sum_jitter = 0, count = 0;
+  double sum_k = 0, sum_r = 0, sum_kk = 0, sum_kr = 0, count = 0;
+  double time_before = 0;
   std::optional<std::int64_t> before;
 
   // Grid points that were skipped before this row.
@@ -193,10 +213,9 @@ Track follow(const std::vector<std::int64_t>& stamps, double interval, Place pla
 
     const double time = since(row);
     const double tracked = expected + static_cast<double>(gap) * interval;
-    const double jitter = (time - tracked) / interval;
-    sum_jitter += jitter * jitter;
-    track.jitter_max = std::max(track.jitter_max, std::abs(jitter));
     expected = tracked + kGain * (time - tracked) + interval;
+    if (point > 0 && gap == 0) track.jitter.add((time - time_before) / interval - 1);
+    time_before = time;
 
     const auto k = static_cast<double>(point);
     const double residual = time - k * interval;
@@ -207,8 +226,72 @@ Track follow(const std::vector<std::int64_t>& stamps, double interval, Place pla
     sum_kr += k * residual;
   }
   track.points = point + 1;
-  track.jitter_rms = std::sqrt(sum_jitter / count);
   track.interval = interval + (sum_kr - sum_k * sum_r / count) / (sum_kk - sum_k * sum_k / count);
+  return track;
+}
+
+/// follow() where no stamp is missing and no step is far from the others: row k is point k, and the sums run on all
+/// cores in fixed blocks. Empty where the stamps are another case.
+std::optional<Track> follow_even(const std::vector<std::int64_t>& stamps) {
+  constexpr std::size_t kBlock = std::size_t{1} << 16;
+  const std::size_t blocks = (stamps.size() + kBlock - 1) / kBlock;
+  const auto for_blocks = [&](auto visit) {
+    tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t b) {
+      visit(b, b * kBlock, std::min((b + 1) * kBlock, stamps.size()));
+    });
+  };
+
+  std::vector<std::pair<std::int64_t, std::int64_t>> extremes(blocks);
+  for_blocks([&](std::size_t b, std::size_t begin, std::size_t end) {
+    auto& [least, most] = extremes[b] = {std::numeric_limits<std::int64_t>::max(), 0};
+    for (std::size_t row = std::max<std::size_t>(begin, 1); row < end; ++row) {
+      std::int64_t step = 0;
+      const bool overflow = __builtin_sub_overflow(stamps[row], stamps[row - 1], &step);
+      least = overflow ? 0 : std::min(least, step);
+      most = std::max(most, step);
+    }
+  });
+  std::int64_t least = std::numeric_limits<std::int64_t>::max(), most = 0;
+  for (const auto& [l, m] : extremes) {
+    least = std::min(least, l);
+    most = std::max(most, m);
+  }
+  const bool missing =
+      stamps.front() == kNoStamp || stamps.back() == kNoStamp;  // others make a step below zero
+  std::int64_t span = 0;
+  if (missing || least <= 0 || __builtin_sub_overflow(stamps.back(), stamps.front(), &span) ||
+      span > kCentury) {
+    return std::nullopt;
+  }
+  const auto n = static_cast<double>(stamps.size());
+  const double interval = static_cast<double>(span) / (n - 1);
+  if (static_cast<double>(least) < 0.5 * interval || static_cast<double>(most) > 1.5 * interval)
+    return std::nullopt;
+
+  struct Sums {
+    double r = 0, kr = 0;
+    Jitter jitter;
+  };
+  std::vector<Sums> sums(blocks);
+  for_blocks([&](std::size_t b, std::size_t begin, std::size_t end) {
+    Sums& s = sums[b];
+    for (std::size_t row = begin; row < end; ++row) {
+      const auto k = static_cast<double>(row);
+      const double residual = static_cast<double>(stamps[row] - stamps.front()) - k * interval;
+      s.r += residual;
+      s.kr += k * residual;
+      if (row > 0) s.jitter.add(static_cast<double>(stamps[row] - stamps[row - 1]) / interval - 1);
+    }
+  });
+  Track track;
+  double sum_r = 0, sum_kr = 0;
+  for (const Sums& s : sums) {
+    sum_r += s.r;
+    sum_kr += s.kr;
+    track.jitter.add(s.jitter);
+  }
+  track.points = static_cast<std::int64_t>(stamps.size());
+  track.interval = interval + (sum_kr - sum_r * (n - 1) / 2) / (n * (n * n - 1) / 12);
   return track;
 }
 
@@ -249,11 +332,11 @@ void check_density(const Track& track, std::size_t rows, const std::vector<std::
 }
 
 void check_jitter(const Track& track, const TimeColumn& column) {
-  if (track.jitter_rms <= kLargestJitter) return;
+  if (track.jitter.rms() <= kLargestJitter) return;
   fail(column.source,
        fmt::format("the time {} is uneven by {:.0f} % (rms) of the sample interval, expected at most "
                    "{:g} %; if the samples themselves are even, give their rate: --rate HZ",
-                   column.name, 100 * track.jitter_rms, 100 * kLargestJitter));
+                   column.name, 100 * track.jitter.rms(), 100 * kLargestJitter));
 }
 
 std::string plural(std::int64_t n, std::string_view one) {
@@ -269,11 +352,11 @@ std::vector<std::string> notes_on(const Track& track, const Steps& steps, double
     notes.back() += fmt::format(", not {:.6g} Hz: they differ by {:.2g} %", *given,
                                 100 * std::abs(measured / *given - 1));
   constexpr double kWorthSaying = 0.01;
-  if (track.jitter_max > kWorthSaying) {
+  if (track.jitter.largest > kWorthSaying) {
     notes.push_back(
         fmt::format("the stamps jitter by {:.2g} % (rms), at most {:.2g} %, of the sample interval; the "
                     "samples are taken as even",
-                    100 * track.jitter_rms, 100 * track.jitter_max));
+                    100 * track.jitter.rms(), 100 * track.jitter.largest));
   }
   const std::int64_t missing = track.points - static_cast<std::int64_t>(steps.stamps - steps.repeated);
   if (track.gaps > 0) {
@@ -293,9 +376,20 @@ std::vector<std::string> notes_on(const Track& track, const Steps& steps, double
   return notes;
 }
 
+Grid described(const Track& track, const Steps& steps, std::optional<double> rate_hz,
+               const TimeColumn& column) {
+  const double measured = hertz(track.interval);
+  const double rate = rate_hz && std::abs(measured / *rate_hz - 1) <= kSameRate ? *rate_hz : measured;
+  return {rate, track.points, {}, notes_on(track, steps, rate, rate_hz, column)};
+}
+
 }  // namespace
 
 Grid make_grid(std::vector<std::int64_t> stamps, std::optional<double> rate_hz, const TimeColumn& column) {
+  if (const auto even = follow_even(stamps); even && (!rate_hz || agrees(even->interval, *rate_hz))) {
+    check_jitter(*even, column);
+    return described(*even, {.stamps = stamps.size()}, rate_hz, column);
+  }
   const Steps steps = Scan(stamps, column).run();
   const std::size_t rows = steps.stamps - steps.repeated;
   const double start = first_interval(steps, rate_hz, column);
@@ -306,19 +400,15 @@ Grid make_grid(std::vector<std::int64_t> stamps, std::optional<double> rate_hz, 
   check_density(rough, rows, stamps, column);
   if (!rate_decides) check_jitter(rough, column);
 
-  Grid grid;
-  grid.places.assign(stamps.size(), kNoStamp);
+  std::vector<std::int64_t> places(stamps.size(), kNoStamp);
   const Track track = follow(stamps, rough.interval, [&](std::size_t row, std::int64_t point, bool repeated) {
-    grid.places[row] = repeated ? ~point : point;
+    places[row] = repeated ? ~point : point;
   });
   check_density(track, rows, stamps, column);
   if (rate_hz && !agrees(track.interval, *rate_hz)) fail_contradiction(column, track.interval, *rate_hz);
-
-  const double measured = hertz(track.interval);
-  grid.rate_hz = rate_hz && std::abs(measured / *rate_hz - 1) <= kSameRate ? *rate_hz : measured;
-  grid.points = track.points;
-  grid.notes = notes_on(track, steps, grid.rate_hz, rate_hz, column);
-  if (grid.points == static_cast<std::int64_t>(stamps.size()) && rows == stamps.size()) grid.places = {};
+  Grid grid = described(track, steps, rate_hz, column);
+  if (grid.points != static_cast<std::int64_t>(rows) || rows != stamps.size())
+    grid.places = std::move(places);
   return grid;
 }
 

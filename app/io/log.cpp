@@ -140,17 +140,18 @@ Record read_log(const LogOptions& options) {
   append(record.notes, std::move(grid.notes));
 
   const std::size_t axes = choice.data.size();
-  std::vector<std::int64_t> turns(axes);
+  std::vector<std::int64_t> turns(axes), numbers(axes);
   tbb::parallel_for(std::size_t{0}, axes, [&](std::size_t i) {
     put_on_grid(grid, table.numbers[i]);
+    numbers[i] = count_numbers(table.numbers[i]);
     turns[i] = to_rate(table.numbers[i], options.input, choice.data[i].signal, grid.rate_hz);
   });
   for (std::size_t i = 0; i < axes; ++i) {
     const DataColumn& column = choice.data[i];
-    check_length(source.name(), count_numbers(table.numbers[i]) + (options.input == Input::angle ? 1 : 0),
-                 options.input, "number", " in column " + quoted(column.name));
-    if (turns[i] > 0)
+    check_length(source.name(), numbers[i], options.input, "number", " in column " + quoted(column.name));
+    if (turns[i] > 0) {
       record.notes.push_back(fmt::format("{} is unwrapped {} times", quoted(column.name), turns[i]));
+    }
     record.axes.push_back({column.name, column.signal, std::move(table.numbers[i])});
   }
   record.samples = static_cast<std::int64_t>(record.axes.front().rate.size());

@@ -166,4 +166,10 @@ Cell parse_stamp(std::string_view cell, bool decimal_comma, std::int64_t ns_per_
   return parse_number(cell, decimal_comma, ignored) == Cell::missing ? Cell::missing : Cell::text;
 }
 
+const char* scan_stamp(const char* begin, const char* end, std::int64_t ns_per_unit, std::int64_t& ns) {
+  Decimal decimal;
+  const char* stop = read_decimal(begin, end, '.', decimal);
+  return stop && to_nanoseconds(decimal, ns_per_unit, ns) ? stop : nullptr;
+}
+
 }  // namespace gyrobudget::inline v0::io

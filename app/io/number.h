@@ -28,4 +28,9 @@ inline constexpr std::int64_t kNoStamp = std::numeric_limits<std::int64_t>::min(
 [[nodiscard]] Cell parse_stamp(std::string_view cell, bool decimal_comma, std::int64_t ns_per_unit,
                                std::int64_t& ns);
 
+/// The same for what stands between `begin` and `end`, which may go on behind the number.
+/// @returns where the number ends, or null where none begins or it does not fit
+[[nodiscard]] const char* scan_stamp(const char* begin, const char* end, std::int64_t ns_per_unit,
+                                     std::int64_t& ns);
+
 }  // namespace gyrobudget::inline v0::io

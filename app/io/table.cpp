@@ -4,6 +4,7 @@
 #include "gyrobudget/io/number.h"
 
 #include <fmt/format.h>
+#include <sys/mman.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -20,6 +21,7 @@ namespace {
 
 /// Why a row cannot be read, and where in its line.
 struct Fault {
+  std::int64_t line = 0;
   std::size_t offset = 0;
   std::string message;
 };
@@ -55,6 +57,24 @@ class RowParser {
  public:
   RowParser(Dialect dialect, const std::vector<Role>& roles, Table& table)
       : dialect_(dialect), roles_(roles), stamps_(table.stamps.data()) {}
+
+  /// The usual case, fast: a row of plain numbers and of cells that are passed over.
+  /// @returns where the next line starts; null where the row is another case (its end is not looked for)
+  const char* parse_plain(const char* at, const char* end, std::size_t row) const {
+    if (dialect_.decimal_comma) return nullptr;
+    for (std::size_t i = 0; i < roles_.size(); ++i) {
+      if (i > 0) {
+        if (at == end || !is_delimiter(*at)) return nullptr;
+        do {
+          ++at;
+        } while (at != end && (*at == ' ' || (kBlanks && *at == '\t')));
+      }
+      at = parse_plain_cell(roles_[i], at, end, row);
+      if (!at) return nullptr;
+    }
+    if (at != end && *at == '\r') ++at;
+    return at != end && *at == '\n' ? at + 1 : nullptr;
+  }
 
   /// @returns the fault where the row is not as it should be
   std::optional<Fault> parse(const char* begin, const char* end, std::size_t row) const {
@@ -95,27 +115,34 @@ class RowParser {
     return found ? static_cast<const char*>(found) : end;
   }
 
+  /// The end of the cell; null where it is not plain.
+  const char* parse_plain_cell(const Role& role, const char* at, const char* end, std::size_t row) const {
+    switch (role.kind) {
+      case Role::number: {
+        double value = 0;
+        const auto [stop, error] = std::from_chars(at, end, value);
+        value *= role.to_si;
+        role.numbers[row] = value;
+        return error == std::errc{} && std::isfinite(value) ? stop : nullptr;
+      }
+      case Role::stamp:
+        return role.further_part ? nullptr : scan_stamp(at, end, role.ns_per_unit, stamps_[row]);
+      case Role::skip:
+        break;
+    }
+    while (at != end && *at != '\n' && *at != '\r' && !is_delimiter(*at)) ++at;
+    return at;
+  }
+
   /// Moves `at` to the end of the cell, or leaves it at the start of a bad one.
   bool parse_cell(const Role& role, const char*& at, const char* end, std::size_t row) const {
-    if (role.kind == Role::number && !dialect_.decimal_comma) {
-      double value = 0;
-      const auto [stop, error] = std::from_chars(at, end, value);
-      const char* behind = skip_blanks(stop, end);
-      const bool complete = kBlanks ? stop == end || is_blank(*stop) : behind == end || is_delimiter(*behind);
-      value *= role.to_si;
-      if (error == std::errc{} && complete && std::isfinite(value)) {
-        role.numbers[row] = value;
-        at = kBlanks ? stop : behind;
-        return true;
-      }
-    }
     const char* stop = cell_end(at, end);
-    if (!parse_slowly(role, {at, static_cast<std::size_t>(stop - at)}, row)) return false;
+    if (!parse_any(role, {at, static_cast<std::size_t>(stop - at)}, row)) return false;
     at = stop;
     return true;
   }
 
-  bool parse_slowly(const Role& role, std::string_view cell, std::size_t row) const {
+  bool parse_any(const Role& role, std::string_view cell, std::size_t row) const {
     if (role.kind == Role::number) {
       double value = 0;
       const Cell kind = parse_number(cell, dialect_.decimal_comma, value);
@@ -146,7 +173,7 @@ class RowParser {
     const std::string expected = text                        ? "a number"
                                  : role.kind == Role::number ? "a number within the range of double (1.8e308)"
                                                              : "a time within 292 years of its zero";
-    return {static_cast<std::size_t>(at - begin),
+    return {0, static_cast<std::size_t>(at - begin),
             fmt::format("found {} in {}, expected {}; correct it, or write nan where a sample is missing",
                         quoted(cell),
                         role.kind == Role::number && !role.name->starts_with("column ")
@@ -156,12 +183,12 @@ class RowParser {
   }
 
   Fault too_few(const char* begin, const char* end, std::size_t found) const {
-    return {static_cast<std::size_t>(end - begin), wrong_count(found)};
+    return {0, static_cast<std::size_t>(end - begin), wrong_count(found)};
   }
 
   Fault too_many(const char* begin, const char* at, const char* end) const {
     const std::string_view line(begin, static_cast<std::size_t>(end - begin));
-    return {static_cast<std::size_t>(at - begin), wrong_count(split(line, dialect_.delimiter).size())};
+    return {0, static_cast<std::size_t>(at - begin), wrong_count(split(line, dialect_.delimiter).size())};
   }
 
   std::string wrong_count(std::size_t found) const {
@@ -187,10 +214,49 @@ std::size_t for_each_line(std::string_view text, std::size_t begin, std::size_t 
   return std::string_view::npos;
 }
 
-/// kind_of, with a short cut for rows that start with a digit or a sign.
+/// Surely a row, from its first character.
+bool starts_row(char c) { return is_digit(c) || c == '-'; }
+
+/// kind_of, with a short cut.
 Line quick_kind(std::string_view text, std::size_t begin, std::size_t end) {
-  if (begin < end && (is_digit(text[begin]) || text[begin] == '-')) return Line::data;
+  if (begin < end && starts_row(text[begin])) return Line::data;
   return kind_of(text.substr(begin, end - begin));
+}
+
+/// Parses the lines that start in [begin, end); `line` and `row` count those before them. @returns the first fault
+template <class Parser>
+std::optional<Fault> parse_chunk(const Parser& parser, std::string_view text, std::size_t begin,
+                                 std::size_t end, std::int64_t line, std::size_t row) {
+  const char* text_end = text.data() + text.size();
+  while (begin < end) {
+    ++line;
+    if (starts_row(text[begin])) {
+      if (const char* next = parser.parse_plain(text.data() + begin, text_end, row)) {
+        ++row;
+        begin = static_cast<std::size_t>(next - text.data());
+        continue;
+      }
+    }
+    const std::size_t stop = line_end(text, begin);
+    if (quick_kind(text, begin, stop) == Line::data) {
+      if (auto fault = parser.parse(text.data() + begin, text.data() + stop, row++)) {
+        fault->line = line;
+        return fault;
+      }
+    }
+    begin = stop + 1;
+  }
+  return std::nullopt;
+}
+
+/// Room for the numbers of a column in large pages: fewer faults while it is filled.
+void make_room(std::vector<double>& numbers, std::size_t rows) {
+  numbers.reserve(rows);
+  constexpr std::size_t kPage = std::size_t{1} << 21;
+  const auto begin = (reinterpret_cast<std::uintptr_t>(numbers.data()) + kPage - 1) / kPage * kPage;
+  const auto end = reinterpret_cast<std::uintptr_t>(numbers.data() + rows) / kPage * kPage;
+  if (begin < end) ::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
+  numbers.resize(rows);
 }
 
 }  // namespace
@@ -246,7 +312,7 @@ Table TableReader::read(const Choice& choice) const {
   table.numbers.resize(choice.data.size());
   if (!choice.stamps.empty()) table.stamps.resize(rows_);
   tbb::parallel_for(std::size_t{0}, table.numbers.size(),
-                    [&](std::size_t i) { table.numbers[i].resize(rows_); });
+                    [&](std::size_t i) { make_room(table.numbers[i], rows_); });
 
   const std::vector<Role> roles = roles_of(layout_, choice, table);
   if (layout_.dialect.delimiter == ' ') {
@@ -259,36 +325,20 @@ Table TableReader::read(const Choice& choice) const {
 
 template <class Parser>
 void TableReader::parse_rows(const Parser& parser) const {
-  struct Found {
-    std::int64_t line = 0;
-    Fault fault;
-  };
-  std::vector<std::optional<Found>> faults(chunks_.size());
+  std::vector<std::optional<Fault>> faults(chunks_.size());
   std::atomic<std::size_t> first_fault{chunks_.size()};
-  const std::string_view text = source_.text();
   tbb::parallel_for(std::size_t{0}, chunks_.size(), [&](std::size_t i) {
     if (i > first_fault.load(std::memory_order_relaxed)) return;  // an earlier one will be reported
-    const Chunk& c = chunks_[i];
-    std::int64_t line = c.lines;
-    std::size_t row = c.rows;
-    for_each_line(text, c.begin, c.end, [&](std::size_t begin, std::size_t end) {
-      ++line;
-      if (quick_kind(text, begin, end) != Line::data) return true;
-      if (auto fault = parser.parse(text.data() + begin, text.data() + end, row++)) {
-        faults[i] = Found{line, *std::move(fault)};
-        std::size_t before = first_fault.load();
-        while (i < before && !first_fault.compare_exchange_weak(before, i)) {
-        }
-        return false;
-      }
-      return true;
-    });
-    source_.release(text.substr(c.begin, c.end - c.begin));
+    faults[i] = parse_chunk(parser, source_.text(), chunks_[i].begin, chunks_[i].end, chunks_[i].lines,
+                            chunks_[i].rows);
+    std::size_t before = first_fault.load();
+    while (faults[i] && i < before && !first_fault.compare_exchange_weak(before, i)) {
+    }
+    source_.release(source_.text().substr(chunks_[i].begin, chunks_[i].end - chunks_[i].begin));
   });
-  if (first_fault < faults.size()) {
-    const Found& f = *faults[first_fault];
-    fail_at(source_.name(), f.line, static_cast<std::int64_t>(f.fault.offset) + 1, f.fault.message);
-  }
+  if (first_fault == faults.size()) return;
+  const Fault& f = *faults[first_fault];
+  fail_at(source_.name(), f.line, static_cast<std::int64_t>(f.offset) + 1, f.message);
 }
 
 std::int64_t TableReader::line_of_row(std::size_t row) const {
