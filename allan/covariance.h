@@ -30,7 +30,7 @@ namespace gyrobudget::inline v0::allan {
 /// Error of G against the direct sum over all lags, relative to sqrt(S_ii S_jj): below 1e-9, for any n up to 1e9 and
 /// any factors. Two exceptions: terms with a sinusoid that makes over 500 cycles in the record, 1 %; and records with
 /// gaps, where n(u) is interpolated between lags at which it is counted and C is scaled by the change of the
-/// expectation: 1 % for up to 5 % of samples lost.
+/// expectation: 1 % where at least half of the triples count, 8 % where fewer do.
 ///
 /// On octave factors up to n/2, S has a Cholesky factor for every mix with at least one random process, from n = 16
 /// to 1e9. Dense grids make it singular.

@@ -40,7 +40,7 @@ class Mask {
   /// complete, NaN where none counts.
   ///
   /// White noise: exact, the mean of (1/c1 + 1/c2) m/2 over all triples that count, c the samples that exist in their
-  /// clusters. Others: over at most 128 triples spread evenly among those that miss samples; of each the expectation
+  /// clusters. Others: over at most 512 triples spread evenly among those that miss samples; of each the expectation
   /// is exact for quantization, ramp and sinusoid (averaged over its phase), and for flicker, random walk and
   /// Gauss-Markov from the structure function between 32 blocks a cluster. Error of the ratio for up to 5 % of samples
   /// lost, at random or in gaps: below 1e-3 + 5 % of its distance from 1 (tested against all triples, all samples).

@@ -185,14 +185,13 @@ class Blocks {
   std::vector<double> covariance_, within_, density_;
 };
 
-/// Mean of `square_of(gaps)` over triples spread evenly over those that miss samples.
+/// Mean of `square_of(gaps)` over at most `most` triples, spread evenly over those that miss samples.
 template <typename SquareOf>
-double mean_of_touched(const Mask& mask, const Triples& triples, SquareOf square_of) {
-  constexpr std::int64_t kMost = 128;
-  const std::int64_t all = triples.touched.size(), taken = std::min(all, kMost);
+double mean_of_touched(const Mask& mask, const Triples& triples, std::int64_t most, SquareOf square_of) {
+  const std::int64_t all = triples.touched.size(), taken = std::min(all, most);
   double sum = 0;
   for (std::int64_t i = 0; i < taken; ++i) {
-    // Midpoints of equal parts; taken <= 128 and all < 2^32 keep the product in range.
+    // Midpoints of equal parts; all < 2^32 keeps the product in range.
     const std::int64_t rank = (2 * i + 1) * all / (2 * taken);
     sum += square_of(gaps_of(mask, triples.touched.at(rank), triples.m));
   }
@@ -207,15 +206,20 @@ double masked_variance(const Mask& mask, const Triples& triples, const noise::Pr
   if (triples.touched.size() == 0) return complete;
   if (std::holds_alternative<noise::White>(process)) return complete * triples.white_ratio;
 
+  // Long clusters hold many gaps, but each is then more like the next: fewer do.
+  constexpr std::int64_t kMostBlocks = 128, kMostExact = 512, kFewestExact = 32, kGaps = 100'000;
+  const std::int64_t gaps_each =
+      1 + static_cast<std::int64_t>(mask.runs().size()) * 2 * triples.m / mask.samples();
+  const std::int64_t most_exact = std::clamp(kGaps / gaps_each, kFewestExact, kMostExact);
   const auto m = static_cast<double>(triples.m);
   const double expected = std::visit(
       [&](const auto& p) {
         if constexpr (requires(const TripleGaps& gaps) { expected_square(p, gaps, m, dt); }) {
-          return mean_of_touched(mask, triples,
+          return mean_of_touched(mask, triples, most_exact,
                                  [&](const TripleGaps& gaps) { return expected_square(p, gaps, m, dt); });
         } else {
           Blocks blocks(process, triples.m, dt);
-          return mean_of_touched(mask, triples,
+          return mean_of_touched(mask, triples, kMostBlocks,
                                  [&](const TripleGaps& gaps) { return blocks.expected_square(gaps); });
         }
       },

@@ -43,18 +43,30 @@ class PairCount {
     double u, count;  // count: mean of both sides
   };
 
-  /// With gaps: exact where the kernels have their kinks and a little beyond, linear between.
+  /// With gaps the count is taken at the kinks of the kernels and at lags that grow geometrically, as fast as losing
+  /// single samples makes triples come and go near u = 0; linear between. Where there are very many gaps it is taken
+  /// on part of the triples, as the chance that a triple of the first factor has its partner.
   void sample(const FactorFacts& one, const FactorFacts& two) {
+    constexpr std::size_t kMostRanges = 4096;
+    const bool first_is_few = one.triples.valid.ranges().size() <= two.triples.valid.ranges().size();
+    const Ranges &few = first_is_few ? one.triples.valid : two.triples.valid,
+                 &many = first_is_few ? two.triples.valid : one.triples.valid;
+    const Ranges part = few.sample(kMostRanges);
+    const double scale =
+        static_cast<double>(few.size()) / static_cast<double>(std::max<std::int64_t>(1, part.size()));
+
     const std::int64_t sum = one.m + two.m;
-    std::vector<std::int64_t> lags{0, one.m, offset_, two.m, sum, 2 * sum, 4 * sum, end()};
+    std::vector<std::int64_t> lags{0, one.m, offset_, two.m, sum, end()};
+    for (std::int64_t u = 1; u < std::min(end(), 4 * sum); u += 1 + u / 2) lags.push_back(u);
     std::sort(lags.begin(), lags.end());
     lags.erase(std::unique(lags.begin(), lags.end()), lags.end());
     lags.erase(std::upper_bound(lags.begin(), lags.end(), end()), lags.end());
     for (const std::int64_t u : lags) {
       // Middles u apart: the second triple begins u - offset behind the first, or -u - offset.
-      const std::int64_t both = count_pairs(one.triples.valid, two.triples.valid, u - offset_) +
-                                count_pairs(one.triples.valid, two.triples.valid, -u - offset_);
-      knots_.push_back({static_cast<double>(u), static_cast<double>(both) / 2});
+      const std::int64_t behind = first_is_few ? u - offset_ : offset_ - u;
+      const std::int64_t ahead = first_is_few ? -u - offset_ : offset_ + u;
+      const std::int64_t both = count_pairs(part, many, behind) + count_pairs(part, many, ahead);
+      knots_.push_back({static_cast<double>(u), scale * static_cast<double>(both) / 2});
     }
   }
 

@@ -22,31 +22,53 @@ std::int64_t Ranges::at(std::int64_t rank) const {
   return range.first + (rank - range.before);
 }
 
-std::int64_t Ranges::below(std::int64_t bound) const {
-  const auto after = std::upper_bound(ranges_.begin(), ranges_.end(), bound,
-                                      [](std::int64_t b, const Range& range) { return b < range.first; });
-  if (after == ranges_.begin()) return 0;
-  const Range& range = *(after - 1);
-  return range.before + std::min(bound, range.end) - range.first;
+Ranges Ranges::sample(std::size_t most) const {
+  if (ranges_.size() <= most) return *this;
+  constexpr std::size_t kStretches = 64;
+  const std::size_t length = std::max<std::size_t>(1, most / kStretches);
+  Ranges part;
+  for (std::size_t i = 0; i < kStretches; ++i) {
+    const std::size_t first = i * (ranges_.size() - length) / (kStretches - 1);
+    for (std::size_t r = first; r < first + length; ++r) part.append(ranges_[r].first, ranges_[r].end);
+  }
+  return part;
 }
 
-std::int64_t count_pairs(const Ranges& a, const Ranges& b, std::int64_t h) {
-  const auto &few = a.ranges().size() <= b.ranges().size() ? a : b, &many = &few == &a ? b : a;
-  const std::int64_t shift = &few == &a ? h : -h;
-  std::int64_t count = 0;
-  constexpr std::size_t kSearch = 16;  // what a binary search costs in steps of a merge
-  if (few.ranges().size() * kSearch < many.ranges().size()) {
-    for (const auto& range : few.ranges())
-      count += many.below(range.end + shift) - many.below(range.first + shift);
-    return count;
-  }
-  auto other = many.ranges().begin();
-  for (const auto& range : few.ranges()) {
-    const std::int64_t first = range.first + shift, end = range.end + shift;
-    while (other != many.ranges().end() && other->end <= first) ++other;
-    for (auto next = other; next != many.ranges().end() && next->first < end; ++next) {
-      count += std::min(end, next->end) - std::max(first, next->first);
+namespace {
+
+/// Counts the members below ascending bounds, each found by doubling steps from the one before.
+class Counter {
+ public:
+  explicit Counter(const std::vector<Ranges::Range>& ranges)
+      : at_(ranges.data()), end_(at_ + ranges.size()) {}
+  std::int64_t below(std::int64_t bound) {
+    std::ptrdiff_t step = 1;  // at_ stays on the last range that begins below the bound
+    while (end_ - at_ > step && at_[step].first < bound) {
+      at_ += step;
+      step *= 2;
     }
+    const Ranges::Range* limit = at_ + std::min<std::ptrdiff_t>(step, end_ - at_);
+    at_ = std::partition_point(at_, limit, [&](const Ranges::Range& range) { return range.first < bound; });
+    if (at_ != begin_) --at_;
+    return at_->first < bound ? at_->before + std::min(bound, at_->end) - at_->first : 0;
+  }
+
+ private:
+  const Ranges::Range *at_, *end_, *begin_ = at_;
+};
+
+}  // namespace
+
+std::int64_t count_pairs(const Ranges& a, const Ranges& b, std::int64_t h) {
+  const bool first_is_few = a.ranges().size() <= b.ranges().size();
+  const Ranges &few = first_is_few ? a : b, &many = first_is_few ? b : a;
+  const std::int64_t shift = first_is_few ? h : -h;
+  if (few.size() == 0) return 0;
+  Counter counter(many.ranges());
+  std::int64_t count = 0;
+  for (const Ranges::Range& range : few.ranges()) {
+    const std::int64_t before = counter.below(range.first + shift);
+    count += counter.below(range.end + shift) - before;
   }
   return count;
 }

@@ -24,8 +24,8 @@ class Ranges {
   [[nodiscard]] const std::vector<Range>& ranges() const { return ranges_; }
   /// The number that has `rank` smaller ones in the set.
   [[nodiscard]] std::int64_t at(std::int64_t rank) const;
-  /// How many numbers in the set are below `bound`.
-  [[nodiscard]] std::int64_t below(std::int64_t bound) const;
+  /// The set itself, or where it has more than `most` ranges, that many in stretches spread evenly over it.
+  [[nodiscard]] Ranges sample(std::size_t most) const;
 
  private:
   std::vector<Range> ranges_;
