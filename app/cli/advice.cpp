@@ -47,19 +47,12 @@ void advise_duration(std::vector<std::string>& advice, const fit::Result& fit, T
 }
 
 void advise_unresolved(std::vector<std::string>& advice, const fit::Result& fit) {
-  const auto& flicker = fit[Term::flicker];
-  if (flicker.fitted && flicker.status == Status::upper_bound && fit.beta > 0) {
-    advice.push_back(fmt::format(
-        "Bias instability is not resolved: beta = B^2/(N K) = {:.2g}; the floor of the curve is where angle random walk "
-        "and rate random walk cross, and B hides below it. Quote the upper limit, not the value.", fit.beta));
-  }
   const auto& walk = fit[Term::rate_random_walk];
   if (walk.fitted && walk.status != Status::identified) {
     advice.push_back("No rate random walk is seen within this record: it may show in a longer one. Quote the upper limit.");
   }
 }
 
-// The slope of the misfit tells what is missing.
 void advise_misfit(std::vector<std::string>& advice, const fit::Result& fit) {
   if (fit.verdict != fit::Verdict::not_described) return;
   advice.push_back(
@@ -69,26 +62,14 @@ void advise_misfit(std::vector<std::string>& advice, const fit::Result& fit) {
       "--tau-max).");
 }
 
-void advise_cut(std::vector<std::string>& advice, const fit::Result& fit) {
-  const auto first = std::find_if(fit.residuals.begin(), fit.residuals.end(), [](const auto& r) { return r.used; });
-  if (first == fit.residuals.begin() || first == fit.residuals.end()) return;
-  const auto worst = std::max_element(fit.residuals.begin(), first, [](const auto& a, const auto& b) {
-    return std::abs(a.misfit) < std::abs(b.misfit);
-  });
-  advice.push_back(fmt::format(
-      "Taus below {:.4g} s were not used: there the curve is up to {:.1f} % {} the model (at {:.4g} s), as the sensor's own "
-      "filter, resolution or a periodic line make it. For use below that tau, add this to the budget.",
-      fit.tau_min_s, 100 * std::abs(worst->misfit), worst->misfit > 0 ? "above" : "below", worst->tau_s));
-}
-
 // Lines are noise that no coefficient describes: vibration, mains, a fan, a control loop.
 void advise_lines(std::vector<std::string>& advice, const io::Axis& axis, double dt) {
   const auto unit = noise::datasheet_unit(axis.signal);
   for (const auto& line : allan::find_lines(axis.rate, dt)) {
     advice.push_back(fmt::format(
-        "A spectral line at {:.4g} Hz (amplitude about {}, {:.0f} times the spectrum beside it) is in the record but not "
+        "A spectral line at {:.3g} Hz (amplitude about {}, {:.0f} times the spectrum beside it) is in the record but not "
         "in the model. It shifts the deviation at taus up to its period, {:.3g} s.",
-        line.frequency_hz, noise::quantity_text(line.amplitude, unit, 2), line.ratio, 1 / line.frequency_hz));
+        line.frequency_hz, noise::quantity_text(line.amplitude, unit, 3), line.ratio, 1 / line.frequency_hz));
   }
 }
 
@@ -145,7 +126,6 @@ std::vector<std::string> advise(const fit::Result& fit, const io::Axis& axis, co
   advise_misfit(advice, fit);
   advise_lines(advice, axis, octaves.dt);
   if (fit.verdict != fit::Verdict::not_described) {
-    advise_cut(advice, fit);
     advise_unresolved(advice, fit);
     advise_duration(advice, fit, Term::flicker, "Bias instability", octaves);
     advise_duration(advice, fit, Term::rate_random_walk, "Rate random walk", octaves);

@@ -327,10 +327,11 @@ Answered answer(const CLI::App& app, const CLI::ParseError& error) {
     return {exit_done};
   }
   std::string hint;
-  if (error.get_name() == "ExtrasError") {  // "The following argument was not expected: --rat 5"
+  if (error.get_name() == "ExtrasError") {  // "The following arguments were not expected: 5 --rat"
     const std::string what = error.what();
-    const std::string words = what.substr(what.rfind(": ") + 2);
-    hint = suggestion(app, words.substr(0, words.find_first_of(" =")));
+    std::string word = what.substr(what.rfind(": ") + 2);
+    if (const auto option = word.find("--"); option != std::string::npos) word = word.substr(option);
+    hint = suggestion(app, word.substr(0, word.find_first_of(" =")));
   }
   fmt::print(stderr, "gyrobudget: {}{}\nRun gyrobudget --help, or gyrobudget VERB --help.\n", error.what(), hint);
   return {exit_usage};

@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fmt/format.h>
 #include <map>
 #include <utility>
@@ -119,9 +120,15 @@ std::optional<noise::ErrorModel> triad(const report::LogResult& result, noise::S
   return model;
 }
 
+// "logs/gyro_7.csv.gz" is gyro_7.
+std::string log_name(const std::string& source) {
+  const std::string file = std::filesystem::path(source).filename().string();
+  return file.substr(0, file.find('.', 1));
+}
+
 noise::SensorModel sensor_of(const report::LogResult& result, const std::string& name) {
   noise::SensorModel sensor;
-  sensor.name = name.empty() ? result.source : name;
+  sensor.name = name.empty() ? log_name(result.source) : name;
   if (const auto gyro = triad(result, noise::Signal::angular_rate)) sensor.gyro = *gyro;
   sensor.accelerometer = triad(result, noise::Signal::specific_force);
   return sensor;
@@ -149,10 +156,11 @@ void write_sensor_files(const report::LogResult& result, const CalibrateArgument
   }
 }
 
-// The record answers when on every axis the fit converged and found at least one of N, B, K.
+// Each axis must have an answer: a converged fit that describes the record and finds at least one of N, B, K.
 int exit_code(const report::LogResult& result) {
   for (const auto& axis : result.axes) {
-    if (!axis.fit->converged || holds_no_answer(*axis.fit)) return exit_no_answer;
+    const bool described = axis.fit->verdict != fit::Verdict::not_described || axis.fit->method == fit::Method::visual;
+    if (!described || !axis.fit->converged || holds_no_answer(*axis.fit)) return exit_no_answer;
   }
   return exit_done;
 }

@@ -15,7 +15,7 @@ namespace {
 constexpr int kNoAnswer = 1, kUsage = 2, kBadInput = 3, kBadOutput = 4, kInterrupted = 130;
 
 // The message must hold every one of these words.
-void expect_refusal(const Run& run, int code, const std::vector<std::string>& words) {
+void expect_refusal(const Outcome& run, int code, const std::vector<std::string>& words) {
   EXPECT_EQ(run.exit_code, code) << run.err;
   for (const auto& word : words) EXPECT_NE(run.err.find(word), std::string::npos) << "no '" << word << "' in: " << run.err;
   EXPECT_EQ(run.out, "");
@@ -41,7 +41,7 @@ std::string with_line(std::string text, int line, const std::string& replacement
 
 class BadInput : public testing::Test {
  protected:
-  Run calibrate(const std::string& log, const std::string& options = "") {
+  Outcome calibrate(const std::string& log, const std::string& options = "") {
     return gyrobudget_run("calibrate '" + scratch_.file("log.csv", log) + "' " + options + " -o '" +
                           scratch_.path("sensor.yaml") + "'");
   }
@@ -102,13 +102,13 @@ TEST_F(BadInput, NumberBeyondDouble) {
 
 TEST_F(BadInput, HugeSingleLine) {
   const std::string path = scratch_.path("long.csv");
-  const Run made = shell("head -c 1000000000 /dev/zero | tr '\\0' '7' > '" + path + "'");
+  const Outcome made = shell("head -c 1000000000 /dev/zero | tr '\\0' '7' > '" + path + "'");
   ASSERT_EQ(made.exit_code, 0);
   expect_refusal(gyrobudget_run("calibrate '" + path + "' --unit deg/s --rate 1"), kBadInput, {"long.csv", "expected"});
 }
 
 TEST_F(BadInput, Directory) {
-  expect_refusal(gyrobudget_run("calibrate /"), kBadInput, {"/", "directory"});
+  expect_refusal(gyrobudget_run("calibrate /"), kBadInput, {"/", "folder", "expected a file"});
 }
 
 TEST_F(BadInput, NoSuchFile) {
@@ -125,7 +125,7 @@ TEST_F(BadInput, RandomBytes) {
 TEST_F(BadInput, TruncatedGzip) {
   const std::string plain = scratch_.file("log.csv", good_log(10000));
   ASSERT_EQ(shell("gzip -f '" + plain + "' && truncate -s 5000 '" + plain + ".gz'").exit_code, 0);
-  expect_refusal(gyrobudget_run("calibrate '" + plain + ".gz'"), kBadInput, {"log.csv.gz", "truncated"});
+  expect_refusal(gyrobudget_run("calibrate '" + plain + ".gz'"), kBadInput, {"log.csv.gz", "stop in the middle", "zcat"});
 }
 
 TEST_F(BadInput, SensorFileWithoutUnit) {
@@ -138,7 +138,7 @@ TEST_F(BadInput, SensorFileWithoutUnit) {
 TEST_F(BadInput, AllSamplesEqual) {
   std::string text = "gyro_x (deg/h)\n";
   for (int i = 0; i < 1000; ++i) text += "15.04\n";
-  const Run run = gyrobudget_run("calibrate '" + scratch_.file("log.csv", text) + "' --rate 100");
+  const Outcome run = gyrobudget_run("calibrate '" + scratch_.file("log.csv", text) + "' --rate 100");
   EXPECT_EQ(run.exit_code, kNoAnswer) << run.err;
   EXPECT_NE(run.out.find("equal"), std::string::npos) << run.out;
   EXPECT_EQ(run.out.find("nan"), std::string::npos) << run.out;
@@ -154,7 +154,7 @@ TEST_F(BadInput, NothingButQuantization) {
     text += fmt::format("{}\n", static_cast<int>(angle) - static_cast<int>(last));
     last = angle;
   }
-  const Run run = gyrobudget_run("calibrate '" + scratch_.file("log.csv", text) + "' --rate 100");
+  const Outcome run = gyrobudget_run("calibrate '" + scratch_.file("log.csv", text) + "' --rate 100");
   EXPECT_EQ(run.exit_code, kNoAnswer) << run.err;
   EXPECT_NE(run.out.find("quantization"), std::string::npos) << run.out;
 }
@@ -163,7 +163,7 @@ TEST_F(BadInput, NothingButQuantization) {
 
 TEST_F(BadInput, DiskFull) {
   const std::string log = scratch_.file("log.csv", good_log(1000));
-  Run run = shell("%P allan '" + log + "' > /dev/full");
+  Outcome run = shell("%P allan '" + log + "' > /dev/full");
   EXPECT_EQ(run.exit_code, kBadOutput);
   EXPECT_NE(run.err.find("space"), std::string::npos) << run.err;
   for (const std::string option : {"--report", "-o", "--kalibr"}) {
@@ -177,7 +177,7 @@ TEST_F(BadInput, DiskFull) {
 
 TEST_F(BadInput, OutputFolderMissing) {
   const std::string log = scratch_.file("log.csv", good_log(1000));
-  const Run run = gyrobudget_run("calibrate '" + log + "' -o '" + scratch_.path("no/such/sensor.yaml") + "'");
+  const Outcome run = gyrobudget_run("calibrate '" + log + "' -o '" + scratch_.path("no/such/sensor.yaml") + "'");
   EXPECT_EQ(run.exit_code, kBadOutput);
   EXPECT_NE(run.err.find("no/such/sensor.yaml"), std::string::npos) << run.err;
 }
@@ -185,7 +185,7 @@ TEST_F(BadInput, OutputFolderMissing) {
 // An interrupt in the middle of writing leaves nothing behind and ends with 130.
 TEST_F(BadInput, Interrupt) {
   const std::string path = scratch_.path("big.csv");
-  const Run run = shell("%P simulate " GYROBUDGET_EXAMPLES "/sensors/mems.yaml --duration 20h --quiet -o '" + path +
+  const Outcome run = shell("%P simulate " GYROBUDGET_EXAMPLES "/sensors/mems.yaml --duration 20h --quiet -o '" + path +
                         "' & pid=$!; sleep 0.7; kill -INT $pid; wait $pid");
   EXPECT_EQ(run.exit_code, kInterrupted) << run.err;
   EXPECT_EQ(scratch_.files(), 0U);
@@ -203,7 +203,7 @@ TEST_F(BadInput, UsageErrors) {
   expect_refusal(gyrobudget_run("simulate x.yaml --duration 5"), kUsage, {"--duration", "unit"});
   expect_refusal(gyrobudget_run("simulate x.yaml --duration 5m"), kUsage, {"--duration"});
   expect_refusal(gyrobudget_run("plan x.yaml --want B"), kUsage, {"--want", "B=10%"});
-  const Run bare = gyrobudget_run("");
+  const Outcome bare = gyrobudget_run("");
   EXPECT_EQ(bare.exit_code, kUsage);
   EXPECT_NE(bare.err.find("calibrate"), std::string::npos);
 }

@@ -44,7 +44,7 @@ std::size_t Scratch::files() const {
   return count;
 }
 
-Run shell(std::string line) {
+Outcome shell(std::string line) {
   const std::string program = "'" GYROBUDGET_PROGRAM "'";
   for (std::size_t at = 0; (at = line.find("%P", at)) != std::string::npos; at += program.size()) {
     line.replace(at, 2, program);
@@ -52,13 +52,13 @@ Run shell(std::string line) {
   const Scratch scratch;
   const std::string out = scratch.path("out"), err = scratch.path("err");
   const int status = std::system(("( " + line + " ) >'" + out + "' 2>'" + err + "' </dev/null").c_str());
-  Run run;
+  Outcome run;
   run.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   run.out = contents(out);
   run.err = contents(err);
   return run;
 }
 
-Run gyrobudget_run(const std::string& arguments) { return shell("%P " + arguments); }
+Outcome gyrobudget_run(const std::string& arguments) { return shell("%P " + arguments); }
 
 }  // namespace gyrobudget::tests

@@ -8,7 +8,7 @@
 namespace gyrobudget::tests {
 
 /// What the program did.
-struct Run {
+struct Outcome {
   int exit_code = 0;
   std::string out;
   std::string err;
@@ -31,8 +31,8 @@ class Scratch {
 };
 
 /// Runs `gyrobudget ARGUMENTS` (a shell line) and waits.
-[[nodiscard]] Run gyrobudget_run(const std::string& arguments);
+[[nodiscard]] Outcome gyrobudget_run(const std::string& arguments);
 /// Runs any shell line; %P in it is the program's path.
-[[nodiscard]] Run shell(std::string line);
+[[nodiscard]] Outcome shell(std::string line);
 
 }  // namespace gyrobudget::tests

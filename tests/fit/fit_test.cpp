@@ -81,7 +81,9 @@ TEST(Fit, UnitsOfTheSignalDoNotMatter) {
       if (!a.fitted) continue;
       EXPECT_NEAR(b.value / scale / a.value, 1, 1e-10);
       EXPECT_NEAR(b.upper / scale / a.upper, 1, 1e-10);
-      if (a.lower > 0) EXPECT_NEAR(b.lower / scale / a.lower, 1, 1e-10);
+      if (a.lower > 0) {
+        EXPECT_NEAR(b.lower / scale / a.lower, 1, 1e-10);
+      }
     }
   }
 }
