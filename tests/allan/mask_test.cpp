@@ -349,6 +349,30 @@ TEST(MaskedCovariance, AgreesWithAllPairsOfTerms) {
   }
 }
 
+TEST(MaskedCovariance, CountsPartOfTheTriplesWhereGapsAreMany) {
+  // At m = 1 white noise has C(0) = 1, C(1) = -1/2: edf = M^2 / (M + pairs of neighbours / 2), counted in full here.
+  constexpr std::int64_t kSamples = 600'000;
+  constexpr double kSampling = 0.005;
+  const std::vector<bool> exists = random_losses(kSamples, 0.01, 4);
+  const Mask mask = mask_of(exists, 0.95);
+  const noise::Process white[] = {noise::White{1}};
+  double terms = 0, neighbours = 0;
+  for (std::size_t k = 0; k + 2 < exists.size(); ++k) {
+    terms += exists[k] && exists[k + 1] ? 1 : 0;
+    neighbours += exists[k] && exists[k + 1] && exists[k + 2] ? 1 : 0;
+  }
+  const double truth = terms * terms / (terms + neighbours / 2);
+  EXPECT_NEAR(equivalent_dof(kSamples, 1, 1, white, Form::full, &mask) / truth, 1, kSampling);
+
+  const detail::Ranges all = detail::find_triples(mask, 1, Form::full).valid;
+  const detail::Ranges part = all.sample(1000);
+  EXPECT_LE(part.ranges().size(), 1000U);
+  EXPECT_NEAR(static_cast<double>(part.size()) / static_cast<double>(all.size()) * 6000 / 1000, 1, 0.1);
+  EXPECT_LT(part.ranges().front().first, kSamples / 64);
+  EXPECT_GT(part.ranges().back().end, kSamples - kSamples / 64);
+  EXPECT_EQ(all.sample(1'000'000).size(), all.size());
+}
+
 TEST(MaskedCovariance, WithoutLossesIsTheCompleteOne) {
   const Mask mask(1000, {}, 0.95);
   const std::vector<noise::Process> mix{noise::White{1}, noise::Flicker{1}};
