@@ -101,8 +101,8 @@
   function powerText(x) {
     const exponent = Math.round(Math.log10(x));
     if (Math.abs(exponent) <= 3) return compact(x);
-    const digits = [...String(exponent)].map((c) => (c === "-" ? "\u207b" : "\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079"[Number(c)]));
-    return `10${digits.join("")}`;
+    const raised = "\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079";
+    return `10${[...String(exponent)].map((c) => (c === "-" ? "\u207b" : raised[Number(c)])).join("")}`;
   }
 
   /** Labels at powers of ten; with 2 and 5 between them when the view is narrow. */
@@ -604,7 +604,8 @@
   const residualTitle = ([item]) => (item ? `tau = ${compact(item.raw.residual.tau_s, 6)} s${item.raw.residual.used ? "" : " (not used)"}` : "");
 
   function residualText({ raw: { residual: r } }) {
-    return [`measured/model \u2212 1 = ${signed(100 * r.misfit, 3)} %`, `${signed(r.misfit / r.relative_std, 2)} standard deviations of ${number(100 * r.relative_std, 2)} %`];
+    return [`measured/model \u2212 1 = ${signed(100 * r.misfit, 3)} %`,
+      `${signed(r.misfit / r.relative_std, 2)} standard deviations of ${number(100 * r.relative_std, 2)} %`];
   }
 
   // --- Tables ---------------------------------------------------------------------------------------------------------
@@ -724,8 +725,10 @@
     const section = byId("axis-template").content.firstElementChild.cloneNode(true);
     section.id = `axis-${i}`;
     section.querySelector(".name").textContent = axis.name;
-    const unit = unitOf(axis);
-    section.querySelector(".mean").textContent = `Mean of the record: ${number(axis.mean)} ${unit.name}`;
+    keepUpdated(section.querySelector(".mean"), () => {
+      const unit = unitOf(axis);
+      return `Mean of the record: ${number(axis.mean * unit.factor)} ${unit.name}`;
+    });
     byId("main").append(section);
     const figure = plotFigure();
     section.querySelector(".plot-place").replaceWith(figure);

@@ -5,15 +5,40 @@
 
 #include <string>
 
+// A LogResult as people and programs want it. All forms share their words (words.h) and their curves (curves.h).
+// Numbers stand in datasheet units (deg/sqrt(h), deg/h, deg/h/sqrt(h); m/s/sqrt(h), ug, ug/sqrt(h)), the datasheets
+// with SI beside them; values are one sigma, intervals 95 %. The same result gives the same bytes, except for the
+// `seconds` of a fit in its JSON.
 namespace gyrobudget::inline v0::report {
 
-[[nodiscard]] std::string allan_table(const LogResult&);       ///< text for the terminal
-[[nodiscard]] std::string datasheet(const LogResult&);         ///< text for the terminal
-[[nodiscard]] std::string allan_json(const LogResult&);        ///< schema gyrobudget.allan/1
-[[nodiscard]] std::string calibration_json(const LogResult&);  ///< schema gyrobudget.calibration/1
-[[nodiscard]] std::string page(const LogResult&);              ///< self-contained HTML, opens offline
-/// Picture of the deviation curves by gnuplot; format by ending: .svg, .png, .pdf.
-/// @throws std::invalid_argument for another ending, io::OutputError where gnuplot fails or the file cannot be written.
+/// The curve for the terminal: per axis a table of tau, deviation, its interval, degrees of freedom and number of terms.
+[[nodiscard]] std::string allan_table(const LogResult&);
+
+/// The datasheet for the terminal: per axis the coefficients with intervals and status, the raw minimum and why it is
+/// not B, the verdict and what follows, what was left out of the fit, and the advice. Several axes of one kind start
+/// with a summary. UTF-8, no colours, no control characters but the line feed.
+[[nodiscard]] std::string datasheet(const LogResult&);
+
+/// Schema gyrobudget.allan/1: {"schema","version","command","source","record":{"samples","rate_hz","duration_s",
+/// "missing_samples"},"estimator","notes","axes":[{"name","signal","unit","si_unit","si_per_unit","mean",
+/// "points":[{"tau_s","m","deviation","lower","upper","edf","terms","alpha"}]}]}.
+/// Doubles survive a round trip; what is not finite is null. Keys keep this order; the text ends in a newline.
+[[nodiscard]] std::string allan_json(const LogResult&);
+
+/// Schema gyrobudget.calibration/1: the head of allan_json, and per axis "parameters" by key (arw, bias_instability,
+/// rrw, quantization, rate_ramp; vrw and accel_rw for accelerometers), "minimum", "beta" (0 where N or K is 0), "fit"
+/// and "advice". Of a parameter that was fitted, value, lower and upper are always numbers (0 allowed; an interval
+/// without end is written as the widest double); they are null where it was not. `fit` is null without a fit.
+[[nodiscard]] std::string calibration_json(const LogResult&);
+
+/// One HTML page that opens offline and fetches nothing: plots with hover and zoom, datasheet, residuals, verdicts,
+/// advice, glossary. At most 300 points a curve. Names and notes of users are text, whatever they hold.
+[[nodiscard]] std::string page(const LogResult&);
+
+/// Picture of the deviation curves by gnuplot (Debian: gnuplot-nox), one panel for each axis; the format follows from
+/// the ending: .svg, .png or .pdf. The file appears whole or not at all.
+/// @throws std::invalid_argument for another ending or a result without points, io::OutputError where gnuplot is
+/// missing or fails, or the file cannot be written.
 void write_plot(const LogResult&, const std::string& path);
 
 }  // namespace gyrobudget::inline v0::report

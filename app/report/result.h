@@ -12,36 +12,37 @@
 
 namespace gyrobudget::inline v0::report {
 
-/// A deviation with its interval, SI.
+/// One averaging time of a measured curve. Deviations in SI units of the axis' signal.
 struct DeviationPoint {
-  std::int64_t m = 1;
-  double tau_s = 0;
+  std::int64_t m = 1;  ///< averaging factor, samples
+  double tau_s = 0;    ///< m / rate
   double deviation = 0;
-  double lower = 0;  ///< 95 %
-  double upper = 0;
-  double edf = 0;
-  std::int64_t terms = 0;
-  int alpha = 0;  ///< identified power law S ~ f^alpha; the mix behind edf in `allan`
+  double lower = 0;        ///< 95 %, chi-square with `edf`
+  double upper = 0;        ///< 95 %
+  double edf = 0;          ///< equivalent degrees of freedom
+  std::int64_t terms = 0;  ///< overlapping differences averaged
+  int alpha = 0;           ///< power law S ~ f^alpha identified at this tau
 };
 
+/// One column of a log.
 struct AxisResult {
-  std::string name;
-  noise::Signal signal = noise::Signal::angular_rate;
-  double mean = 0;                     ///< SI
-  std::vector<DeviationPoint> points;  ///< NaN deviations (no terms left) are not in it
+  std::string name;                                    ///< as the log has it: any bytes
+  noise::Signal signal = noise::Signal::angular_rate;  ///< decides units and names
+  double mean = 0;                                     ///< SI
+  std::vector<DeviationPoint> points;  ///< ascending m; NaN deviations (no terms left) are not in it
   std::optional<fit::Result> fit;      ///< calibrate only
   std::vector<std::string> advice;     ///< plain words, one thing to know or do each
 };
 
 /// What `allan` and `calibrate` found: the one value that tables, JSON, plots and the page are made of.
 struct LogResult {
-  std::string source;   ///< name of the log
-  std::string command;  ///< the command line, to repeat it
-  double rate_hz = 0;
-  std::int64_t samples = 0;
+  std::string source;        ///< path or name of the log
+  std::string command;       ///< the command line, to repeat it
+  double rate_hz = 0;        ///< above zero
+  std::int64_t samples = 0;  ///< of the time grid, missing ones included
   std::int64_t missing_samples = 0;
   std::string estimator = "oadev";
-  std::vector<std::string> notes;
+  std::vector<std::string> notes;  ///< how the log was read
   std::vector<AxisResult> axes;
 };
 
