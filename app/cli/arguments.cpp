@@ -326,14 +326,16 @@ Answered answer(const CLI::App& app, const CLI::ParseError& error) {
     app.exit(error);
     return {exit_done};
   }
-  std::string hint;
-  if (error.get_name() == "ExtrasError") {  // "The following arguments were not expected: 5 --rat"
-    const std::string what = error.what();
-    std::string word = what.substr(what.rfind(": ") + 2);
-    if (const auto option = word.find("--"); option != std::string::npos) word = word.substr(option);
-    hint = suggestion(app, word.substr(0, word.find_first_of(" =")));
+  std::string message = error.what();
+  if (error.get_exit_code() == static_cast<int>(CLI::ExitCodes::ExtrasError)) {
+    // "The following arguments were not expected: 5 --rat": the words in reverse.
+    std::string word = message.substr(message.rfind(": ") + 2);
+    const auto option = word.find("--");
+    word = option != std::string::npos ? word.substr(option) : word.substr(word.rfind(' ') + 1);
+    word = word.substr(0, word.find_first_of(" ="));
+    message = fmt::format("'{}' is not known here{}", word, suggestion(app, word));
   }
-  fmt::print(stderr, "gyrobudget: {}{}\nRun gyrobudget --help, or gyrobudget VERB --help.\n", error.what(), hint);
+  fmt::print(stderr, "gyrobudget: {}\nRun gyrobudget --help, or gyrobudget VERB --help.\n", message);
   return {exit_usage};
 }
 
