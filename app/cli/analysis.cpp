@@ -9,6 +9,8 @@
 
 #include "terminal.h"
 
+#include <tbb/parallel_for.h>
+
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
@@ -49,24 +51,29 @@ allan::Curve curve_of(const io::Axis& axis, const io::Record& record, const Curv
 
 std::vector<report::DeviationPoint> with_intervals(const allan::Curve& curve, const io::Axis& axis,
                                                    std::span<const noise::Process> mix) {
-  std::vector<report::DeviationPoint> points;
-  for (std::size_t i = 0; i < curve.points.size(); ++i) {
+  std::vector<std::int64_t> factors;
+  for (const auto& p : curve.points) factors.push_back(p.m);
+  // A table of deviations comes without a record to look at.
+  const auto identified = axis.rate.empty() ? std::vector<allan::Identified>(factors.size())
+                                            : allan::identify_noise(axis.rate, factors);
+  std::vector<report::DeviationPoint> points(curve.points.size());
+  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
     const allan::Point& p = curve.points[i];
-    if (p.terms < 1 || !std::isfinite(p.variance)) continue;
-    const allan::Identified identified = allan::identify_noise(axis.rate, p.m);
-    const std::array single{noise::unit_process(identified.term)};
+    if (p.terms < 1 || !std::isfinite(p.variance)) return;
+    const std::array single{noise::unit_process(identified[i].term)};
     const double edf = allan::equivalent_dof(curve.samples, p.m, curve.dt, mix.empty() ? single : mix, curve.form,
                                              curve.mask.get());
     const allan::Interval interval = allan::chi_square_interval(p.variance, edf);
-    points.push_back({.m = p.m,
-                      .tau_s = curve.tau(i),
-                      .deviation = std::sqrt(p.variance),
-                      .lower = std::sqrt(interval.lower),
-                      .upper = std::sqrt(interval.upper),
-                      .edf = edf,
-                      .terms = p.terms,
-                      .alpha = identified.alpha});
-  }
+    points[i] = {.m = p.m,
+                 .tau_s = curve.tau(i),
+                 .deviation = std::sqrt(p.variance),
+                 .lower = std::sqrt(interval.lower),
+                 .upper = std::sqrt(interval.upper),
+                 .edf = edf,
+                 .terms = p.terms,
+                 .alpha = identified[i].alpha};
+  });
+  std::erase_if(points, [](const auto& p) { return p.terms < 1; });
   return points;
 }
 

@@ -3,6 +3,7 @@
 #include "gyrobudget/allan/factors.h"
 #include "gyrobudget/allan/identify.h"
 #include "gyrobudget/fit/visual.h"
+#include "gyrobudget/io/curve_table.h"
 #include "gyrobudget/io/output.h"
 #include "gyrobudget/io/sensor_file.h"
 #include "gyrobudget/report/report.h"
@@ -16,6 +17,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fmt/format.h>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -51,7 +53,7 @@ Curves curves_of(const io::Axis& axis, const io::Record& record, const CurveArgu
 std::vector<Term> terms_for(const CalibrateArguments& a, const io::Axis& axis) {
   if (a.terms) return *a.terms;
   std::vector<Term> terms{Term::white, Term::flicker, Term::rate_random_walk};
-  if (allan::identify_noise(axis.rate, 1).alpha == 2) terms.insert(terms.begin(), Term::quantization);
+  if (!axis.rate.empty() && allan::identify_noise(axis.rate, 1).alpha == 2) terms.insert(terms.begin(), Term::quantization);
   return terms;
 }
 
@@ -101,6 +103,75 @@ report::AxisResult calibrate_axis(const io::Axis& axis, const io::Record& record
   result.advice = advise(*result.fit, axis, curves.octaves);
   return result;
 }
+
+report::LogResult calibrate_log(const CalibrateArguments& a) {
+  const io::Record record = read_record(a.curve, a.common);
+  if (record.samples < kFewestSamples) {
+    throw io::InputError(fmt::format("{}: found {} samples, expected at least {}; a datasheet needs hours of record "
+                                     "(gyrobudget plan tells how many)", record.source, record.samples, kFewestSamples));
+  }
+  report::LogResult result = describe_record(record, a.common);
+  Covariances covariances;
+  for (const auto& axis : record.axes) result.axes.push_back(calibrate_axis(axis, record, a, covariances));
+  return result;
+}
+
+// --- A table of deviations instead of a log ---------------------------------------------------------------------------
+
+// The table as a curve of the record behind it: whole averaging factors, at most n/2.
+allan::Curve curve_of_table(const io::CurveTable& table, const std::vector<double>& deviation, double rate_hz,
+                            std::int64_t samples) {
+  allan::Curve curve;
+  curve.dt = 1 / rate_hz;
+  curve.samples = samples;
+  curve.mean = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t i = 0; i < deviation.size(); ++i) {
+    const std::int64_t m = std::llround(table.tau_s[i] * rate_hz);
+    const bool repeated = !curve.points.empty() && curve.points.back().m == m;
+    if (m < 1 || 2 * m > samples || repeated) continue;
+    curve.points.push_back({m, deviation[i] * deviation[i], samples - 2 * m + 1});
+  }
+  return curve;
+}
+
+// About an octave apart: a denser grid makes the covariance singular.
+allan::Curve thinned(const allan::Curve& curve) {
+  constexpr double kOctave = 1.9;
+  allan::Curve thin = curve;
+  thin.points.clear();
+  for (const auto& p : curve.points) {
+    if (thin.points.empty() || static_cast<double>(p.m) >= kOctave * static_cast<double>(thin.points.back().m)) {
+      thin.points.push_back(p);
+    }
+  }
+  return thin;
+}
+
+report::LogResult calibrate_table(const CalibrateArguments& a) {
+  const double rate_hz = *a.curve.log.rate_hz;
+  const io::CurveTable table = io::read_curve({a.curve_file, a.curve.log.unit, a.curve.log.columns});
+  const auto samples = static_cast<std::int64_t>(std::llround(*a.duration_s * rate_hz));
+  report::LogResult result;
+  result.source = table.source;
+  result.command = a.common.command_line;
+  result.rate_hz = rate_hz;
+  result.samples = samples;
+  result.notes.push_back("fitted to a table of deviations, taken as fully overlapped ones of a record without gaps");
+  Covariances covariances;
+  for (const auto& column : table.columns) {
+    const allan::Curve display = curve_of_table(table, column.deviation, rate_hz, samples);
+    const Curves curves{display, thinned(display)};
+    const io::Axis axis{column.name, column.signal, {}};
+    report::AxisResult axis_result{.name = column.name, .signal = column.signal, .mean = display.mean};
+    axis_result.fit = fit_axis(axis, curves, a, covariances);
+    axis_result.points = with_intervals(display, axis, axis_result.fit->processes());
+    axis_result.advice = advise(*axis_result.fit, axis, curves.octaves);
+    result.axes.push_back(std::move(axis_result));
+  }
+  return result;
+}
+
+// --- The sensor file --------------------------------------------------------------------------------------------------
 
 // One model for a triad: root mean square over its axes, term by term.
 std::optional<noise::ErrorModel> triad(const report::LogResult& result, noise::Signal signal) {
@@ -168,14 +239,7 @@ int exit_code(const report::LogResult& result) {
 }  // namespace
 
 int run(const CalibrateArguments& a) {
-  const io::Record record = read_record(a.curve, a.common);
-  if (record.samples < kFewestSamples) {
-    throw io::InputError(fmt::format("{}: found {} samples, expected at least {}; a datasheet needs hours of record "
-                                     "(gyrobudget plan tells how many)", record.source, record.samples, kFewestSamples));
-  }
-  report::LogResult result = describe_record(record, a.common);
-  Covariances covariances;
-  for (const auto& axis : record.axes) result.axes.push_back(calibrate_axis(axis, record, a, covariances));
+  const report::LogResult result = a.curve_file.empty() ? calibrate_log(a) : calibrate_table(a);
   print(a.common.json ? report::calibration_json(result) : report::datasheet(result));
   write_sensor_files(result, a);
   write_pictures(result, a.pictures, a.common);
