@@ -281,6 +281,13 @@ class Formatter : public CLI::Formatter {
     const std::string description = verb->get_description();
     return fmt::format("  {:<12}{}\n", verb->get_name(), description.substr(0, description.find('\n')));
   }
+
+  // A group of options under its own name instead of "[Option Group: Log]", "  Options:".
+  std::string make_expanded(const CLI::App* group) const override {
+    std::string options = make_groups(group, CLI::AppFormatMode::Sub);
+    options = options.substr(options.find(':') + 2);  // behind "Options:\n"
+    return fmt::format("\n{}:\n{}", group->get_group(), options);
+  }
 };
 
 // --- Errors of use --------------------------------------------------------------------------------------------------
