@@ -92,7 +92,7 @@ TEST_F(BadLog, BinaryAndForeignFormats) {
 
 TEST_F(BadLog, DamagedGzip) {
   std::string text;
-  for (int i = 0; i < 100000; ++i) text += std::to_string(i * i % 10007) + "\n";
+  for (long i = 0; i < 100000; ++i) text += std::to_string(i * i % 10007) + "\n";
   const std::string whole = gzip(text);
   const LogOptions options = {.rate_hz = 1, .unit = "1"};
   for (const std::size_t size :
