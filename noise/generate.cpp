@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/noise/generate.h"
 
+#include "gyrobudget/noise/detail/state_bank.h"
+#include "gyrobudget/noise/detail/streaming_filter.h"
 #include "gyrobudget/noise/fft.h"
 
 #include <fmt/core.h>
@@ -41,17 +43,18 @@ class Streams {
       throw std::invalid_argument(fmt::format("stream {} must be below 2^{}", key.stream, kUserBits));
     }
   }
-  StreamKey next(Term term) {
-    const std::uint64_t occurrence = used_[term]++;
+  StreamKey next(Term term) { return next(static_cast<char>(term)); }
+  StreamKey next(char kind) {
+    const std::uint64_t occurrence = used_[kind]++;
     if (occurrence > 255) throw std::invalid_argument("more than 256 noise processes of one term");
-    const auto letter = static_cast<std::uint64_t>(static_cast<unsigned char>(term));
+    const auto letter = static_cast<std::uint64_t>(static_cast<unsigned char>(kind));
     return {key_.seed, key_.stream | letter << kUserBits | occurrence << (kUserBits + 8)};
   }
 
  private:
   static constexpr int kUserBits = 48;
   StreamKey key_;
-  std::map<Term, std::uint64_t> used_;
+  std::map<char, std::uint64_t> used_;
 };
 
 /// Running sum whose rounding errors are carried along (Neumaier), so that a walk of 10^12 steps is still
@@ -76,20 +79,29 @@ class Source {
  public:
   virtual ~Source() = default;
   virtual void add_next(std::span<double> out) = 0;
+  /// Goes on as if the next `samples` had been asked for; those whose samples depend on all earlier ones run there.
+  virtual void skip(std::uint64_t samples) {
+    std::array<double, kTile> unused{};
+    for (std::uint64_t count; samples > 0; samples -= count) {
+      count = std::min<std::uint64_t>(samples, kTile);
+      add_next(std::span(unused).first(static_cast<std::size_t>(count)));
+    }
+  }
 };
 
 /// Standard normal numbers of a stream, one tile at a time.
 class Normals {
  public:
   explicit Normals(StreamKey key) : key_(key) {}
-  /// The next `count` numbers; valid until the next call.
+  /// The next `count` numbers; valid until the next call, and readable a little further.
   std::span<const double> next(std::size_t count) {
-    tile_.resize(std::max(tile_.size(), count));
+    tile_.resize(std::max(tile_.size(), count + detail::StateBank::kLanes));
     const std::span<double> numbers(tile_.data(), count);
     fill_normal(key_, at_, numbers);
     at_ += count;
     return numbers;
   }
+  void skip(std::uint64_t count) { at_ += count; }
 
  private:
   StreamKey key_;
@@ -104,6 +116,7 @@ class WhiteSource final : public Source {
     const auto u = normals_.next(out.size());
     for (std::size_t i = 0; i < out.size(); ++i) out[i] += sigma_ * u[i];
   }
+  void skip(std::uint64_t samples) override { normals_.skip(samples); }
 
  private:
   double sigma_;
@@ -120,6 +133,11 @@ class QuantizationSource final : public Source {
       out[i] += sigma_ * (u[i] - previous_);
       previous_ = u[i];
     }
+  }
+  void skip(std::uint64_t samples) override {
+    if (samples == 0) return;
+    normals_.skip(samples - 1);
+    previous_ = normals_.next(1)[0];
   }
 
  private:
@@ -173,10 +191,11 @@ class RampSource final : public Source {
   void add_next(std::span<double> out) override {
     for (double& y : out) y += step_ * static_cast<double>(at_++);
   }
+  void skip(std::uint64_t samples) override { at_ += samples; }
 
  private:
   double step_;
-  std::int64_t at_ = 0;
+  std::uint64_t at_ = 0;
 };
 
 class SinusoidSource final : public Source {
@@ -190,11 +209,12 @@ class SinusoidSource final : public Source {
       y += p_.amplitude * std::sin(2 * pi * turn + p_.phase);
     }
   }
+  void skip(std::uint64_t samples) override { at_ += samples; }
 
  private:
   Sinusoid p_;
   double cycles_;  ///< per sample
-  std::int64_t at_ = 0;
+  std::uint64_t at_ = 0;
 };
 
 /// Sum of first-order states, all from one stream: number k * (states + 1) + i drives state i into sample k,
@@ -202,43 +222,68 @@ class SinusoidSource final : public Source {
 class FlickerSource final : public Source {
  public:
   FlickerSource(std::span<const Process> approximation, double dt, StreamKey key) : normals_(key) {
+    const auto start = normals_.next(approximation.size() - 1);
     for (const Process& p : approximation) {
       if (const auto* g = std::get_if<GaussMarkov>(&p)) {
-        phi_.push_back(std::exp(-dt / g->correlation_time));
-        step_.push_back(g->sigma * std::sqrt(-std::expm1(-2 * dt / g->correlation_time)));
-        state_.push_back(g->sigma);
+        const double phi = std::exp(-dt / g->correlation_time);
+        const double step = g->sigma * std::sqrt(-std::expm1(-2 * dt / g->correlation_time));
+        states_.add(phi, step, g->sigma * start[states_.size()]);
       } else {
         walk_step_ = std::get<RateRandomWalk>(p).k * std::sqrt(dt);
       }
     }
-    const auto u = normals_.next(state_.size());
-    for (std::size_t i = 0; i < state_.size(); ++i) state_[i] *= u[i];
-    origin_ = sum_of_states();
+    origin_ = states_.sum();
   }
 
   void add_next(std::span<double> out) override {
-    const std::size_t stride = state_.size() + 1;
+    const std::size_t stride = states_.size() + 1;
     const auto u = normals_.next(out.size() * stride);
+    std::array<double, kTile> sums;
+    states_.run(detail::best_target(), u, stride, std::span(sums).first(out.size()));
     for (std::size_t k = 0; k < out.size(); ++k) {
-      out[k] += (sum_of_states() - origin_) + walk_;
-      const auto drive = u.subspan(k * stride, stride);
-      for (std::size_t i = 0; i < state_.size(); ++i) state_[i] = phi_[i] * state_[i] + step_[i] * drive[i];
-      walk_ = walk_sum_.add(walk_step_ * drive.back());
+      out[k] += (sums[k] - origin_) + walk_;
+      walk_ = walk_sum_.add(walk_step_ * u[k * stride + stride - 1]);
     }
   }
 
  private:
-  double sum_of_states() const {
-    double sum = 0;
-    for (const double s : state_) sum += s;
-    return sum;
-  }
-
   Normals normals_;
-  std::vector<double> phi_, step_, state_;
+  detail::StateBank states_;
   double origin_ = 0;  ///< of the states at sample 0
   double walk_step_ = 0, walk_ = 0;
   CompensatedSum walk_sum_;
+};
+
+/// Works in the filter's own blocks, whatever is asked for: that fixes the bytes.
+class FilterSource final : public Source {
+ public:
+  FilterSource(const FilteredNoise& p, StreamKey key)
+      : sigma_(p.sigma),
+        filter_(detail::make_filter(p.numerator, p.denominator)),
+        key_(key),
+        block_(filter_->block_size()),
+        used_(block_.size()) {}
+  void add_next(std::span<double> out) override {
+    for (double& y : out) {
+      if (used_ == block_.size()) make_block();
+      y += sigma_ * block_[used_++];
+    }
+  }
+
+ private:
+  void make_block() {
+    fill_normal(key_, at_, block_);
+    at_ += block_.size();
+    filter_->run(block_);
+    used_ = 0;
+  }
+
+  double sigma_;
+  std::unique_ptr<detail::StreamingFilter> filter_;
+  StreamKey key_;
+  std::uint64_t at_ = 0;
+  std::vector<double> block_;
+  std::size_t used_;
 };
 
 /// The source of any process but flicker, which has none: whole records and endless ones make it differently.
@@ -382,6 +427,10 @@ struct Generator::State {
 };
 
 Generator::Generator(std::span<const Process> processes, double dt, const Options& options)
+    : Generator(processes, {}, dt, options) {}
+
+Generator::Generator(std::span<const Process> processes, std::span<const FilteredNoise> filters, double dt,
+                     const Options& options)
     : state_(std::make_unique<State>()) {
   require_generable(processes, dt);
   Streams streams(options.key);
@@ -394,6 +443,11 @@ Generator::Generator(std::span<const Process> processes, double dt, const Option
       state_->sources.push_back(make_source(process, dt, stream));
     }
   }
+  for (const FilteredNoise& filter : filters) {
+    require_valid(filter);
+    const StreamKey stream = streams.next('F');
+    if (filter.sigma != 0) state_->sources.push_back(std::make_unique<FilterSource>(filter, stream));
+  }
 }
 Generator::~Generator() = default;
 Generator::Generator(Generator&&) noexcept = default;
@@ -402,6 +456,10 @@ Generator& Generator::operator=(Generator&&) noexcept = default;
 void Generator::next(std::span<double> out) {
   std::ranges::fill(out, 0.0);
   for (const auto& source : state_->sources) add_in_tiles(*source, out);
+}
+
+void Generator::skip(std::uint64_t samples) {
+  for (const auto& source : state_->sources) source->skip(samples);
 }
 
 }  // namespace gyrobudget::inline v0::noise
