@@ -56,11 +56,11 @@ void require_valid(const FilteredNoise&);
 ///     over samples 0 ... n-1 at rest:    the same sum with weights (n - max(j, 2m-1)) / (n - 2m + 1), j < n
 ///
 /// The second is what a generated record has on average: a filter that remembers longer than the record starts
-/// quieter than it becomes (flicker: -0.7 % of the variance at m = n/16, -9 % at m = n/2).
+/// quieter than it becomes (flicker: -0.35 % of the variance at m = n/16, -0.8 % at n/8, -1.9 % at n/4, -7.9 % at n/2).
 ///
 /// Every term is positive. h comes from one Fourier transform, long enough for the response to have died below
-/// 1e-11 of its peak; relative error below 1e-9 up to 1.5e5 taps. Setting up takes O(taps log(taps)), 0.5 s for 1e5;
-/// a variance O(m + response).
+/// 1e-11 of its peak; relative error below 1e-9. Setting up takes O(taps log(taps)), 1 s for 1e5 taps, of
+/// which autoregressive_flicker may have 5e5. A variance takes O(response), 24 samples a tap of that filter.
 class FilterMoments {
  public:
   /// @throws std::invalid_argument for what require_valid refuses and a filter that is not stable or remembers more
