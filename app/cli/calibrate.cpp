@@ -173,6 +173,12 @@ report::LogResult calibrate_table(const CalibrateArguments& a) {
 
 // --- The sensor file --------------------------------------------------------------------------------------------------
 
+// Six digits in the datasheet's unit: more than any record tells, and readable in the file.
+double rounded(double si, noise::Signal signal, Term term) {
+  const auto unit = noise::datasheet_unit(signal, term);
+  return std::stod(fmt::format("{:.6g}", noise::from_si(si, unit))) * noise::parse_unit(unit).to_si;
+}
+
 // One model for a triad: root mean square over its axes, term by term.
 std::optional<noise::ErrorModel> triad(const report::LogResult& result, noise::Signal signal) {
   noise::ErrorModel model;
@@ -186,7 +192,7 @@ std::optional<noise::ErrorModel> triad(const report::LogResult& result, noise::S
   }
   if (count == 0) return std::nullopt;
   for (const Term t : {Term::quantization, Term::white, Term::flicker, Term::rate_random_walk, Term::rate_ramp}) {
-    model[t] /= std::sqrt(count);
+    model[t] = rounded(model[t] / std::sqrt(count), signal, t);
   }
   return model;
 }
