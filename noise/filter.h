@@ -21,13 +21,13 @@ struct FilteredNoise {
 /// @throws std::invalid_argument for coefficients that are empty or not finite, a_0 = 0 and sigma not finite.
 void require_valid(const FilteredNoise&);
 
-/// The first 1 + taps coefficients of (1 - z^-1)^power: c_0 = 1, c_j = c_{j-1} (j - 1 - power) / j (Kasdin 1995).
+/// The first 1 + taps coefficients of (1 - z^-1)^power (Kasdin 1995): c_0 = 1, c_j = c_{j-1} (j - 1 - power) / j.
 /// @throws std::invalid_argument unless 0 <= taps <= 1e7 and |power| <= 2.
 [[nodiscard]] std::vector<double> fractional_difference(double power, std::int64_t taps);
 
-/// 1/f noise as an autoregression of `taps` past samples: denominator (1 - z^-1)^(1/2) cut short, sigma = B, whatever
-/// the sample interval. Sampled S(f) = B^2 dt / (2 sin(pi f dt)) down to f = 1/(2 pi^2 taps dt), white of
-/// N = B sqrt(pi taps dt) far below it.
+/// 1/f noise as an autoregression of `taps` past samples: denominator (1 - z^-1)^(1/2) cut short, sigma = B,
+/// whatever the sample interval. Sampled S(f) = B^2 dt / (2 sin(pi f dt)) down to f = 1/(2 pi^2 taps dt), white
+/// of N = B sqrt(pi taps dt) far below it.
 /// Ratio of its Allan deviation to flicker's:
 ///
 ///     m / taps   0.1     0.3     1       2       3       5       10     30     100
@@ -35,8 +35,8 @@ void require_valid(const FilteredNoise&);
 /// @throws std::invalid_argument unless 1 <= taps <= 1e7.
 [[nodiscard]] FilteredNoise autoregressive_flicker(double b, std::int64_t taps);
 
-/// 1/f noise as a moving average over `taps` white samples: numerator (1 - z^-1)^(-1/2) cut short, sigma = B. It holds
-/// a tenth as long per tap as the autoregression:
+/// 1/f noise as a moving average over `taps` white samples: numerator (1 - z^-1)^(-1/2) cut short, sigma = B.
+/// It holds a tenth as long per tap as the autoregression:
 ///
 ///     m / taps   0.1     0.3     1       3       10
 ///     ratio      1.013   1.043   1.20    0.90    0.52
@@ -48,23 +48,25 @@ void require_valid(const FilteredNoise&);
 /// @throws std::invalid_argument for a frequency outside (0, 1/(2 dt)] and what require_valid refuses.
 [[nodiscard]] double psd(const FilteredNoise&, double frequency_hz, double dt);
 
-/// Exact second moments of filtered noise, from its impulse response h. With H_j = h_0 + ... + h_j (0 for j < 0) and
-/// g_j = H_j - 2 H_{j-m} + H_{j-2m}, the difference of neighbouring clusters of m is sum_j g_j v_{k-j}, so that
+/// Exact second moments of filtered noise, from its impulse response h. With H_j = h_0 + ... + h_j, none for
+/// j < 0, and g_j = H_j - 2 H_{j-m} + H_{j-2m}, the difference of neighbouring clusters of m is
+/// sum_j g_j v_{k-j} / m, so that
 ///
 ///     stationary:                        sigma_A^2(m) = sigma^2/(2 m^2) sum_{j >= 0} g_j^2
 ///     mean of the overlapped estimate
 ///     over samples 0 ... n-1 at rest:    the same sum with weights (n - max(j, 2m-1)) / (n - 2m + 1), j < n
 ///
 /// The second is what a generated record has on average: a filter that remembers longer than the record starts
-/// quieter than it becomes (flicker: -0.35 % of the variance at m = n/16, -0.8 % at n/8, -1.9 % at n/4, -7.9 % at n/2).
+/// quieter than it becomes (flicker: -0.35 % of the variance at m = n/16, -0.8 % at n/8, -1.9 % at n/4, -7.9 %
+/// at n/2).
 ///
 /// Every term is positive. h comes from one Fourier transform, long enough for the response to have died below
 /// 1e-11 of its peak; relative error below 1e-9. Setting up takes O(taps log(taps)), 1 s for 1e5 taps, of
 /// which autoregressive_flicker may have 5e5. A variance takes O(response), 24 samples a tap of that filter.
 class FilterMoments {
  public:
-  /// @throws std::invalid_argument for what require_valid refuses and a filter that is not stable or remembers more
-  /// than 1.2e7 samples.
+  /// @throws std::invalid_argument for what require_valid refuses and a filter that is not stable or remembers
+  /// more than 1.2e7 samples.
   explicit FilterMoments(const FilteredNoise&);
 
   /// Of the stationary noise, unit [signal^2]. @throws std::invalid_argument for m < 1.

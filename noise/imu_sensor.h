@@ -19,30 +19,34 @@ struct FilterCoefficients {
 };
 
 /// The 1/f^alpha filter cut short after `taps` past samples: numerator 1, denominator (1 - z^-1)^(alpha/2).
-/// @throws std::invalid_argument unless 0 <= taps <= 1e7 and 0 <= alpha < 2, beyond which the filter is not stable.
+/// @throws std::invalid_argument unless 0 <= taps <= 1e7 and 0 <= alpha < 2, beyond which the filter is not
+/// stable.
 [[nodiscard]] FilterCoefficients fractal_coefficients(std::int64_t taps, double alpha = 1);
 
-/// Model 2 of Nunes et al.: a triad with the semantics of MATLAB's imuSensor and gyroparams (accelparams without
-/// acceleration_bias), under their names. At sample rate fs, with BW = fs/2 (double_sided, their default) or fs
-/// (single_sided), T the temperature, a the acceleration, u, v, w independent standard normal:
+/// Model 2 of Nunes et al.: a triad with the semantics of MATLAB's imuSensor and gyroparams (accelparams
+/// without acceleration_bias), under their names. At sample rate fs, with BW = fs/2 (double_sided, their
+/// default) or fs (single_sided), T the temperature, a the acceleration, u, v, w independent standard normal:
 ///
-///     z = M/100 x + ConstantBias + BiasInstability H(v) + NoiseDensity sqrt(BW) u + RandomWalk/sqrt(BW) (w_0 + w_1 +
-///         ...) + (T - 25) TemperatureBias + AccelerationBias a
-///     y = round(clamp(z (1 + (T - 25)/100 TemperatureScaleFactor), +-MeasurementRange) / Resolution) Resolution
+///     n = NoiseDensity sqrt(BW) u + BiasInstability H(v) + RandomWalk/sqrt(BW) (w_0 + w_1 + ...)
+///     z = M/100 x + ConstantBias + n + (T - 25) TemperatureBias + AccelerationBias a
+///     r = clamp(z (1 + (T - 25)/100 TemperatureScaleFactor), +-MeasurementRange)
+///     y = Resolution round(r / Resolution)
 ///
-/// H is the rational filter of bias_instability_coefficients, at rest before sample 0; products of three-vectors are by
-/// axis, M is a matrix. The random walk is zero at sample 0.
+/// H is the rational filter of bias_instability_coefficients, at rest before sample 0; products of
+/// three-vectors are by axis, M is a matrix. The random walk is zero at sample 0.
 ///
-/// PSD at 25 degC within range: N^2 + BiasInstability^2 dt |H(z)|^2 + K^2 dt^2 / (4 sin^2(pi f dt)) with N and K below.
+/// PSD of n: N^2 + BiasInstability^2 dt |H(z)|^2 + K^2 dt^2 / (4 sin^2(pi f dt)), with N and K below.
 ///
 /// Where it departs from IEEE Std 952:
-/// - double_sided (the default) makes N = NoiseDensity/sqrt(2), -29.29 %, and K = RandomWalk sqrt(2), +41.42 %. The
-///   minimum of the Allan deviation, a function of N K, does not move, the tau of it halves. single_sided: N and K.
+/// - double_sided (the default) makes N = NoiseDensity/sqrt(2), -29.29 %, and K = RandomWalk sqrt(2), +41.42 %.
+///   The minimum of the Allan deviation, a function of N K, does not move, the tau of it halves. single_sided:
+///   N and K.
 /// - The default filter remembers one sample: its 1/f noise ends at tau = 3 dt and goes on as white noise of
 ///   N = 2 BiasInstability sqrt(dt). There is no floor. For one, use fractal_coefficients(p) and what
 ///   autoregressive_flicker says of p. Its level does not depend on the sample rate, nor on the noise type.
 /// - H starts at rest: see ModelMoments.
-/// - Resolution adds white noise of Resolution/sqrt(12) a sample where the noise exceeds it, and a dead zone where not.
+/// - Resolution adds white noise of Resolution/sqrt(12) a sample where the noise exceeds it, and a dead zone
+///   where not.
 struct ImuSensor {
   enum class NoiseType { double_sided, single_sided };
   using Vector = std::array<double, 3>;

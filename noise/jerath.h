@@ -7,9 +7,9 @@
 
 namespace gyrobudget::inline v0::noise {
 
-/// Model 1 of Nunes et al.: K. Jerath, S. Brennan, C. Lagoa, "Bridging the gap between sensor noise modeling and sensor
-/// characterization", Measurement 116 (2018) 350-366, with the 1/f filter of N. J. Kasdin, Proc. IEEE 83 (1995)
-/// 802-827. With u, v, w independent standard normal,
+/// Model 1 of Nunes et al.: K. Jerath, S. Brennan, C. Lagoa, "Bridging the gap between sensor noise modeling
+/// and sensor characterization", Measurement 116 (2018) 350-366, with the 1/f filter of N. J. Kasdin, Proc.
+/// IEEE 83 (1995) 802-827. With u, v, w independent standard normal,
 ///
 ///     y_k = N u_k / sqrt(dt) + b_k + r_k
 ///     b_k = B v_k - a_1 b_{k-1} - ... - a_p b_{k-p},  a_j = a_{j-1} (j - 3/2)/j, a_0 = 1    (autoregressive)
@@ -19,8 +19,9 @@ namespace gyrobudget::inline v0::noise {
 /// PSD: N^2 + B^2 dt / |a(z)|^2 + K^2 dt^2 / (4 sin^2(pi f dt)) at z = exp(2 pi i f dt).
 ///
 /// Where it departs from IEEE Std 952:
-/// - Truncation: bias instability is flat to within 11 % up to tau = 5 p dt (moving average: 0.5 p dt), white beyond;
-///   tables at autoregressive_flicker and moving_average_flicker. A floor that holds to 2 h at 100 Hz takes 1.5e5 taps.
+/// - Truncation: bias instability is flat to within 11 % up to tau = 5 p dt (moving average: 0.5 p dt), white
+///   beyond; tables at autoregressive_flicker and moving_average_flicker. A floor that holds to 2 h at 100 Hz
+///   takes 1.5e5 taps.
 /// - Start from rest: the first p samples hold less 1/f noise than the later ones; see ModelMoments.
 /// - The driving deviation B does not depend on the sample rate, and must not.
 /// At m of a few samples all three terms read as process.h says of sampled processes.
@@ -33,8 +34,8 @@ struct Jerath {
   std::int64_t taps = 10'000;   ///< p; generator_benchmark has error against run time
   Filter filter = Filter::autoregressive;
 
-  /// @throws std::invalid_argument for taps outside 1 ... 1e7. The sample interval does not enter: every part is given
-  /// by its coefficient.
+  /// @throws std::invalid_argument for taps outside 1 ... 1e7. The sample interval does not enter: every part
+  /// is given by its coefficient.
   [[nodiscard]] Model model(double dt) const;
 };
 

@@ -10,11 +10,12 @@
 
 namespace gyrobudget::inline v0::noise {
 
-/// The noise of one axis as a published simulation model makes it: a sum of independent processes and filters, sampled
-/// at the interval it was written for. Jerath, ImuSensor and Bielas each give one; Generator makes its samples,
-/// ModelMoments says what they hold.
+/// The noise of one axis as a published simulation model makes it: a sum of independent processes and filters,
+/// sampled at the interval it was written for. Jerath, ImuSensor and Bielas each give one; Generator makes its
+/// samples, ModelMoments says what they hold.
 ///
-///     const noise::Model model = noise::Jerath{.arw = 1.6e-7, .bias_instability = 8.2e-9, .rrw = 3.5e-9}.model(dt);
+///     const noise::Jerath jerath{.arw = 1.6e-7, .bias_instability = 8.2e-9, .rrw = 3.5e-9};
+///     const noise::Model model = jerath.model(dt);
 ///     noise::Generator generator(model.processes, model.filters, dt, {.key = {seed, axis}});
 ///     const double expected = noise::ModelMoments(model, dt).allan_variance(m);
 struct Model {
@@ -32,8 +33,8 @@ class ModelMoments {
   [[nodiscard]] double psd(double frequency_hz) const;
   /// Allan variance [signal^2] at averaging factor m >= 1, of the stationary noise.
   [[nodiscard]] double allan_variance(std::int64_t m) const;
-  /// Expectation of the overlapped estimate over the first `samples` samples of the generator, whose filters start at
-  /// rest. Differs from the stationary one by what theory calls zero-start bias.
+  /// Expectation of the overlapped estimate over the first `samples` samples of the generator, whose filters
+  /// start at rest. Differs from the stationary one by what theory calls zero-start bias.
   /// @throws std::invalid_argument unless 1 <= m <= samples / 2.
   [[nodiscard]] double allan_variance(std::int64_t m, std::int64_t samples) const;
 

@@ -18,8 +18,8 @@ std::vector<double> divided(std::span<const double> c, double divisor) {
 
 // --- Sample by sample --------------------------------------------------------------------------------------
 
-/// Transposed direct form II: what past samples contribute to future ones is kept as sums, one per sample ahead, so
-/// the work on a sample is one loop without a chain of dependent sums.
+/// Transposed direct form II: what past samples contribute to future ones is kept as sums, one per sample
+/// ahead, so the work on a sample is one loop without a chain of dependent sums.
 class DirectFilter final : public StreamingFilter {
  public:
   DirectFilter(std::span<const double> numerator, std::span<const double> denominator)
@@ -76,8 +76,8 @@ void add_product(const Spectrum& a, const Spectrum& b, Spectrum& sum) {
   }
 }
 
-/// Convolution of a stream with taps, one block at a time (partitioned overlap-save): every block of the stream is
-/// transformed once, in the company of the one before it, and meets each partition of the taps as it ages.
+/// Convolution of a stream with taps, one block at a time (partitioned overlap-save): every block of the stream
+/// is transformed once, in the company of the one before it, and meets each partition of the taps as it ages.
 class Convolution {
  public:
   Convolution(std::vector<double> taps, std::size_t block_size) : size_(block_size), last_(block_size + 1) {

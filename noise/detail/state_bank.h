@@ -9,8 +9,8 @@
 
 namespace gyrobudget::inline v0::noise::detail {
 
-/// First-order states x_i <- phi_i x_i + step_i u_i side by side. They are added up in four virtual lanes, so that
-/// every target gives the same bytes.
+/// First-order states x_i <- phi_i x_i + step_i u_i side by side. They are added up in four virtual lanes, so
+/// that every target gives the same bytes.
 class StateBank {
  public:
   static constexpr std::size_t kLanes = 4;

@@ -9,8 +9,8 @@
 
 namespace gyrobudget::inline v0::noise::detail {
 
-/// A rational filter that runs on block after block of its own size, at rest before the first. Both ways of running
-/// it are the same filter to rounding.
+/// A rational filter that runs on block after block of its own size, at rest before the first. Both ways of
+/// running it are the same filter to rounding.
 class StreamingFilter {
  public:
   virtual ~StreamingFilter() = default;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Filtered white noise: its exact moments against closed forms, quadrature of the spectrum and sums over all pairs of
-// samples; its two ways of running against the difference equation.
+// Filtered white noise: its exact moments against closed forms, quadrature of the spectrum and sums over all
+// pairs of samples; its two ways of running against the difference equation.
 #include "gyrobudget/noise/filter.h"
 
 #include "gyrobudget/noise/detail/streaming_filter.h"
@@ -63,8 +63,8 @@ TEST(Filter, MomentsOfFirstOrderAutoregression) {
 }
 
 TEST(Filter, MomentsWithManyTapsAreExact) {
-  // y_k = phi y_{k-L} + v_k is L interleaved first-order autoregressions: white within L samples, and over clusters
-  // of k L samples the mean of L independent ones.
+  // y_k = phi y_{k-L} + v_k is L interleaved first-order autoregressions: white within L samples, and over
+  // clusters of k L samples the mean of L independent ones.
   constexpr std::size_t kTaps = 100'000;
   constexpr double kPhi = 0.1, kBound = 1e-9;
   std::vector<double> comb(kTaps + 1);
@@ -82,8 +82,8 @@ TEST(Filter, MomentsWithManyTapsAreExact) {
   }
 }
 
-/// 4 int_0^{1/2} S sin^4(pi m u) / (m^2 sin^2(pi u)) du by the midpoint rule, which converges geometrically on a
-/// periodic analytic function.
+/// 4 int_0^{1/2} S sin^4(pi m u) / (m^2 sin^2(pi u)) du by the midpoint rule, which converges geometrically on
+/// a periodic analytic function.
 double allan_from_psd(const FilteredNoise& noise, std::int64_t m) {
   constexpr int kPoints = 1 << 13;
   const auto M = static_cast<double>(m);

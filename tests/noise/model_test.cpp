@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The three models: samples against their exact Allan variance, the deterministic facts behind the paper's tables,
-// extremes, and what the generators promise for them.
+// The three models: samples against their exact Allan variance, the deterministic facts behind the paper's
+// tables, extremes, and what the generators promise for them.
 #include "gyrobudget/noise/model.h"
 
 #include "gyrobudget/noise/bielas.h"
@@ -93,8 +93,9 @@ double overlapped(const std::vector<double>& angle, std::int64_t m) {
   return sum / (2 * static_cast<double>(m * m) * static_cast<double>(terms));
 }
 
-// 10 models, 3 rates and 6 clusters are 180 comparisons. A family-wise false alarm of 1e-3 takes 4.5 standard errors of
-// a normal mean; 5 leaves room for Student's t with 299 degrees and the skewness of a mean of 300 chi-squares of 7.
+// 10 models, 3 rates and 6 clusters are 180 comparisons. A family-wise false alarm of 1e-3 takes 4.5 standard
+// errors of a normal mean; 5 leaves room for Student's t with 299 degrees and the skewness of a mean of 300
+// chi-squares of 7.
 constexpr std::size_t kRecords = 300;
 constexpr double kSigmas = 5;
 constexpr double kRates[] = {1, 100, 1000};
@@ -216,7 +217,8 @@ TEST(Models, DoubleSidedImuSensorMissesByRootTwo) {
 }
 
 TEST(Models, DefaultImuSensorHasNoFloor) {
-  // A first-order autoregression of 1/2: white of N = 2 B sqrt(dt) from a few samples on, whatever the noise type.
+  // A first-order autoregression of 1/2: white of N = 2 B sqrt(dt) from a few samples on, whatever the noise
+  // type.
   constexpr double kDt = 0.01;
   const ModelMoments moments(ImuSensor{.bias_instability = {1, 0, 0}}.model(0, kDt), kDt);
   EXPECT_NEAR(moments.allan_variance(1), 2. / 3, kExact);
