@@ -17,7 +17,8 @@ namespace gyrobudget::inline v0::io {
 namespace {
 
 constexpr std::size_t kChunk = std::size_t{1} << 20;
-constexpr std::array kSignals{noise::Signal::angular_rate, noise::Signal::specific_force, noise::Signal::dimensionless};
+constexpr std::array kSignals{noise::Signal::angular_rate, noise::Signal::specific_force,
+                              noise::Signal::dimensionless};
 
 std::optional<noise::Unit> unit_of(const Heading& heading) {
   if (heading.unit.empty()) return std::nullopt;
@@ -32,8 +33,10 @@ std::optional<DataColumn> tau_column(const Layout& layout) {
   for (std::size_t i = 0; i < layout.headings.size(); ++i) {
     const Heading& heading = layout.headings[i];
     const auto unit = unit_of(heading);
-    if (unit && unit->dimension == noise::dimension::kTime) return DataColumn{i, heading.name, {}, unit->to_si};
-    if (!unit && (heading.name == "tau" || heading.name == "tau_s")) return DataColumn{i, heading.name, {}, 1};
+    if (unit && unit->dimension == noise::dimension::kTime)
+      return DataColumn{i, heading.name, {}, unit->to_si};
+    if (!unit && (heading.name == "tau" || heading.name == "tau_s"))
+      return DataColumn{i, heading.name, {}, 1};
   }
   return std::nullopt;
 }
@@ -50,17 +53,19 @@ bool is_wanted(const Heading& heading, std::size_t index, const CurveOptions& op
   });
 }
 
-std::optional<DataColumn> deviation_column(const std::string& source, const Heading& heading, std::size_t index,
-                                           const CurveOptions& options) {
+std::optional<DataColumn> deviation_column(const std::string& source, const Heading& heading,
+                                           std::size_t index, const CurveOptions& options) {
   auto unit = unit_of(heading);
   if (!is_wanted(heading, index, options, unit.has_value())) return std::nullopt;
   if (!unit && options.unit) unit = noise::parse_unit(*options.unit);
   if (!unit) {
-    throw InputError(fmt::format("{}: column '{}' has no unit, expected one in the header, as in \"{} (deg/h)\", or --unit",
-                                 source, heading.name, heading.name));
+    throw InputError(fmt::format(
+        "{}: column '{}' has no unit, expected one in the header, as in \"{} (deg/h)\", or --unit", source,
+        heading.name, heading.name));
   }
   for (const auto signal : kSignals) {
-    if (noise::dimension_of(signal) == unit->dimension) return DataColumn{index, heading.name, signal, unit->to_si};
+    if (noise::dimension_of(signal) == unit->dimension)
+      return DataColumn{index, heading.name, signal, unit->to_si};
   }
   return std::nullopt;  // another quantity: a count, an index
 }
@@ -68,18 +73,23 @@ std::optional<DataColumn> deviation_column(const std::string& source, const Head
 Choice choose(const std::string& source, const Layout& layout, const CurveOptions& options) {
   const auto tau = tau_column(layout);
   if (!tau) {
-    throw InputError(fmt::format("{}: found no column of averaging times, expected a header with one named tau or with a "
-                                 "unit of time, as in \"tau (s),adev (deg/h)\"", source));
+    throw InputError(
+        fmt::format("{}: found no column of averaging times, expected a header with one named tau or with a "
+                    "unit of time, as in \"tau (s),adev (deg/h)\"",
+                    source));
   }
   Choice choice;
   choice.data.push_back(*tau);
   for (std::size_t i = 0; i < layout.headings.size(); ++i) {
     if (i == tau->index) continue;
-    if (auto column = deviation_column(source, layout.headings[i], i, options)) choice.data.push_back(std::move(*column));
+    if (auto column = deviation_column(source, layout.headings[i], i, options))
+      choice.data.push_back(std::move(*column));
   }
   if (choice.data.size() == 1) {
-    throw InputError(fmt::format("{}: found no column of deviations, expected one with a unit in the header, as in "
-                                 "\"adev (deg/h)\", or --unit, or --column", source));
+    throw InputError(
+        fmt::format("{}: found no column of deviations, expected one with a unit in the header, as in "
+                    "\"adev (deg/h)\", or --unit, or --column",
+                    source));
   }
   return choice;
 }
@@ -90,7 +100,8 @@ void check(const CurveTable& table, const TableReader& reader) {
       throw InputError(fmt::format("{}:{}: {}", table.source, reader.line_of_row(i), what));
     };
     const bool ascends = i == 0 || table.tau_s[i] > table.tau_s[i - 1];
-    if (!(table.tau_s[i] > 0) || !ascends) complain("found a tau that is not above the one before; sort the table by tau");
+    if (!(table.tau_s[i] > 0) || !ascends)
+      complain("found a tau that is not above the one before; sort the table by tau");
     for (const auto& column : table.columns) {
       if (!(column.deviation[i] > 0)) complain("found a deviation that is not above 0; leave the row out");
     }

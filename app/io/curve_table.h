@@ -18,14 +18,15 @@ struct CurveTable {
     std::vector<double> deviation;  ///< SI
   };
   std::string source;
-  std::vector<double> tau_s;        ///< ascending
+  std::vector<double> tau_s;  ///< ascending
   std::vector<Column> columns;
 };
 
 struct CurveOptions {
-  std::string path;                  ///< "-" is standard input
-  std::optional<std::string> unit;   ///< of the deviation columns without one in the header
-  std::vector<std::string> columns;  ///< names or numbers (from 1); empty: every column with a unit but limits
+  std::string path;                 ///< "-" is standard input
+  std::optional<std::string> unit;  ///< of the deviation columns without one in the header
+  std::vector<std::string>
+      columns;  ///< names or numbers (from 1); empty: every column with a unit but limits
 };
 
 /// Reads a table with one column of averaging times, named tau or with a unit of time in its header (`tau (s)`; a bare

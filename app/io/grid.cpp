@@ -385,7 +385,8 @@ Grid described(const Track& track, const Steps& steps, std::optional<double> rat
 
 }  // namespace
 
-Grid make_grid(std::vector<std::int64_t> stamps, std::optional<double> rate_hz, const TimeColumn& column) {
+Grid make_grid(const std::vector<std::int64_t>& stamps, std::optional<double> rate_hz,
+               const TimeColumn& column) {
   if (const auto even = follow_even(stamps); even && (!rate_hz || agrees(even->interval, *rate_hz))) {
     check_jitter(*even, column);
     return described(*even, {.stamps = stamps.size()}, rate_hz, column);

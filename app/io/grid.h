@@ -37,7 +37,7 @@ struct TimeColumn {
 /// not. The rate is the least-squares slope of the stamps over the grid points; a given rate within 1e-6 of it is
 /// taken instead.
 /// @throws InputError for time that goes back, hardly rises, is too uneven or full of gaps, or contradicts the rate.
-[[nodiscard]] Grid make_grid(std::vector<std::int64_t> stamps, std::optional<double> rate_hz,
+[[nodiscard]] Grid make_grid(const std::vector<std::int64_t>& stamps, std::optional<double> rate_hz,
                              const TimeColumn&);
 
 /// The values of the rows on the grid; NaN where there is none.

@@ -116,7 +116,8 @@ std::vector<std::string> notes_on_text(const Source& source, const Layout& layou
 Grid grid_of(Table& table, const Choice& choice, const TableReader& reader, const std::string& source,
              const LogOptions& options) {
   if (choice.stamps.empty()) return {*options.rate_hz, static_cast<std::int64_t>(table.rows), {}, {}};
-  return make_grid(std::exchange(table.stamps, {}), options.rate_hz,
+  const std::vector<std::int64_t> stamps = std::exchange(table.stamps, {});  // freed here
+  return make_grid(stamps, options.rate_hz,
                    {source, choice.time_name, [&](std::size_t row) { return reader.line_of_row(row); }});
 }
 

@@ -127,7 +127,7 @@ void write_log(const std::string& path, std::span<const LogColumn> columns, doub
     return gzip ? compressed(text) : text;
   };
   const auto write = [&](const std::string& bytes) { file.write(bytes); };
-  const auto in_flight = static_cast<std::size_t>(2 * tbb::info::default_concurrency());
+  const auto in_flight = 2 * static_cast<std::size_t>(tbb::info::default_concurrency());
   tbb::parallel_pipeline(in_flight,
                          tbb::make_filter<void, Rows>(tbb::filter_mode::serial_in_order, cut) &
                              tbb::make_filter<Rows, std::string>(tbb::filter_mode::parallel, format) &
