@@ -10,6 +10,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 
 #define GYROBUDGET_INLINE inline __attribute__((always_inline))
@@ -110,45 +111,6 @@ void philox_baseline(BlockKey key, std::uint64_t block, std::int64_t count, Word
   }
 }
 
-/// The same, eight blocks at a time (a tile is a whole number of eights). Each 64-bit lane holds one word of
-/// the state in its lower half; what the products leave in the upper half is ignored by the next product.
-__attribute__((target("avx2"))) void philox_avx2(BlockKey key, std::uint64_t block, std::int64_t count,
-                                                 Words& words) {
-  constexpr std::int64_t kChains = 2;  // two vectors hide the latency of the products
-  const __m256i multiplier0 = _mm256_set1_epi64x(PHILOX_M4x32_0),
-                multiplier1 = _mm256_set1_epi64x(PHILOX_M4x32_1);
-  const __m256i lower_half = _mm256_set1_epi64x(0xffffffff);
-  for (std::int64_t i = 0; i < count; i += 4 * kChains) {
-    __m256i c0[kChains], c1[kChains], c2[kChains], c3[kChains];
-    for (std::int64_t j = 0; j < kChains; ++j) {
-      const std::uint64_t at = block + static_cast<std::uint64_t>(i + 4 * j);
-      c0[j] = _mm256_add_epi64(_mm256_set1_epi64x(static_cast<long long>(at)), _mm256_set_epi64x(3, 2, 1, 0));
-      c1[j] = _mm256_srli_epi64(c0[j], 32);
-      c2[j] = _mm256_set1_epi64x(static_cast<long long>(key.stream));
-      c3[j] = _mm256_srli_epi64(c2[j], 32);
-    }
-    std::uint32_t k0 = low(key.seed), k1 = high(key.seed);
-    for (int round = 0; round < 10; ++round, k0 += PHILOX_W32_0, k1 += PHILOX_W32_1) {
-      const __m256i key0 = _mm256_set1_epi64x(k0), key1 = _mm256_set1_epi64x(k1);
-      for (std::int64_t j = 0; j < kChains; ++j) {
-        const __m256i p0 = _mm256_mul_epu32(c0[j], multiplier0), p1 = _mm256_mul_epu32(c2[j], multiplier1);
-        c0[j] = _mm256_xor_si256(_mm256_xor_si256(_mm256_srli_epi64(p1, 32), c1[j]), key0);
-        c2[j] = _mm256_xor_si256(_mm256_xor_si256(_mm256_srli_epi64(p0, 32), c3[j]), key1);
-        c1[j] = p1;
-        c3[j] = p0;
-      }
-    }
-    for (std::int64_t j = 0; j < kChains; ++j) {
-      const __m256i first =
-          _mm256_or_si256(_mm256_and_si256(c0[j], lower_half), _mm256_slli_epi64(c1[j], 32));
-      const __m256i second =
-          _mm256_or_si256(_mm256_and_si256(c2[j], lower_half), _mm256_slli_epi64(c3[j], 32));
-      _mm256_storeu_si256(reinterpret_cast<__m256i*>(words.first + i + 4 * j), first);
-      _mm256_storeu_si256(reinterpret_cast<__m256i*>(words.second + i + 4 * j), second);
-    }
-  }
-}
-
 struct Normal {
   GYROBUDGET_INLINE void operator()(std::uint64_t w0, std::uint64_t w1, double& x, double& y) const {
     box_muller(w0, w1, x, y);
@@ -171,33 +133,73 @@ template <typename Transform>
 void transform_baseline(const Words& words, std::int64_t count, double* out) {
   transform_words<Transform>(words, count, out);
 }
-template <typename Transform>
-__attribute__((target("avx2"))) void transform_avx2(const Words& words, std::int64_t count, double* out) {
-  transform_words<Transform>(words, count, out);
+
+namespace avx2 {
+#define GYROBUDGET_TARGET __attribute__((target("avx2")))
+using Lanes = std::uint64_t __attribute__((vector_size(32)));
+GYROBUDGET_TARGET inline Lanes product(const Lanes& a, const Lanes& b) {
+  return reinterpret_cast<Lanes>(
+      _mm256_mul_epu32(reinterpret_cast<__m256i>(a), reinterpret_cast<__m256i>(b)));
 }
+#include "gyrobudget/noise/detail/normal_lanes.inc"
+#undef GYROBUDGET_TARGET
+}  // namespace avx2
+
+namespace avx512 {
+#define GYROBUDGET_TARGET __attribute__((target("avx512f,avx512dq")))
+using Lanes = std::uint64_t __attribute__((vector_size(64)));
+GYROBUDGET_TARGET inline Lanes product(const Lanes& a, const Lanes& b) {
+  // The masked form: the plain one reads a register that GCC 12 warns is not set.
+  constexpr __mmask8 kAll = 0xff;
+  return reinterpret_cast<Lanes>(
+      _mm512_maskz_mul_epu32(kAll, reinterpret_cast<__m512i>(a), reinterpret_cast<__m512i>(b)));
+}
+#include "gyrobudget/noise/detail/normal_lanes.inc"
+#undef GYROBUDGET_TARGET
+}  // namespace avx512
+
+/// How an instruction set makes the words of a tile and turns them into numbers.
+template <typename Transform>
+struct Kernel {
+  void (*words)(BlockKey, std::uint64_t block, std::int64_t count, Words&);
+  void (*transform)(const Words&, std::int64_t count, double* out);
+
+  static Kernel of(Target target) {
+    if (target == Target::avx512) return {avx512::philox, avx512::transform<Transform>};
+    if (target == Target::avx2) return {avx2::philox, avx2::transform<Transform>};
+    return {philox_baseline, transform_baseline<Transform>};
+  }
+};
 
 template <typename Transform>
 void blocks_in_tiles(Target target, BlockKey key, std::uint64_t first, std::int64_t blocks, double* out) {
+  const auto kernel = Kernel<Transform>::of(target);
   Words words;
   for (std::int64_t done = 0; done < blocks; done += kTile) {
     const std::int64_t count = std::min(kTile, blocks - done);
-    const std::uint64_t block = first + static_cast<std::uint64_t>(done);
-    if (target == Target::avx2) {
-      philox_avx2(key, block, count, words);
-      transform_avx2<Transform>(words, count, out + 2 * done);
-    } else {
-      philox_baseline(key, block, count, words);
-      transform_baseline<Transform>(words, count, out + 2 * done);
-    }
+    kernel.words(key, first + static_cast<std::uint64_t>(done), count, words);
+    kernel.transform(words, count, out + 2 * done);
   }
 }
 
 }  // namespace
 
-bool supported(Target target) { return target == Target::baseline || __builtin_cpu_supports("avx2"); }
+bool supported(Target target) {
+  switch (target) {
+    case Target::baseline:
+      return true;
+    case Target::avx2:
+      return __builtin_cpu_supports("avx2");
+    case Target::avx512:
+      return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq");
+  }
+  return false;
+}
 
 Target best_target() {
-  static const Target best = supported(Target::avx2) ? Target::avx2 : Target::baseline;
+  static const Target best = supported(Target::avx512) ? Target::avx512
+                             : supported(Target::avx2) ? Target::avx2
+                                                       : Target::baseline;
   return best;
 }
 

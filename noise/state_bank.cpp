@@ -71,7 +71,7 @@ double StateBank::sum() const {
 void StateBank::run(Target target, std::span<const double> drive, std::size_t stride,
                     std::span<double> sums) {
   const Bank bank{phi_.data(), step_.data(), state_.data(), state_.size()};
-  (target == Target::avx2 ? run_avx2 : run_baseline)(bank, drive.data(), stride, sums);
+  (target == Target::baseline ? run_baseline : run_avx2)(bank, drive.data(), stride, sums);
 }
 
 }  // namespace gyrobudget::inline v0::noise::detail

@@ -8,7 +8,7 @@ namespace gyrobudget::inline v0::noise::detail {
 /// Instruction sets that the kernels are compiled for. All give the same bytes: every operation is one IEEE
 /// 754 binary64 or integer operation per number, in the same order, without contraction and without the
 /// mathematical library.
-enum class Target { baseline, avx2 };
+enum class Target { baseline, avx2, avx512 };
 
 [[nodiscard]] bool supported(Target);
 [[nodiscard]] Target best_target();
