@@ -58,9 +58,9 @@ class RecordGenerator {
 /// Flicker's structure function is a mixture of exponentials: with a = dt/Tc,
 ///     D(h) = (2 B^2/pi) int_0^inf (1 - e^(-a h)) (a/2)/sinh(a/2) dln(a),
 /// and a Gauss-Markov process has D(h) = 2 sigma^2 (1 - e^(-a h)). The trapezoidal rule in ln(a) with ratio
-/// r = 10^(1/poles_per_decade) gives sigma_i^2 = (B^2/pi) ln(r) (a_i/2)/sinh(a_i/2) at a_i = 2 r^i. Poles slower
-/// than 30 longest_tau act together as a rate random walk, the last of the result. Largest relative error of
-/// the Allan deviation over tau = dt ... longest_tau, wherever longest_tau falls:
+/// r = 10^(1/poles_per_decade) gives sigma_i^2 = (B^2/pi) ln(r) (a_i/2)/sinh(a_i/2) at a_i = 2 r^i. Poles
+/// slower than 30 longest_tau act together as a rate random walk, the last of the result. Largest relative
+/// error of the Allan deviation over tau = dt ... longest_tau, wherever longest_tau falls:
 ///
 ///     poles per decade   0.5    1     1.5     2        3 to 10
 ///     error              32 %   4 %   0.65 %  0.016 %  0.008 %
@@ -81,7 +81,7 @@ class Generator {
   };
   Generator(std::span<const Process> processes, double dt, const Options&);
   /// Filtered noise besides, at rest before sample 0, each from a stream of letter F. More than 128 taps run by
-  /// Fourier transforms of blocks: 0.1 us a sample at 1000 taps, 0.2 us at 1e5.
+  /// Fourier transforms of blocks: 50 ns a sample at 1000 taps, 100 ns at 1e5.
   /// @throws std::invalid_argument also what psd refuses of a filter.
   Generator(std::span<const Process> processes, std::span<const FilteredNoise> filters, double dt,
             const Options&);
@@ -91,8 +91,8 @@ class Generator {
 
   /// The next out.size() samples; the bytes do not depend on how the record is cut into calls.
   void next(std::span<double> out);
-  /// Leaves out `samples` samples: what follows is what would have followed them. White noise, quantization, ramp and
-  /// sinusoid jump; the others take the time to run there, all in constant memory.
+  /// Leaves out `samples` samples: what follows is what would have followed them. White noise, quantization,
+  /// ramp and sinusoid jump; the others take the time to run there, all in constant memory.
   void skip(std::uint64_t samples);
 
  private:
