@@ -18,12 +18,12 @@ namespace gyrobudget::inline v0::allan {
 namespace {
 
 constexpr std::size_t kFewestSamples = 1024;
-constexpr std::size_t kLongestSegment = std::size_t{1} << 20;
+constexpr std::size_t kLongestSegment = std::size_t{1} << 18;
+constexpr std::size_t kFewestSegments = 4;
 constexpr std::size_t kFirstBin = 50;
 constexpr std::size_t kLeastBlock = 60;
 constexpr double kBlockRatio = 1.1;
 constexpr std::size_t kParts = 8;
-constexpr double kIndependentShare = 0.947;    // of half-overlapping Hann segments
 
 struct Spectrum {
   std::vector<double> power;   // one-sided density, bins 0 .. L/2
@@ -49,14 +49,14 @@ std::vector<double> hann(std::size_t length) {
   return window;
 }
 
-// Sum of the periodograms of segments first, first + 1, ... before last, which start half a length apart.
+// Sum of the periodograms of segments first, first + 1, ... before last, one behind the other.
 std::vector<double> sum_periodograms(std::span<const double> rate, std::span<const double> window, double mean,
                                      std::size_t first, std::size_t last) {
   const std::size_t length = window.size();
   std::vector<double> power(length / 2 + 1), segment(length);
   for (std::size_t s = first; s < last; ++s) {
     for (std::size_t i = 0; i < length; ++i) {
-      const double y = rate[s * (length / 2) + i];
+      const double y = rate[s * length + i];
       segment[i] = std::isfinite(y) ? window[i] * (y - mean) : 0;
     }
     const auto bins = noise::real_spectrum(segment);
@@ -68,15 +68,14 @@ std::vector<double> sum_periodograms(std::span<const double> rate, std::span<con
 Spectrum welch(std::span<const double> rate, std::size_t length, double mean, double dt) {
   const auto window = hann(length);
   const double energy = std::inner_product(window.begin(), window.end(), window.begin(), 0.0);
-  const std::size_t segments = (rate.size() - length) / (length / 2) + 1;
+  const std::size_t segments = rate.size() / length;
   // A fixed number of parts, added in order: the same bytes at any number of threads.
   const std::size_t parts = std::min(segments, kParts);
   std::vector<std::vector<double>> sums(parts);
   tbb::parallel_for(std::size_t{0}, parts, [&](std::size_t i) {
     sums[i] = sum_periodograms(rate, window, mean, i * segments / parts, (i + 1) * segments / parts);
   });
-  Spectrum spectrum{std::vector<double>(length / 2 + 1), length,
-                    std::max(1.0, kIndependentShare * static_cast<double>(segments))};
+  Spectrum spectrum{std::vector<double>(length / 2 + 1), length, static_cast<double>(segments)};
   for (const auto& sum : sums) {
     for (std::size_t k = 0; k < sum.size(); ++k) spectrum.power[k] += sum[k];
   }
@@ -133,13 +132,16 @@ void add_lines(std::vector<SpectralLine>& lines, const Spectrum& spectrum, doubl
   const double cut = boost::math::gamma_q_inv(a, false_alarm / static_cast<double>(bins)) / a;
   const double median_over_mean = boost::math::gamma_q_inv(a, 0.5) / a;
   const double width = 1 / (static_cast<double>(spectrum.length) * dt);
+  // A strong signal leaves rounding of about eps of itself on every bin: no line is looked for down there.
+  constexpr double kRounding = 1e-28;  // (50 eps)^2
+  const double rounding = kRounding * std::accumulate(spectrum.power.begin(), spectrum.power.end(), 0.0);
   const Level level(spectrum);
   if (level.empty()) return;
   for (std::size_t k = kFirstBin; k + 1 < bins; ++k) {
     const double p = spectrum.power[k];
     if (p < spectrum.power[k - 1] || p <= spectrum.power[k + 1]) continue;  // peaks only
     const double median = level.at(k);
-    if (!(p * median_over_mean > cut * median)) continue;
+    if (!(p * median_over_mean > cut * median) || p < rounding) continue;
     lines.push_back({.frequency_hz = static_cast<double>(k) * width,
                      .resolution_hz = width,
                      .amplitude = std::sqrt(2 * width * excess(spectrum, k, median)),
@@ -159,18 +161,25 @@ std::vector<SpectralLine> find_lines(std::span<const double> rate, double dt, co
   if (!(dt > 0)) throw std::invalid_argument(fmt::format("sample interval {} s is not above 0", dt));
   if (rate.size() < kFewestSamples) return {};
   const double mean = mean_of(rate);
-  const std::size_t longest = std::min(kLongestSegment, std::bit_floor(rate.size()));
-  constexpr int kLengths = 3;
+  const std::size_t longest = std::min(kLongestSegment, std::bit_floor(rate.size() / kFewestSegments));
+  constexpr std::size_t kLengths = 3, kShortestSegment = 256;
   std::vector<SpectralLine> seen;
-  for (std::size_t length = longest, i = 0; i < kLengths && length >= kFewestSamples; length /= 16, ++i) {
+  for (std::size_t length = longest, i = 0; i < kLengths && length >= kShortestSegment; length /= 8, ++i) {
     add_lines(seen, welch(rate, length, mean, dt), dt, options.false_alarm / kLengths);
   }
   std::sort(seen.begin(), seen.end(), [](const auto& a, const auto& b) { return a.amplitude > b.amplitude; });
   std::vector<SpectralLine> lines;
   for (const auto& line : seen) {
-    const bool known = std::any_of(lines.begin(), lines.end(), [&](const auto& other) { return same_line(line, other); });
-    if (!known && lines.size() < options.most) lines.push_back(line);
+    const auto known = std::find_if(lines.begin(), lines.end(), [&](const auto& other) { return same_line(line, other); });
+    if (known == lines.end()) {
+      lines.push_back(line);
+    } else if (line.resolution_hz < known->resolution_hz) {  // the finer view knows the frequency
+      known->frequency_hz = line.frequency_hz;
+      known->resolution_hz = line.resolution_hz;
+      known->ratio = std::max(known->ratio, line.ratio);
+    }
   }
+  lines.resize(std::min(lines.size(), options.most));
   return lines;
 }
 

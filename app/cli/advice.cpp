@@ -55,11 +55,51 @@ void advise_unresolved(std::vector<std::string>& advice, const fit::Result& fit)
 
 void advise_misfit(std::vector<std::string>& advice, const fit::Result& fit) {
   if (fit.verdict != fit::Verdict::not_described) return;
+  if (fit.dof < 1) {
+    advice.push_back("The record is too short to test whether the model describes it: record longer.");
+    return;
+  }
   advice.push_back(
       "Do not use these coefficients: the curve has a shape that no sum of the fitted terms has. Look at the residuals; "
       "motion of the support, temperature, periodic disturbances and vibration bounded in angle all do this. Repeat the "
       "record on a still base at constant temperature, or fit other terms (--terms), or a range of taus (--tau-min, "
       "--tau-max).");
+}
+
+// Samples that no Gaussian record of this length would hold: knocks and glitches, which the deviation takes for noise.
+void advise_outliers(std::vector<std::string>& advice, const io::Axis& axis, double dt) {
+  constexpr std::size_t kSubsample = 100000;
+  constexpr double kMadToSigma = 1.4826, kFalseAlarm = 1e-4;
+  std::vector<double> part;
+  for (std::size_t i = 0; i < axis.rate.size(); i += axis.rate.size() / kSubsample + 1) {
+    if (std::isfinite(axis.rate[i])) part.push_back(axis.rate[i]);
+  }
+  if (part.empty()) return;
+  const auto median = [&part] {
+    const auto middle = part.begin() + static_cast<std::ptrdiff_t>(part.size() / 2);
+    std::nth_element(part.begin(), middle, part.end());
+    return *middle;
+  };
+  const double center = median();
+  for (double& y : part) y = std::abs(y - center);
+  const double sigma = kMadToSigma * median();
+  // Slow noise widens the record beyond its short-term scatter; 3 more sigmas keep it from being called a knock.
+  const double limit = sigma * (3 + std::sqrt(2 * std::log(static_cast<double>(axis.rate.size()) / kFalseAlarm)));
+  if (!(limit > 0)) return;  // most samples are equal: coarse counts
+  std::size_t count = 0, worst = 0;
+  for (std::size_t i = 0; i < axis.rate.size(); ++i) {
+    const double distance = std::abs(axis.rate[i] - center);
+    if (!(distance > limit)) continue;
+    if (count == 0 || distance > std::abs(axis.rate[worst] - center)) worst = i;
+    ++count;
+  }
+  if (count == 0) return;
+  const auto unit = noise::datasheet_unit(axis.signal);
+  advice.push_back(fmt::format(
+      "{} of {} samples lie further from the median than noise would put them, the worst at {:.6g} s by {} ({:.0f} sigma). "
+      "They are in the fit and spoil it: find what knocked, and cut them out of the log (an empty cell is a missing sample).",
+      count, axis.rate.size(), static_cast<double>(worst) * dt,
+      noise::quantity_text(axis.rate[worst] - center, unit, 3), std::abs(axis.rate[worst] - center) / sigma));
 }
 
 // Lines are noise that no coefficient describes: vibration, mains, a fan, a control loop.
@@ -120,10 +160,13 @@ std::vector<std::string> advise(const fit::Result& fit, const io::Axis& axis, co
     return advice;
   }
   if (holds_no_answer(fit)) {
-    advice.push_back("None of angle random walk, bias instability and rate random walk is resolved: what is seen is "
-                     "quantization. Record at a finer resolution, or longer.");
+    advice.push_back(fmt::format("None of angle random walk, bias instability and rate random walk is resolved{}",
+                                 fit[Term::quantization].status == Status::identified
+                                     ? ": what is seen is quantization. Record at a finer resolution, or longer."
+                                     : "."));
   }
   advise_misfit(advice, fit);
+  advise_outliers(advice, axis, octaves.dt);
   advise_lines(advice, axis, octaves.dt);
   if (fit.verdict != fit::Verdict::not_described) {
     advise_unresolved(advice, fit);

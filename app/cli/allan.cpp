@@ -3,12 +3,14 @@
 #include "gyrobudget/report/report.h"
 
 #include "analysis.h"
+#include "paths.h"
 #include "terminal.h"
 #include "verbs.h"
 
 namespace gyrobudget::inline v0::cli {
 
 int run(const AllanArguments& a) {
+  check_outputs(a.curve.log.path, {{"--report", a.pictures.report}, {"--plot", a.pictures.plot}});
   const io::Record record = read_record(a.curve, a.common);
   report::LogResult result = describe_record(record, a.common);
   const auto factors = factors_for(a.curve, record.samples);

@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <fmt/format.h>
 #include <map>
@@ -45,6 +46,15 @@ double duration(const std::string& option, const std::string& text) {
 double rate(const std::string& option, const std::string& text) {
   const bool bare = text.find_first_not_of("0123456789.eE+- ") == std::string::npos;
   return positive(option, quantity(option, bare ? text + " Hz" : text, noise::dimension::kFrequency), text);
+}
+
+std::uint64_t seed(const std::string& text) {
+  std::uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) {
+    throw std::invalid_argument(fmt::format("--seed {}: must be a whole number from 0 to 18446744073709551615", text));
+  }
+  return value;
 }
 
 const std::map<std::string, Term> kTermNames{
@@ -91,12 +101,13 @@ PlanArguments::Wish wish(const std::string& text) {
 // Options as text, before they become values with units.
 struct Texts {
   std::string rate, duration, terms, tau_min, tau_max, input = "rate", method = "gls", axes = "x,y,z";
+  std::string seed = "1";
   std::vector<std::string> wishes;
 };
 
-void add_common(CLI::App& app, Common& common) {
+void add_common(CLI::App& app, Common& common, bool has_json = true) {
   auto* group = app.add_option_group("Common");
-  group->add_flag("--json", common.json, "one JSON object on stdout and nothing else");
+  if (has_json) group->add_flag("--json", common.json, "one JSON object on stdout and nothing else");
   group->add_flag("-q,--quiet", common.quiet, "no messages on stderr");
   group->add_option("--threads", common.threads, "number of threads (all cores); the result does not depend on it")
       ->check(CLI::Range(0, 4096));
@@ -162,18 +173,19 @@ CLI::App* add_simulate(CLI::App& app, SimulateArguments& a, Texts& texts) {
                    "spectral: exact, needs the whole record in memory; gauss-markov: 1/f as a sum of Gauss-Markov "
                    "processes, a constant-memory stream")
       ->check(CLI::IsMember({"spectral", "gauss-markov"}))->capture_default_str();
-  verb->add_option("--seed", a.seed, "of the random numbers; printed into the log")->capture_default_str();
+  verb->add_option("--seed", texts.seed, "of the random numbers; printed into the log")->capture_default_str();
   verb->add_option("--axes", texts.axes, "axes to simulate")->capture_default_str();
   verb->add_option("--unit", a.unit, "of the gyro columns [rad/s]");
   verb->add_option("-o,--output", a.output, "log to write; .gz compresses; - is stdout")->type_name("FILE")
       ->capture_default_str();
-  add_common(*verb, a.common);
+  add_common(*verb, a.common, false);
   return verb;
 }
 
 void finish(SimulateArguments& a, const Texts& texts) {
   a.duration_s = duration("--duration", texts.duration);
   if (!texts.rate.empty()) a.rate_hz = rate("--rate", texts.rate);
+  a.seed = seed(texts.seed);
   a.axes = split(texts.axes, ',');
   for (const auto& axis : a.axes) {
     if (axis != "x" && axis != "y" && axis != "z") {
@@ -239,13 +251,17 @@ CLI::App* add_calibrate(CLI::App& app, CalibrateArguments& a, Texts& texts) {
 void finish(CalibrateArguments& a, const Texts& texts) {
   finish_log(a.curve, texts);
   if (a.curve.log.path.empty() == a.curve_file.empty()) {
-    throw std::invalid_argument("calibrate needs a log (or - for stdin), or a table with --curve");
+    throw std::invalid_argument(fmt::format("calibrate needs a log (or - for stdin), or a table with --curve{}",
+                                            a.curve.log.columns.empty() ? "" : "; put the log before --column"));
   }
   if (!texts.terms.empty()) a.terms = terms(texts.terms);
   a.method = texts.method == "visual" ? fit::Method::visual : fit::Method::gls;
   if (!texts.tau_min.empty()) a.tau_min_s = duration("--tau-min", texts.tau_min);
   if (!texts.tau_max.empty()) a.tau_max_s = duration("--tau-max", texts.tau_max);
   if (!texts.duration.empty()) a.duration_s = duration("--duration", texts.duration);
+  if (!a.curve_file.empty() && (a.curve.ieee_form || a.curve.strict_gaps || a.curve.log.scale != 1 || texts.input != "rate")) {
+    throw std::invalid_argument("--curve: --ieee, --strict-gaps, --scale and --input are about logs, not tables");
+  }
   if (!a.curve_file.empty() && (!a.duration_s || !a.curve.log.rate_hz)) {
     throw std::invalid_argument("--curve: the statistics need the record behind the table; give its --rate and --duration");
   }

@@ -10,6 +10,7 @@
 
 #include "advice.h"
 #include "analysis.h"
+#include "paths.h"
 #include "terminal.h"
 #include "verbs.h"
 
@@ -62,7 +63,12 @@ std::vector<Term> terms_for(const CalibrateArguments& a, const io::Axis& axis) {
 class Covariances {
  public:
   const allan::CurveCovariance& of(const allan::Curve& curve, const std::vector<Term>& terms) {
-    if (curve.mask) return own_.emplace(make(curve, terms));
+    if (curve.mask) {  // axes that miss the same samples share theirs, one behind the other
+      const bool same = own_ && own_terms_ == terms && same_runs(own_mask_->runs(), curve.mask->runs());
+      own_mask_ = curve.mask;
+      own_terms_ = terms;
+      return same ? *own_ : own_.emplace(make(curve, terms));
+    }
     const auto at = shared_.find(terms);
     return at != shared_.end() ? at->second : shared_.emplace(terms, make(curve, terms)).first->second;
   }
@@ -77,16 +83,41 @@ class Covariances {
   }
 
   std::map<std::vector<Term>, allan::CurveCovariance> shared_;
+  static bool same_runs(const std::vector<allan::Mask::Run>& a, const std::vector<allan::Mask::Run>& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                      [](const auto& x, const auto& y) { return x.first == y.first && x.count == y.count; });
+  }
+
   std::optional<allan::CurveCovariance> own_;
+  std::shared_ptr<const allan::Mask> own_mask_;
+  std::vector<Term> own_terms_;
 };
+
+// Gaps, or a table of few taus, may leave too little to fit.
+void check_enough(const io::Axis& axis, const allan::Curve& curve, std::size_t terms) {
+  const auto usable = std::count_if(curve.points.begin(), curve.points.end(), [](const auto& p) {
+    return p.terms > 0 && std::isfinite(p.variance);
+  });
+  if (static_cast<std::size_t>(usable) > terms) return;
+  const std::int64_t missing = curve.mask ? curve.mask->missing() : 0;
+  throw io::InputError(fmt::format(
+      "column '{}': found {} usable averaging times, expected at least {} to fit {} terms; {} of {} samples are missing, and "
+      "a cluster needs 95 % of its own; fit fewer terms (--terms) or use a part of the log without gaps",
+      axis.name, usable, terms + 1, terms, missing, curve.samples));
+}
+
+bool is_silent(const allan::Curve& curve) {
+  return std::all_of(curve.points.begin(), curve.points.end(), [](const auto& p) { return !(p.variance > 0); });
+}
 
 fit::Result fit_axis(const io::Axis& axis, const Curves& curves, const CalibrateArguments& a, Covariances& covariances) {
   fit::Options options;
   options.terms = terms_for(a, axis);
+  check_enough(axis, curves.octaves, options.terms.size());
   options.method = a.method;
   options.tau_min_s = a.tau_min_s;
   options.tau_max_s = a.tau_max_s;
-  if (a.method == fit::Method::visual) return fit::read_visually(curves.display, options);
+  if (a.method == fit::Method::visual && !is_silent(curves.display)) return fit::read_visually(curves.display, options);
   fit::Result result = fit::fit(curves.octaves, covariances.of(curves.octaves, options.terms), options);
   note_minimum(result, curves.display);
   return result;
@@ -126,7 +157,13 @@ allan::Curve curve_of_table(const io::CurveTable& table, const std::vector<doubl
   curve.samples = samples;
   curve.mean = std::numeric_limits<double>::quiet_NaN();
   for (std::size_t i = 0; i < deviation.size(); ++i) {
-    const std::int64_t m = std::llround(table.tau_s[i] * rate_hz);
+    const double cluster = table.tau_s[i] * rate_hz;
+    const std::int64_t m = std::llround(cluster);
+    constexpr double kPrinted = 0.01;  // taus in tables are rounded
+    if (std::abs(cluster - static_cast<double>(m)) > kPrinted * cluster) {
+      throw io::InputError(fmt::format("{}: found tau = {:g} s, expected a whole number of samples at --rate {:g} Hz; give "
+                                       "the rate of the record behind the table", table.source, table.tau_s[i], rate_hz));
+    }
     const bool repeated = !curve.points.empty() && curve.points.back().m == m;
     if (m < 1 || 2 * m > samples || repeated) continue;
     curve.points.push_back({m, deviation[i] * deviation[i], samples - 2 * m + 1});
@@ -179,12 +216,18 @@ double rounded(double si, noise::Signal signal, Term term) {
   return std::stod(fmt::format("{:.6g}", noise::from_si(si, unit))) * noise::parse_unit(unit).to_si;
 }
 
-// One model for a triad: root mean square over its axes, term by term.
+// A converged fit that describes the record and finds at least one of N, B, K.
+bool has_answer(const report::AxisResult& axis) {
+  const bool described = axis.fit->verdict != fit::Verdict::not_described || axis.fit->method == fit::Method::visual;
+  return described && axis.fit->converged && !holds_no_answer(*axis.fit);
+}
+
+// One model for a triad: root mean square over its axes that have an answer, term by term.
 std::optional<noise::ErrorModel> triad(const report::LogResult& result, noise::Signal signal) {
   noise::ErrorModel model;
   int count = 0;
   for (const auto& axis : result.axes) {
-    if (axis.signal != signal || !axis.fit) continue;
+    if (axis.signal != signal || !has_answer(axis)) continue;
     ++count;
     for (const auto& c : axis.fit->coefficients) {
       if (c.fitted) model[c.term] = std::hypot(model[c.term], c.value);
@@ -215,7 +258,15 @@ std::string provenance(const report::LogResult& result) {
   std::string text = fmt::format("Fitted by: {}\nRecord: {} samples at {} Hz, {} missing\n", result.command,
                                  result.samples, result.rate_hz, result.missing_samples);
   if (result.axes.size() > 1) text += "Each value is the root mean square over the axes of its triad.\n";
-  for (const auto& axis : result.axes) text += fmt::format("{}: {}\n", axis.name, one_line_verdict(*axis.fit));
+  for (const auto& axis : result.axes) {
+    text += fmt::format("{}: {}\n", axis.name, one_line_verdict(*axis.fit));
+    for (const auto& c : axis.fit->coefficients) {
+      if (!c.fitted || c.status == fit::Status::identified) continue;
+      const auto unit = noise::datasheet_unit(axis.signal, c.term);
+      text += fmt::format("  {} is not resolved: at most {} (95 %)\n", noise::key(axis.signal, c.term),
+                          noise::quantity_text(c.upper, unit, 3));
+    }
+  }
   return text;
 }
 
@@ -225,6 +276,10 @@ void write_sensor_files(const report::LogResult& result, const CalibrateArgument
     return axis.signal != noise::Signal::dimensionless;
   });
   if (!inertial) throw std::invalid_argument("-o and --kalibr describe gyros and accelerometers; this log has neither");
+  if (std::none_of(result.axes.begin(), result.axes.end(), has_answer)) {
+    say(a.common, "no sensor file is written: no axis has an answer to put in it");
+    return;
+  }
   const noise::SensorModel sensor = sensor_of(result, a.name);
   if (!a.output.empty()) io::write_file(a.output, io::sensor_yaml(sensor, provenance(result)));
   if (!a.kalibr.empty()) io::write_file(a.kalibr, io::kalibr_yaml(sensor, result.rate_hz));
@@ -233,18 +288,15 @@ void write_sensor_files(const report::LogResult& result, const CalibrateArgument
   }
 }
 
-// Each axis must have an answer: a converged fit that describes the record and finds at least one of N, B, K.
 int exit_code(const report::LogResult& result) {
-  for (const auto& axis : result.axes) {
-    const bool described = axis.fit->verdict != fit::Verdict::not_described || axis.fit->method == fit::Method::visual;
-    if (!described || !axis.fit->converged || holds_no_answer(*axis.fit)) return exit_no_answer;
-  }
-  return exit_done;
+  return std::all_of(result.axes.begin(), result.axes.end(), has_answer) ? exit_done : exit_no_answer;
 }
 
 }  // namespace
 
 int run(const CalibrateArguments& a) {
+  check_outputs(a.curve_file.empty() ? a.curve.log.path : a.curve_file,
+                {{"-o", a.output}, {"--kalibr", a.kalibr}, {"--report", a.pictures.report}, {"--plot", a.pictures.plot}});
   const report::LogResult result = a.curve_file.empty() ? calibrate_log(a) : calibrate_table(a);
   print(a.common.json ? report::calibration_json(result) : report::datasheet(result));
   write_sensor_files(result, a);

@@ -50,9 +50,9 @@ int run(const cli::Arguments& arguments) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  std::signal(SIGINT, interrupted);
-  std::signal(SIGTERM, interrupted);
-  std::signal(SIGPIPE, SIG_IGN);  // a closed pipe is an output error like any other
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, interrupted);
+  if (std::signal(SIGHUP, interrupted) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // nohup
+  for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);  // output errors like any other
   try {
     return run(cli::parse_arguments(argc, argv));
   } catch (const io::InputError& error) {

@@ -31,7 +31,7 @@ std::vector<noise::Process> random_terms(const noise::SensorModel& sensor) {
 }
 
 report::PlanRow row_for(const std::vector<noise::Process>& terms, double duration_s, double dt) {
-  const auto samples = static_cast<std::int64_t>(std::llround(std::max(16.0, duration_s / dt)));
+  const auto samples = static_cast<std::int64_t>(std::llround(duration_s / dt));
   const Eigen::VectorXd bound = fit::relative_bound(terms, samples, dt);
   return {duration_s, {bound.data(), bound.data() + bound.size()}};
 }
@@ -48,6 +48,11 @@ int run(const PlanArguments& a) {
   report::Plan plan{.sensor = sensor.name, .command = a.common.command_line, .rate_hz = a.rate_hz};
   for (const auto& process : terms) plan.terms.push_back({noise::term(process), noise::coefficient(process)});
 
+  constexpr double kFewestSamples = 16, kMostSamples = 1e15;
+  if (a.duration_s && !(*a.duration_s >= kFewestSamples * dt && *a.duration_s <= kMostSamples * dt)) {
+    throw std::invalid_argument(fmt::format("--duration {:g} s at {:g} Hz: a record of 16 to 1e15 samples is expected",
+                                            *a.duration_s, a.rate_hz));
+  }
   if (a.duration_s) {
     plan.rows.push_back(row_for(terms, *a.duration_s, dt));
   } else if (a.wishes.empty()) {

@@ -4,6 +4,7 @@
 #include "gyrobudget/io/sensor_file.h"
 #include "gyrobudget/noise/generate.h"
 
+#include "paths.h"
 #include "terminal.h"
 #include "verbs.h"
 
@@ -35,6 +36,7 @@ std::vector<double> simulate_axis(const SimulateArguments& a, const noise::Error
 }  // namespace
 
 int run(const SimulateArguments& a) {
+  if (a.output != "-") check_outputs(a.sensor, {{"-o", a.output}});
   const noise::SensorModel sensor = io::read_sensor(a.sensor);
   const auto samples = static_cast<std::int64_t>(std::llround(a.duration_s * a.rate_hz));
   std::vector<io::LogColumn> columns;

@@ -135,7 +135,8 @@ void test_fit(const Prepared& p, Run& run) {
   const Eigen::LLT<Eigen::MatrixXd> factor(run.solution.S.topLeftCorner(count, count));
   if (factor.info() != Eigen::Success) return;
   run.chi2 = factor.matrixL().solve(r).squaredNorm();
-  run.p_value = boost::math::gamma_q(0.5 * run.dof, 0.5 * run.chi2);
+  const double hopeless = 2000 + 100.0 * run.dof;  // p below 1e-300, where the series of gamma_q fail
+  run.p_value = run.chi2 < hopeless ? boost::math::gamma_q(0.5 * run.dof, 0.5 * run.chi2) : 0;
 }
 
 Run fit_from(const Prepared& p, Eigen::Index first, bool drop_quantization) {
@@ -211,7 +212,7 @@ void refine_run(Run& run, double scale, Result& result) {
   }
   const auto p = run.solution.theta.size();
   result.covariance = Eigen::MatrixXd::Constant(p, p, kNaN);
-  if (free.empty()) return;
+  if (free.empty() || !run.solution.converged) return;
   const Eigen::MatrixXd A = run.model.A(Eigen::all, free);
   const WhitenedResidual residual(A, run.model.s, run.solution.S);
   const Refined refined = refine(residual, run.solution.theta(free).cwiseSqrt());
@@ -269,16 +270,29 @@ Coefficient judge(const Run& run, Eigen::Index j, double deviation, double scale
   return c;
 }
 
+// The weights never settled: a value for what it is worth, and no limit.
+Coefficient without_answer(const Run& run, Eigen::Index j, double scale) {
+  Coefficient c;
+  c.term = run.terms[static_cast<std::size_t>(j)];
+  c.fitted = true;
+  c.value = std::sqrt(run.solution.theta(j) * scale);
+  c.upper = c.upper_two_sided = c.relative_std = kInfinity;
+  c.status = Status::upper_bound;
+  return c;
+}
+
 void add_coefficients(Result& result, const Run& run, double scale, const Options& options) {
   const Cuts cuts = cuts_of(run, options);
-  const Eigen::VectorXd deviation = standard_deviations(run);
+  const Eigen::VectorXd deviation = run.solution.converged ? standard_deviations(run) : Eigen::VectorXd();
   for (const Term t : kLinearTerms) {
     const auto at = std::find(run.terms.begin(), run.terms.end(), t);
     if (at == run.terms.end()) {
       result.coefficients.push_back({.term = t});
     } else {
       const Eigen::Index j = at - run.terms.begin();
-      result.coefficients.push_back(judge(run, j, deviation(j), scale, cuts, options.intervals));
+      result.coefficients.push_back(run.solution.converged
+                                        ? judge(run, j, deviation(j), scale, cuts, options.intervals)
+                                        : without_answer(run, j, scale));
     }
   }
 }

@@ -167,8 +167,9 @@ ProfileInterval profile_interval(const LinearModel& model, Eigen::Index index, c
   const auto test = [&](double v) { return profile_test(model, {index, v}, best.theta); };
   ProfileInterval interval;
 
+  constexpr int kMostDoublings = 80;
   double inside = center, t_inside = 0, outside = center - 1.2 * step;
-  while (center > 0) {
+  for (int i = 0; i < kMostDoublings && center > 0; ++i) {
     outside = std::max(outside, 0.0);
     const double t = test(outside);
     if (t > cut) {
@@ -180,7 +181,6 @@ ProfileInterval profile_interval(const LinearModel& model, Eigen::Index index, c
   }
 
   inside = center, t_inside = center > 0 ? 0 : test(0), outside = center + 1.2 * step;
-  constexpr int kMostDoublings = 80;
   for (int i = 0; i < kMostDoublings; ++i) {
     const double t = test(outside);
     if (t > cut) {

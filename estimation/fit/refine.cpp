@@ -44,6 +44,7 @@ ceres::Solver::Options solver_options() {
   options.gradient_tolerance = 1e-13;
   options.parameter_tolerance = 1e-12;
   options.max_num_iterations = 100;
+  options.max_num_consecutive_invalid_steps = 100;  // fewer than iterations: Ceres would complain on stderr
   return options;
 }
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// How long read_log takes beside only parsing the numbers of the same file, and how much memory it needs beside the
-// numbers as doubles. The two alternate in one run: what disturbs the machine disturbs both.
+// How long read_log and the whole `gyrobudget calibrate` take beside only parsing the numbers of the same file, and how
+// much memory they need beside the numbers as doubles. They alternate in one run: what disturbs the machine disturbs all.
 //
 //     log_benchmark [hours, 10] [repetitions, 7] [folder for the log, the system's temporary one]
 #include "gyrobudget/io/log.h"
@@ -20,6 +20,7 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
@@ -53,6 +54,7 @@ void write_six_axes(const std::string& path, double hours) {
 
 /// Runs `work` in a process of its own. @returns its peak memory in bytes
 double peak_memory(const std::function<void()>& work) {
+  std::fflush(nullptr);  // or the child would print again what is waiting
   const pid_t child = ::fork();
   if (child < 0) throw std::runtime_error("fork failed");
   if (child == 0) {
@@ -113,6 +115,15 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
+// Ratios of measurements made one behind the other.
+void print_ratio(const char* what, const std::vector<double>& times, const std::vector<double>& base) {
+  std::vector<double> ratios;
+  for (std::size_t i = 0; i < times.size(); ++i) ratios.push_back(times[i] / base[i]);
+  const auto [least, most] = std::ranges::minmax(ratios);
+  fmt::print("{}: {:.3f} s, {:.2f} x only parsing, from {:.2f} to {:.2f}\n", what, median(times), median(ratios), least,
+             most);
+}
+
 void run(double hours, int repetitions, const std::filesystem::path& folder) {
   const std::string path = (folder / fmt::format("gyrobudget-log-benchmark-{}.csv", ::getpid())).string();
   peak_memory([&] { write_six_axes(path, hours); });
@@ -125,20 +136,26 @@ void run(double hours, int repetitions, const std::filesystem::path& folder) {
   fmt::print("peak memory of read_log: {:.0f} MB, {:.2f} x the numbers as doubles\n", memory / 1e6,
              memory / numbers);
 
-  std::vector<double> reading, parsing, ratios;
-  double sum = 0;
+  const auto calibrate = [&] {
+    ::execl(GYROBUDGET_PROGRAM, GYROBUDGET_PROGRAM, "calibrate", path.c_str(), "--json", "--quiet", nullptr);
+  };
+  const auto silent = [&] {
+    if (std::freopen("/dev/null", "w", stdout) != nullptr) calibrate();
+    std::_Exit(1);
+  };
+  std::vector<double> parsing, reading, calibrating;
+  double sum = 0, whole_memory = 0;
   for (int i = 0; i < repetitions; ++i) {
     parsing.push_back(seconds([&] { sum += sum_of_fields(path); }));
     reading.push_back(seconds([&] { sum += io::read_log({.path = path}).axes[0].rate[0]; }));
-    ratios.push_back(reading.back() / parsing.back());
+    calibrating.push_back(seconds([&] { whole_memory = peak_memory(silent); }));
   }
   std::filesystem::remove(path);
-  const auto [least, most] = std::ranges::minmax(ratios);
-  fmt::print(
-      "only parsing {:.3f} s, read_log {:.3f} s ({:.0f} MB/s): ratio {:.2f}, from {:.2f} to {:.2f} in {} "
-      "runs\n",
-      median(parsing), median(reading), bytes / 1e6 / median(reading), median(ratios), least, most,
-      repetitions);
+  fmt::print("peak memory of the whole calibrate: {:.0f} MB, {:.2f} x the numbers as doubles\n", whole_memory / 1e6,
+             whole_memory / numbers);
+  fmt::print("only parsing {:.3f} s (median of {})\n", median(parsing), repetitions);
+  print_ratio("read_log", reading, parsing);
+  print_ratio("the whole calibrate, six axes", calibrating, parsing);
   if (!std::isfinite(sum)) fmt::print("the sum of all fields is {}\n", sum);  // nothing was optimised away
 }
 

@@ -191,6 +191,33 @@ TEST_F(BadInput, Interrupt) {
   EXPECT_EQ(scratch_.files(), 0U);
 }
 
+// --- Nothing of the user's is destroyed -------------------------------------------------------------------------------
+
+TEST_F(BadInput, OutputsNeverReplaceTheInputOrOneAnother) {
+  const std::string text = good_log(1000), log = scratch_.file("log.csv", text), page = scratch_.path("page.html");
+  expect_refusal(gyrobudget_run("calibrate '" + log + "' -o '" + log + "'"), kUsage, {"-o", "input"});
+  expect_refusal(gyrobudget_run("calibrate '" + log + "' -o '" + page + "' --report '" + page + "'"), kUsage, {"same file"});
+  expect_refusal(gyrobudget_run("calibrate '" + log + "' --json -o -"), kUsage, {"standard output"});
+  expect_refusal(gyrobudget_run("calibrate '" + log + "' --plot x.txt"), kUsage, {"--plot", ".svg"});
+  EXPECT_EQ(shell("cat '" + log + "'").out, text);
+}
+
+TEST_F(BadInput, MostSamplesMissing) {
+  std::string text = "time (s),gyro_x (deg/h)\n";
+  unsigned state = 1;
+  for (int i = 0; i < 2000; ++i) {
+    state = state * 1664525U + 1013904223U;
+    text += fmt::format("{:.1f},{}\n", 0.1 * i, state >> 31 ? "nan" : "1.5");
+  }
+  expect_refusal(calibrate(text), kBadInput, {"gyro_x", "missing", "usable averaging times"});
+}
+
+TEST_F(BadInput, AKnockIsNamed) {
+  const Outcome run = gyrobudget_run("calibrate '" + scratch_.file("log.csv", with_line(good_log(2000), 1000, "99.8,1e6")) + "'");
+  EXPECT_NE(run.out.find("further from the median"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("99.8 s"), std::string::npos) << run.out;
+}
+
 // --- Usage ------------------------------------------------------------------------------------------------------------
 
 TEST_F(BadInput, UsageErrors) {
