@@ -116,12 +116,23 @@ class Level {
   std::vector<double> log_bin_, log_level_;
 };
 
-// Power of the whole peak above its surroundings: the bins around it that exceed twice the median.
-double excess(const Spectrum& spectrum, std::size_t k, double median) {
-  double sum = spectrum.power[k] - median;
-  for (std::size_t j = k + 1; j < spectrum.power.size() && spectrum.power[j] > 2 * median; ++j) sum += spectrum.power[j] - median;
-  for (std::size_t j = k - 1; j > 0 && spectrum.power[j] > 2 * median; --j) sum += spectrum.power[j] - median;
-  return sum;
+// A peak above its surroundings: the bins around it that exceed twice the level.
+struct Peak {
+  double power = 0;     // density above the level, summed over the bins
+  double centroid = 0;  // in bins
+};
+
+Peak peak_at(const Spectrum& spectrum, std::size_t k, double level) {
+  std::size_t low = k, high = k;
+  while (high + 1 < spectrum.power.size() && spectrum.power[high + 1] > 2 * level) ++high;
+  while (low > 1 && spectrum.power[low - 1] > 2 * level) --low;
+  Peak peak;
+  for (std::size_t j = low; j <= high; ++j) {
+    peak.power += spectrum.power[j] - level;
+    peak.centroid += static_cast<double>(j) * (spectrum.power[j] - level);
+  }
+  peak.centroid /= peak.power;
+  return peak;
 }
 
 void add_lines(std::vector<SpectralLine>& lines, const Spectrum& spectrum, double dt, double false_alarm) {
@@ -142,9 +153,10 @@ void add_lines(std::vector<SpectralLine>& lines, const Spectrum& spectrum, doubl
     if (p < spectrum.power[k - 1] || p <= spectrum.power[k + 1]) continue;  // peaks only
     const double median = level.at(k);
     if (!(p * median_over_mean > cut * median) || p < rounding) continue;
-    lines.push_back({.frequency_hz = static_cast<double>(k) * width,
+    const Peak peak = peak_at(spectrum, k, median);
+    lines.push_back({.frequency_hz = peak.centroid * width,
                      .resolution_hz = width,
-                     .amplitude = std::sqrt(2 * width * excess(spectrum, k, median)),
+                     .amplitude = std::sqrt(2 * width * peak.power),
                      .ratio = p / median});
   }
 }

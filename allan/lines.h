@@ -8,7 +8,7 @@ namespace gyrobudget::inline v0::allan {
 
 /// A narrow peak that stands out of a record's spectrum: vibration, a fan, mains, a control loop.
 struct SpectralLine {
-  double frequency_hz = 0;   ///< of the peak; known to about one bin, `resolution_hz`
+  double frequency_hz = 0;   ///< centroid of the peak; known to about one bin, `resolution_hz`
   double resolution_hz = 0;
   double amplitude = 0;      ///< of the sinusoid A sin(2 pi f t) with this power [signal]; of a wandering line, about
   double ratio = 0;          ///< peak over the local median of the spectrum
