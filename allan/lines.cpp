@@ -20,6 +20,7 @@ namespace {
 constexpr std::size_t kFewestSamples = 1024;
 constexpr std::size_t kLongestSegment = std::size_t{1} << 18;
 constexpr std::size_t kFewestSegments = 4;
+constexpr std::size_t kMostSamples = std::size_t{1} << 20;  // looked at, at each segment length
 constexpr std::size_t kFirstBin = 50;
 constexpr std::size_t kLeastBlock = 60;
 constexpr double kBlockRatio = 1.1;
@@ -49,14 +50,15 @@ std::vector<double> hann(std::size_t length) {
   return window;
 }
 
-// Sum of the periodograms of segments first, first + 1, ... before last, one behind the other.
+// Sum of the periodograms of segments first, first + 1, ... before last.
+template <typename Start>
 std::vector<double> sum_periodograms(std::span<const double> rate, std::span<const double> window, double mean,
-                                     std::size_t first, std::size_t last) {
+                                     std::size_t first, std::size_t last, const Start& start) {
   const std::size_t length = window.size();
   std::vector<double> power(length / 2 + 1), segment(length);
   for (std::size_t s = first; s < last; ++s) {
     for (std::size_t i = 0; i < length; ++i) {
-      const double y = rate[s * length + i];
+      const double y = rate[start(s) + i];
       segment[i] = std::isfinite(y) ? window[i] * (y - mean) : 0;
     }
     const auto bins = noise::real_spectrum(segment);
@@ -68,12 +70,13 @@ std::vector<double> sum_periodograms(std::span<const double> rate, std::span<con
 Spectrum welch(std::span<const double> rate, std::size_t length, double mean, double dt) {
   const auto window = hann(length);
   const double energy = std::inner_product(window.begin(), window.end(), window.begin(), 0.0);
-  const std::size_t segments = rate.size() / length;
+  const std::size_t fit = rate.size() / length, segments = std::min(fit, std::max(kFewestSegments, kMostSamples / length));
+  const auto start = [&](std::size_t s) { return s * fit / segments * length; };
   // A fixed number of parts, added in order: the same bytes at any number of threads.
   const std::size_t parts = std::min(segments, kParts);
   std::vector<std::vector<double>> sums(parts);
   tbb::parallel_for(std::size_t{0}, parts, [&](std::size_t i) {
-    sums[i] = sum_periodograms(rate, window, mean, i * segments / parts, (i + 1) * segments / parts);
+    sums[i] = sum_periodograms(rate, window, mean, i * segments / parts, (i + 1) * segments / parts, start);
   });
   Spectrum spectrum{std::vector<double>(length / 2 + 1), length, static_cast<double>(segments)};
   for (const auto& sum : sums) {

@@ -22,7 +22,7 @@ struct LineOptions {
 /// Lines of a record, strongest first.
 ///
 /// Averaged Hann-windowed periodograms at three segment lengths (a quarter of the record up to 2^18 samples, 1/8 and
-/// 1/64 of that), for lines that hold their frequency and lines that wander; a bin is a line where it exceeds the level of the spectrum around
+/// 1/64 of that; at most 2^20 samples of it, spread over the record), for lines that hold their frequency and lines that wander; a bin is a line where it exceeds the level of the spectrum around
 /// it (medians of blocks 10 % and at least 60 bins wide) by what chance would exceed with probability
 /// false_alarm / (bins tested), from the chi-square law of the average. Bins below 50 cycles a segment are not tested: there the 1/f slope is no flat
 /// neighbourhood. Missing samples (NaN) count as the mean.

@@ -19,7 +19,7 @@ int run(const AllanArguments& a) {
     result.axes.push_back({.name = axis.name,
                            .signal = axis.signal,
                            .mean = curve.mean,
-                           .points = with_intervals(curve, axis),
+                           .points = with_intervals(curve, allan::identify_noise(axis.rate, factors)),
                            .fit = {},
                            .advice = {}});
   }

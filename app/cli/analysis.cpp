@@ -49,18 +49,15 @@ allan::Curve curve_of(const io::Axis& axis, const io::Record& record, const Curv
   return allan::overlapped_variance(axis.rate, 1 / record.rate_hz, factors, options);
 }
 
-std::vector<report::DeviationPoint> with_intervals(const allan::Curve& curve, const io::Axis& axis,
+std::vector<report::DeviationPoint> with_intervals(const allan::Curve& curve,
+                                                   std::span<const allan::Identified> identified,
                                                    std::span<const noise::Process> mix) {
-  std::vector<std::int64_t> factors;
-  for (const auto& p : curve.points) factors.push_back(p.m);
-  // A table of deviations comes without a record to look at.
-  const auto identified = axis.rate.empty() ? std::vector<allan::Identified>(factors.size())
-                                            : allan::identify_noise(axis.rate, factors);
   std::vector<report::DeviationPoint> points(curve.points.size());
   tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
     const allan::Point& p = curve.points[i];
     if (p.terms < 1 || !std::isfinite(p.variance)) return;
-    const std::array single{noise::unit_process(identified[i].term)};
+    const allan::Identified type = identified.empty() ? allan::Identified{} : identified[i];
+    const std::array single{noise::unit_process(type.term)};
     const double edf = allan::equivalent_dof(curve.samples, p.m, curve.dt, mix.empty() ? single : mix, curve.form,
                                              curve.mask.get());
     const allan::Interval interval = allan::chi_square_interval(p.variance, edf);
@@ -71,7 +68,7 @@ std::vector<report::DeviationPoint> with_intervals(const allan::Curve& curve, co
                  .upper = std::sqrt(interval.upper),
                  .edf = edf,
                  .terms = p.terms,
-                 .alpha = identified[i].alpha};
+                 .alpha = type.alpha};
   });
   std::erase_if(points, [](const auto& p) { return p.terms < 1; });
   return points;

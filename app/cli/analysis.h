@@ -2,6 +2,7 @@
 #pragma once
 
 #include "gyrobudget/allan/deviation.h"
+#include "gyrobudget/allan/identify.h"
 #include "gyrobudget/io/log.h"
 #include "gyrobudget/report/result.h"
 
@@ -26,9 +27,10 @@ namespace gyrobudget::inline v0::cli {
 [[nodiscard]] allan::Curve curve_of(const io::Axis&, const io::Record&, const CurveArguments&,
                                     std::span<const std::int64_t> factors);
 
-/// Points with 95 % intervals; their degrees of freedom are those of the noise type that lag-1 identification finds
-/// at each tau, or of `mix` where it is given (the fitted model).
-[[nodiscard]] std::vector<report::DeviationPoint> with_intervals(const allan::Curve&, const io::Axis&,
+/// Points with 95 % intervals; their degrees of freedom are those of the noise type identified at each tau, or of `mix`
+/// where it is given (the fitted model; `identified` may then be empty).
+[[nodiscard]] std::vector<report::DeviationPoint> with_intervals(const allan::Curve&,
+                                                                 std::span<const allan::Identified> identified,
                                                                  std::span<const noise::Process> mix = {});
 
 /// Writes --report and --plot.

@@ -14,12 +14,16 @@
 #include "terminal.h"
 #include "verbs.h"
 
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fmt/format.h>
 #include <limits>
-#include <map>
+#include <memory>
+#include <mutex>
 #include <utility>
 
 namespace gyrobudget::inline v0::cli {
@@ -33,6 +37,7 @@ constexpr std::int64_t kFewestSamples = 16;  // 4 octaves: three terms and one t
 struct Curves {
   allan::Curve display;
   allan::Curve octaves;
+  std::vector<allan::Identified> identified;  // at each tau of `display`; empty for a table
 };
 
 allan::Curve pick(const allan::Curve& curve, const std::vector<std::int64_t>& factors) {
@@ -47,50 +52,56 @@ Curves curves_of(const io::Axis& axis, const io::Record& record, const CurveArgu
   std::vector<std::int64_t> both;
   std::set_union(display.begin(), display.end(), octaves.begin(), octaves.end(), std::back_inserter(both));
   const allan::Curve curve = curve_of(axis, record, a, both);
-  return {pick(curve, display), pick(curve, octaves)};
+  return {pick(curve, display), pick(curve, octaves), allan::identify_noise(axis.rate, display)};
 }
 
 // N, B and K; and Q where lag-1 identification sees white angle noise at the first tau.
-std::vector<Term> terms_for(const CalibrateArguments& a, const io::Axis& axis) {
+std::vector<Term> terms_for(const CalibrateArguments& a, const std::vector<allan::Identified>& identified) {
   if (a.terms) return *a.terms;
   std::vector<Term> terms{Term::white, Term::flicker, Term::rate_random_walk};
-  if (!axis.rate.empty() && allan::identify_noise(axis.rate, 1).alpha == 2) terms.insert(terms.begin(), Term::quantization);
+  if (!identified.empty() && identified.front().alpha == 2) terms.insert(terms.begin(), Term::quantization);
   return terms;
 }
 
-// The covariance matrices depend on the length of the record and the terms, not on the data: axes without gaps share
-// them.
+// The covariance matrices depend on the record's length, its gaps and the terms, not on the data: axes share them.
 class Covariances {
  public:
-  const allan::CurveCovariance& of(const allan::Curve& curve, const std::vector<Term>& terms) {
-    if (curve.mask) {  // axes that miss the same samples share theirs, one behind the other
-      const bool same = own_ && own_terms_ == terms && same_runs(own_mask_->runs(), curve.mask->runs());
-      own_mask_ = curve.mask;
-      own_terms_ = terms;
-      return same ? *own_ : own_.emplace(make(curve, terms));
+  using Shared = std::shared_ptr<const allan::CurveCovariance>;
+
+  Shared of(const allan::Curve& curve, const std::vector<Term>& terms) {
+    const std::scoped_lock lock(mutex_);
+    for (const auto& known : known_) {
+      if (known.terms == terms && same_gaps(known.mask.get(), curve.mask.get())) return known.covariance;
     }
-    const auto at = shared_.find(terms);
-    return at != shared_.end() ? at->second : shared_.emplace(terms, make(curve, terms)).first->second;
+    // Isolated: a thread that waits in here must not take up another axis, which would want the lock.
+    tbb::this_task_arena::isolate([&] { known_.push_back({terms, curve.mask, make(curve, terms)}); });
+    return known_.back().covariance;
   }
 
  private:
-  static allan::CurveCovariance make(const allan::Curve& curve, const std::vector<Term>& terms) {
+  struct Known {
+    std::vector<Term> terms;
+    std::shared_ptr<const allan::Mask> mask;
+    Shared covariance;
+  };
+
+  static bool same_gaps(const allan::Mask* a, const allan::Mask* b) {
+    if (a == nullptr || b == nullptr) return a == b;
+    return std::equal(a->runs().begin(), a->runs().end(), b->runs().begin(), b->runs().end(),
+                      [](const auto& x, const auto& y) { return x.first == y.first && x.count == y.count; });
+  }
+
+  static Shared make(const allan::Curve& curve, const std::vector<Term>& terms) {
     std::vector<std::int64_t> factors;
     for (const auto& p : curve.points) factors.push_back(p.m);
     std::vector<noise::Process> processes;
     for (const Term t : terms) processes.push_back(noise::unit_process(t));
-    return {curve.samples, std::move(factors), curve.dt, std::move(processes), curve.form, curve.mask.get()};
+    return std::make_shared<const allan::CurveCovariance>(curve.samples, std::move(factors), curve.dt,
+                                                          std::move(processes), curve.form, curve.mask.get());
   }
 
-  std::map<std::vector<Term>, allan::CurveCovariance> shared_;
-  static bool same_runs(const std::vector<allan::Mask::Run>& a, const std::vector<allan::Mask::Run>& b) {
-    return std::equal(a.begin(), a.end(), b.begin(), b.end(),
-                      [](const auto& x, const auto& y) { return x.first == y.first && x.count == y.count; });
-  }
-
-  std::optional<allan::CurveCovariance> own_;
-  std::shared_ptr<const allan::Mask> own_mask_;
-  std::vector<Term> own_terms_;
+  std::mutex mutex_;
+  std::vector<Known> known_;
 };
 
 // Gaps, or a table of few taus, may leave too little to fit.
@@ -112,13 +123,13 @@ bool is_silent(const allan::Curve& curve) {
 
 fit::Result fit_axis(const io::Axis& axis, const Curves& curves, const CalibrateArguments& a, Covariances& covariances) {
   fit::Options options;
-  options.terms = terms_for(a, axis);
+  options.terms = terms_for(a, curves.identified);
   check_enough(axis, curves.octaves, options.terms.size());
   options.method = a.method;
   options.tau_min_s = a.tau_min_s;
   options.tau_max_s = a.tau_max_s;
   if (a.method == fit::Method::visual && !is_silent(curves.display)) return fit::read_visually(curves.display, options);
-  fit::Result result = fit::fit(curves.octaves, covariances.of(curves.octaves, options.terms), options);
+  fit::Result result = fit::fit(curves.octaves, *covariances.of(curves.octaves, options.terms), options);
   note_minimum(result, curves.display);
   return result;
 }
@@ -130,7 +141,7 @@ report::AxisResult calibrate_axis(const io::Axis& axis, const io::Record& record
   result.fit = fit_axis(axis, curves, a, covariances);
   const auto mix = result.fit->verdict == fit::Verdict::not_described ? std::vector<noise::Process>{}
                                                                       : result.fit->processes();
-  result.points = with_intervals(curves.display, axis, mix);
+  result.points = with_intervals(curves.display, curves.identified, mix);
   result.advice = advise(*result.fit, axis, curves.octaves);
   return result;
 }
@@ -143,7 +154,10 @@ report::LogResult calibrate_log(const CalibrateArguments& a) {
   }
   report::LogResult result = describe_record(record, a.common);
   Covariances covariances;
-  for (const auto& axis : record.axes) result.axes.push_back(calibrate_axis(axis, record, a, covariances));
+  result.axes.resize(record.axes.size());
+  tbb::parallel_for(std::size_t{0}, record.axes.size(), [&](std::size_t i) {
+    result.axes[i] = calibrate_axis(record.axes[i], record, a, covariances);
+  });
   return result;
 }
 
@@ -197,11 +211,11 @@ report::LogResult calibrate_table(const CalibrateArguments& a) {
   Covariances covariances;
   for (const auto& column : table.columns) {
     const allan::Curve display = curve_of_table(table, column.deviation, rate_hz, samples);
-    const Curves curves{display, thinned(display)};
+    const Curves curves{display, thinned(display), {}};
     const io::Axis axis{column.name, column.signal, {}};
     report::AxisResult axis_result{.name = column.name, .signal = column.signal, .mean = display.mean};
     axis_result.fit = fit_axis(axis, curves, a, covariances);
-    axis_result.points = with_intervals(display, axis, axis_result.fit->processes());
+    axis_result.points = with_intervals(display, {}, axis_result.fit->processes());
     axis_result.advice = advise(*axis_result.fit, axis, curves.octaves);
     result.axes.push_back(std::move(axis_result));
   }
