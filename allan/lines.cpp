@@ -3,13 +3,13 @@
 
 #include "gyrobudget/noise/fft.h"
 
+#include <boost/math/special_functions/gamma.hpp>
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <bit>
-#include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
-#include <fmt/format.h>
 #include <numbers>
 #include <numeric>
 #include <stdexcept>
@@ -27,9 +27,9 @@ constexpr double kBlockRatio = 1.1;
 constexpr std::size_t kParts = 8;
 
 struct Spectrum {
-  std::vector<double> power;   // one-sided density, bins 0 .. L/2
-  std::size_t length = 0;      // L
-  double averages = 1;         // independent segments
+  std::vector<double> power;  // one-sided density, bins 0 .. L/2
+  std::size_t length = 0;     // L
+  double averages = 1;        // independent segments
 };
 
 double mean_of(std::span<const double> rate) {
@@ -44,7 +44,8 @@ double mean_of(std::span<const double> rate) {
 std::vector<double> hann(std::size_t length) {
   std::vector<double> window(length);
   for (std::size_t i = 0; i < length; ++i) {
-    const double s = std::sin(std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(length));
+    const double s =
+        std::sin(std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(length));
     window[i] = s * s;
   }
   return window;
@@ -52,8 +53,8 @@ std::vector<double> hann(std::size_t length) {
 
 // Sum of the periodograms of segments first, first + 1, ... before last.
 template <typename Start>
-std::vector<double> sum_periodograms(std::span<const double> rate, std::span<const double> window, double mean,
-                                     std::size_t first, std::size_t last, const Start& start) {
+std::vector<double> sum_periodograms(std::span<const double> rate, std::span<const double> window,
+                                     double mean, std::size_t first, std::size_t last, const Start& start) {
   const std::size_t length = window.size();
   std::vector<double> power(length / 2 + 1), segment(length);
   for (std::size_t s = first; s < last; ++s) {
@@ -70,7 +71,8 @@ std::vector<double> sum_periodograms(std::span<const double> rate, std::span<con
 Spectrum welch(std::span<const double> rate, std::size_t length, double mean, double dt) {
   const auto window = hann(length);
   const double energy = std::inner_product(window.begin(), window.end(), window.begin(), 0.0);
-  const std::size_t fit = rate.size() / length, segments = std::min(fit, std::max(kFewestSegments, kMostSamples / length));
+  const std::size_t fit = rate.size() / length,
+                    segments = std::min(fit, std::max(kFewestSegments, kMostSamples / length));
   const auto start = [&](std::size_t s) { return s * fit / segments * length; };
   // A fixed number of parts, added in order: the same bytes at any number of threads.
   const std::size_t parts = std::min(segments, kParts);
@@ -185,7 +187,8 @@ std::vector<SpectralLine> find_lines(std::span<const double> rate, double dt, co
   std::sort(seen.begin(), seen.end(), [](const auto& a, const auto& b) { return a.amplitude > b.amplitude; });
   std::vector<SpectralLine> lines;
   for (const auto& line : seen) {
-    const auto known = std::find_if(lines.begin(), lines.end(), [&](const auto& other) { return same_line(line, other); });
+    const auto known =
+        std::find_if(lines.begin(), lines.end(), [&](const auto& other) { return same_line(line, other); });
     if (known == lines.end()) {
       lines.push_back(line);
     } else if (line.resolution_hz < known->resolution_hz) {  // the finer view knows the frequency

@@ -5,10 +5,11 @@
 #include "gyrobudget/fit/information.h"
 #include "gyrobudget/noise/sensor.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <fmt/format.h>
 
 namespace gyrobudget::inline v0::cli {
 namespace {
@@ -27,29 +28,31 @@ std::string hours(double seconds) {
 }
 
 // How long a record of this sensor must be for 10 % on a term, by the Cramer-Rao bound.
-void advise_duration(std::vector<std::string>& advice, const fit::Result& fit, Term term, std::string_view name,
-                     const allan::Curve& curve) {
+void advise_duration(std::vector<std::string>& advice, const fit::Result& fit, Term term,
+                     std::string_view name, const allan::Curve& curve) {
   const auto& c = fit[term];
   if (!c.fitted || c.relative_std <= kWantedAccuracy) return;
   const auto processes = fit.processes();
-  const auto at = std::find_if(processes.begin(), processes.end(),
-                               [&](const auto& p) { return noise::term(p) == term; });
+  const auto at =
+      std::find_if(processes.begin(), processes.end(), [&](const auto& p) { return noise::term(p) == term; });
   const bool random = std::none_of(processes.begin(), processes.end(),
                                    [](const auto& p) { return noise::term(p) == Term::rate_ramp; });
   if (at == processes.end() || !random) return;
-  const double needed = fit::duration_for(processes, static_cast<std::size_t>(at - processes.begin()), kWantedAccuracy,
-                                          curve.dt);
+  const double needed = fit::duration_for(processes, static_cast<std::size_t>(at - processes.begin()),
+                                          kWantedAccuracy, curve.dt);
   const double have = static_cast<double>(curve.samples) * curve.dt;
   if (!(needed > have)) return;
-  advice.push_back(fmt::format("{} is known to {:.0f} % here ({} of record); for 10 % record at least {}.", name,
-                               100 * c.relative_std, hours(have),
+  advice.push_back(fmt::format("{} is known to {:.0f} % here ({} of record); for 10 % record at least {}.",
+                               name, 100 * c.relative_std, hours(have),
                                std::isfinite(needed) ? hours(needed) : "longer than anyone would"));
 }
 
 void advise_unresolved(std::vector<std::string>& advice, const fit::Result& fit) {
   const auto& walk = fit[Term::rate_random_walk];
   if (walk.fitted && walk.status != Status::identified) {
-    advice.push_back("No rate random walk is seen within this record: it may show in a longer one. Quote the upper limit.");
+    advice.push_back(
+        "No rate random walk is seen within this record: it may show in a longer one. Quote the upper "
+        "limit.");
   }
 }
 
@@ -60,9 +63,12 @@ void advise_misfit(std::vector<std::string>& advice, const fit::Result& fit) {
     return;
   }
   advice.push_back(
-      "Do not use these coefficients: the curve has a shape that no sum of the fitted terms has. Look at the residuals; "
-      "motion of the support, temperature, periodic disturbances and vibration bounded in angle all do this. Repeat the "
-      "record on a still base at constant temperature, or fit other terms (--terms), or a range of taus (--tau-min, "
+      "Do not use these coefficients: the curve has a shape that no sum of the fitted terms has. Look at the "
+      "residuals; "
+      "motion of the support, temperature, periodic disturbances and vibration bounded in angle all do this. "
+      "Repeat the "
+      "record on a still base at constant temperature, or fit other terms (--terms), or a range of taus "
+      "(--tau-min, "
       "--tau-max).");
 }
 
@@ -84,7 +90,8 @@ void advise_outliers(std::vector<std::string>& advice, const io::Axis& axis, dou
   for (double& y : part) y = std::abs(y - center);
   const double sigma = kMadToSigma * median();
   // Slow noise widens the record beyond its short-term scatter; 3 more sigmas keep it from being called a knock.
-  const double limit = sigma * (3 + std::sqrt(2 * std::log(static_cast<double>(axis.rate.size()) / kFalseAlarm)));
+  const double limit =
+      sigma * (3 + std::sqrt(2 * std::log(static_cast<double>(axis.rate.size()) / kFalseAlarm)));
   if (!(limit > 0)) return;  // most samples are equal: coarse counts
   std::size_t count = 0, worst = 0;
   for (std::size_t i = 0; i < axis.rate.size(); ++i) {
@@ -96,8 +103,10 @@ void advise_outliers(std::vector<std::string>& advice, const io::Axis& axis, dou
   if (count == 0) return;
   const auto unit = noise::datasheet_unit(axis.signal);
   advice.push_back(fmt::format(
-      "{} of {} samples lie further from the median than noise would put them, the worst at {:.6g} s by {} ({:.0f} sigma). "
-      "They are in the fit and spoil it: find what knocked, and cut them out of the log (an empty cell is a missing sample).",
+      "{} of {} samples lie further from the median than noise would put them, the worst at {:.6g} s by {} "
+      "({:.0f} sigma). "
+      "They are in the fit and spoil it: find what knocked, and cut them out of the log (an empty cell is a "
+      "missing sample).",
       count, axis.rate.size(), static_cast<double>(worst) * dt,
       noise::quantity_text(axis.rate[worst] - center, unit, 3), std::abs(axis.rate[worst] - center) / sigma));
 }
@@ -107,23 +116,24 @@ void advise_lines(std::vector<std::string>& advice, const io::Axis& axis, double
   const auto unit = noise::datasheet_unit(axis.signal);
   for (const auto& line : allan::find_lines(axis.rate, dt)) {
     advice.push_back(fmt::format(
-        "A spectral line at {:.3g} Hz (amplitude about {}, {:.0f} times the spectrum beside it) is in the record but not "
+        "A spectral line at {:.3g} Hz (amplitude about {}, {:.0f} times the spectrum beside it) is in the "
+        "record but not "
         "in the model. It shifts the deviation at taus up to its period, {:.3g} s.",
         line.frequency_hz, noise::quantity_text(line.amplitude, unit, 3), line.ratio, 1 / line.frequency_hz));
   }
 }
 
 bool all_equal(const allan::Curve& curve) {
-  return std::all_of(curve.points.begin(), curve.points.end(), [](const auto& p) { return !(p.variance > 0); });
+  return std::all_of(curve.points.begin(), curve.points.end(),
+                     [](const auto& p) { return !(p.variance > 0); });
 }
 
 }  // namespace
 
 bool holds_no_answer(const fit::Result& fit) {
   constexpr std::array kAnswers{Term::white, Term::flicker, Term::rate_random_walk};
-  return std::none_of(kAnswers.begin(), kAnswers.end(), [&](Term t) {
-    return fit[t].fitted && fit[t].status == Status::identified;
-  });
+  return std::none_of(kAnswers.begin(), kAnswers.end(),
+                      [&](Term t) { return fit[t].fitted && fit[t].status == Status::identified; });
 }
 
 std::string one_line_verdict(const fit::Result& fit) {
@@ -136,8 +146,8 @@ std::string one_line_verdict(const fit::Result& fit) {
     case fit::Verdict::not_described:
       break;
   }
-  return fmt::format("NOT described by the model (p = {:.2g}, off by {:.0f} % at {:.4g} s): do not use", fit.p_value,
-                     100 * fit.worst_misfit, fit.worst_misfit_tau_s);
+  return fmt::format("NOT described by the model (p = {:.2g}, off by {:.0f} % at {:.4g} s): do not use",
+                     fit.p_value, 100 * fit.worst_misfit, fit.worst_misfit_tau_s);
 }
 
 void note_minimum(fit::Result& fit, const allan::Curve& display) {
@@ -154,16 +164,18 @@ void note_minimum(fit::Result& fit, const allan::Curve& display) {
 std::vector<std::string> advise(const fit::Result& fit, const io::Axis& axis, const allan::Curve& octaves) {
   std::vector<std::string> advice;
   if (all_equal(octaves)) {
-    advice.push_back(fmt::format("Every sample of {} is equal: the log holds no noise to measure. The sensor is not "
-                                 "connected, or its resolution hides its noise: log raw counts or at a finer range.",
-                                 axis.name));
+    advice.push_back(
+        fmt::format("Every sample of {} is equal: the log holds no noise to measure. The sensor is not "
+                    "connected, or its resolution hides its noise: log raw counts or at a finer range.",
+                    axis.name));
     return advice;
   }
   if (holds_no_answer(fit)) {
-    advice.push_back(fmt::format("None of angle random walk, bias instability and rate random walk is resolved{}",
-                                 fit[Term::quantization].status == Status::identified
-                                     ? ": what is seen is quantization. Record at a finer resolution, or longer."
-                                     : "."));
+    advice.push_back(
+        fmt::format("None of angle random walk, bias instability and rate random walk is resolved{}",
+                    fit[Term::quantization].status == Status::identified
+                        ? ": what is seen is quantization. Record at a finer resolution, or longer."
+                        : "."));
   }
   advise_misfit(advice, fit);
   advise_outliers(advice, axis, octaves.dt);

@@ -20,6 +20,7 @@ namespace gyrobudget::inline v0::cli {
 void note_minimum(fit::Result&, const allan::Curve& display);
 
 /// What to know and do next, in plain words, most important first.
-[[nodiscard]] std::vector<std::string> advise(const fit::Result&, const io::Axis&, const allan::Curve& octaves);
+[[nodiscard]] std::vector<std::string> advise(const fit::Result&, const io::Axis&,
+                                              const allan::Curve& octaves);
 
 }  // namespace gyrobudget::inline v0::cli

@@ -7,13 +7,13 @@
 #include "gyrobudget/io/output.h"
 #include "gyrobudget/report/report.h"
 
-#include "terminal.h"
-
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <array>
 #include <cmath>
-#include <fmt/format.h>
+
+#include "terminal.h"
 
 namespace gyrobudget::inline v0::cli {
 
@@ -58,8 +58,8 @@ std::vector<report::DeviationPoint> with_intervals(const allan::Curve& curve,
     if (p.terms < 1 || !std::isfinite(p.variance)) return;
     const allan::Identified type = identified.empty() ? allan::Identified{} : identified[i];
     const std::array single{noise::unit_process(type.term)};
-    const double edf = allan::equivalent_dof(curve.samples, p.m, curve.dt, mix.empty() ? single : mix, curve.form,
-                                             curve.mask.get());
+    const double edf = allan::equivalent_dof(curve.samples, p.m, curve.dt, mix.empty() ? single : mix,
+                                             curve.form, curve.mask.get());
     const allan::Interval interval = allan::chi_square_interval(p.variance, edf);
     points[i] = {.m = p.m,
                  .tau_s = curve.tau(i),

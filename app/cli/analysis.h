@@ -6,11 +6,11 @@
 #include "gyrobudget/io/log.h"
 #include "gyrobudget/report/result.h"
 
-#include "arguments.h"
-
 #include <cstdint>
 #include <span>
 #include <vector>
+
+#include "arguments.h"
 
 // Log -> curve with its statistics: what allan and calibrate share.
 namespace gyrobudget::inline v0::cli {
@@ -29,9 +29,9 @@ namespace gyrobudget::inline v0::cli {
 
 /// Points with 95 % intervals; their degrees of freedom are those of the noise type identified at each tau, or of `mix`
 /// where it is given (the fitted model; `identified` may then be empty).
-[[nodiscard]] std::vector<report::DeviationPoint> with_intervals(const allan::Curve&,
-                                                                 std::span<const allan::Identified> identified,
-                                                                 std::span<const noise::Process> mix = {});
+[[nodiscard]] std::vector<report::DeviationPoint> with_intervals(
+    const allan::Curve&, std::span<const allan::Identified> identified,
+    std::span<const noise::Process> mix = {});
 
 /// Writes --report and --plot.
 void write_pictures(const report::LogResult&, const Pictures&, const Common&);

@@ -5,18 +5,18 @@
 #include "gyrobudget/noise/units.h"
 #include "gyrobudget/version.h"
 
-#include "verbs.h"
-
 #include <CLI/CLI.hpp>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fmt/format.h>
 #include <map>
 #include <memory>
 #include <numeric>
 #include <stdexcept>
+
+#include "verbs.h"
 
 namespace gyrobudget::inline v0::cli {
 namespace {
@@ -52,24 +52,31 @@ std::uint64_t seed(const std::string& text) {
   std::uint64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size()) {
-    throw std::invalid_argument(fmt::format("--seed {}: must be a whole number from 0 to 18446744073709551615", text));
+    throw std::invalid_argument(
+        fmt::format("--seed {}: must be a whole number from 0 to 18446744073709551615", text));
   }
   return value;
 }
 
 const std::map<std::string, Term> kTermNames{
-    {"Q", Term::quantization},   {"quantization", Term::quantization},
-    {"N", Term::white},          {"arw", Term::white},
-    {"B", Term::flicker},        {"bias_instability", Term::flicker},
-    {"K", Term::rate_random_walk}, {"rrw", Term::rate_random_walk},
-    {"R", Term::rate_ramp},      {"rate_ramp", Term::rate_ramp},
+    {"Q", Term::quantization},
+    {"quantization", Term::quantization},
+    {"N", Term::white},
+    {"arw", Term::white},
+    {"B", Term::flicker},
+    {"bias_instability", Term::flicker},
+    {"K", Term::rate_random_walk},
+    {"rrw", Term::rate_random_walk},
+    {"R", Term::rate_ramp},
+    {"rate_ramp", Term::rate_ramp},
 };
 
 Term term_named(const std::string& option, const std::string& name) {
   if (const auto at = kTermNames.find(name); at != kTermNames.end()) return at->second;
-  throw std::invalid_argument(fmt::format(
-      "{}: no term '{}'; there are Q (quantization), N (arw), B (bias_instability), K (rrw) and R (rate_ramp)", option,
-      name));
+  throw std::invalid_argument(
+      fmt::format("{}: no term '{}'; there are Q (quantization), N (arw), B (bias_instability), K (rrw) and "
+                  "R (rate_ramp)",
+                  option, name));
 }
 
 std::vector<std::string> split(const std::string& text, char separator) {
@@ -91,7 +98,8 @@ std::vector<Term> terms(const std::string& text) {
 // "B=10%"
 PlanArguments::Wish wish(const std::string& text) {
   const auto parts = split(text, '=');
-  if (parts.size() != 2) throw std::invalid_argument(fmt::format("--want '{}': write TERM=ACCURACY, e.g. B=10%", text));
+  if (parts.size() != 2)
+    throw std::invalid_argument(fmt::format("--want '{}': write TERM=ACCURACY, e.g. B=10%", text));
   const double accuracy = quantity("--want", parts[1], noise::dimension::kNumber);
   return {term_named("--want", parts[0]), positive("--want", accuracy, text)};
 }
@@ -109,7 +117,9 @@ void add_common(CLI::App& app, Common& common, bool has_json = true) {
   auto* group = app.add_option_group("Common");
   if (has_json) group->add_flag("--json", common.json, "one JSON object on stdout and nothing else");
   group->add_flag("-q,--quiet", common.quiet, "no messages on stderr");
-  group->add_option("--threads", common.threads, "number of threads (all cores); the result does not depend on it")
+  group
+      ->add_option("--threads", common.threads,
+                   "number of threads (all cores); the result does not depend on it")
       ->check(CLI::Range(0, 4096));
 }
 
@@ -124,22 +134,28 @@ void add_log(CLI::App& app, CurveArguments& curve, Texts& texts, bool required) 
   auto* path = app.add_option("log", curve.log.path, "CSV or text, also .gz; - is stdin")->type_name("LOG");
   if (required) path->required();
   group->add_option("--rate", texts.rate, "sample rate, where the log has no time column")->type_name("HZ");
-  group->add_option("--unit", curve.log.unit,
-                    "unit of the data columns without one in the header, e.g. deg/s, rad/s, deg/h, g; 1 is dimensionless");
+  group->add_option(
+      "--unit", curve.log.unit,
+      "unit of the data columns without one in the header, e.g. deg/s, rad/s, deg/h, g; 1 is dimensionless");
   group->add_option("--input", texts.input, "what a sample is: rate, increment (angle per sample) or angle")
       ->check(CLI::IsMember({"rate", "increment", "angle"}));
   group->add_option("--scale", curve.log.scale, "units per count");
   group->add_option("--column", curve.log.columns, "names or numbers (from 1) of the columns to use")
       ->type_name("NAME|N ...");
-  group->add_flag("--strict-gaps", curve.strict_gaps, "use a cluster only where none of its samples is missing (else 95 %)");
+  group->add_flag("--strict-gaps", curve.strict_gaps,
+                  "use a cluster only where none of its samples is missing (else 95 %)");
 }
 
 void add_curve(CLI::App& app, CurveArguments& curve, const std::string& default_taus) {
   curve.taus = default_taus;
   auto* group = app.add_option_group("Curve");
-  group->add_option("--taus", curve.taus, "averaging times: octave, decade, all, or a number of log-spaced ones")
-      ->type_name("octave|decade|all|N")->capture_default_str();
-  group->add_flag("--ieee", curve.ieee_form, "n - 2m terms as IEEE Std 952 and MATLAB count (else n - 2m + 1)");
+  group
+      ->add_option("--taus", curve.taus,
+                   "averaging times: octave, decade, all, or a number of log-spaced ones")
+      ->type_name("octave|decade|all|N")
+      ->capture_default_str();
+  group->add_flag("--ieee", curve.ieee_form,
+                  "n - 2m terms as IEEE Std 952 and MATLAB count (else n - 2m + 1)");
 }
 
 void finish_log(CurveArguments& curve, const Texts& texts) {
@@ -149,9 +165,11 @@ void finish_log(CurveArguments& curve, const Texts& texts) {
                                                  : io::Input::rate;
   const bool named = curve.taus == "octave" || curve.taus == "decade" || curve.taus == "all";
   const bool count = !curve.taus.empty() && curve.taus.size() < 7 &&
-                     curve.taus.find_first_not_of("0123456789") == std::string::npos && std::stoi(curve.taus) > 1;
+                     curve.taus.find_first_not_of("0123456789") == std::string::npos &&
+                     std::stoi(curve.taus) > 1;
   if (!named && !count) {
-    throw std::invalid_argument(fmt::format("--taus {}: must be octave, decade, all, or a number from 2 on", curve.taus));
+    throw std::invalid_argument(
+        fmt::format("--taus {}: must be octave, decade, all, or a number from 2 on", curve.taus));
   }
   if (curve.log.scale == 0 || !std::isfinite(curve.log.scale)) {
     throw std::invalid_argument(fmt::format("--scale {}: must be a number other than 0", curve.log.scale));
@@ -161,22 +179,30 @@ void finish_log(CurveArguments& curve, const Texts& texts) {
 // --- The verbs ----------------------------------------------------------------------------------------------------
 
 CLI::App* add_simulate(CLI::App& app, SimulateArguments& a, Texts& texts) {
-  auto* verb = app.add_subcommand("simulate",
+  auto* verb = app.add_subcommand(
+      "simulate",
       "Simulates the log of a sensor at rest.\n\n"
       "  gyrobudget simulate examples/sensors/ifog.yaml --duration 10h --rate 100 -o ifog.csv\n"
       "  gyrobudget simulate mems.yaml --duration 1h --axes x --unit deg/s --seed 7 | head\n");
-  verb->add_option("sensor", a.sensor, "sensor file (YAML), or a Kalibr imu.yaml")->required()->type_name("SENSOR");
-  verb->add_option("--duration", texts.duration, "length of the log, e.g. 10h, 90 min, 3600 s")->required()
+  verb->add_option("sensor", a.sensor, "sensor file (YAML), or a Kalibr imu.yaml")
+      ->required()
+      ->type_name("SENSOR");
+  verb->add_option("--duration", texts.duration, "length of the log, e.g. 10h, 90 min, 3600 s")
+      ->required()
       ->type_name("TIME");
   verb->add_option("--rate", texts.rate, "sample rate [100 Hz]")->type_name("HZ");
-  verb->add_option("--model", a.model,
-                   "spectral: exact, needs the whole record in memory; gauss-markov: 1/f as a sum of Gauss-Markov "
-                   "processes, a constant-memory stream")
-      ->check(CLI::IsMember({"spectral", "gauss-markov"}))->capture_default_str();
-  verb->add_option("--seed", texts.seed, "of the random numbers; printed into the log")->capture_default_str();
+  verb->add_option(
+          "--model", a.model,
+          "spectral: exact, needs the whole record in memory; gauss-markov: 1/f as a sum of Gauss-Markov "
+          "processes, a constant-memory stream")
+      ->check(CLI::IsMember({"spectral", "gauss-markov"}))
+      ->capture_default_str();
+  verb->add_option("--seed", texts.seed, "of the random numbers; printed into the log")
+      ->capture_default_str();
   verb->add_option("--axes", texts.axes, "axes to simulate")->capture_default_str();
   verb->add_option("--unit", a.unit, "of the gyro columns [rad/s]");
-  verb->add_option("-o,--output", a.output, "log to write; .gz compresses; - is stdout")->type_name("FILE")
+  verb->add_option("-o,--output", a.output, "log to write; .gz compresses; - is stdout")
+      ->type_name("FILE")
       ->capture_default_str();
   add_common(*verb, a.common, false);
   return verb;
@@ -189,24 +215,30 @@ void finish(SimulateArguments& a, const Texts& texts) {
   a.axes = split(texts.axes, ',');
   for (const auto& axis : a.axes) {
     if (axis != "x" && axis != "y" && axis != "z") {
-      throw std::invalid_argument(fmt::format("--axes {}: axes are x, y and z, separated by commas", texts.axes));
+      throw std::invalid_argument(
+          fmt::format("--axes {}: axes are x, y and z, separated by commas", texts.axes));
     }
   }
   if (!a.unit.empty() && noise::parse_unit(a.unit).dimension != noise::dimension::kAngularRate) {
-    throw std::invalid_argument(fmt::format("--unit {}: not a unit of angular rate; try deg/s, deg/h or rad/s", a.unit));
+    throw std::invalid_argument(
+        fmt::format("--unit {}: not a unit of angular rate; try deg/s, deg/h or rad/s", a.unit));
   }
   if (a.duration_s * a.rate_hz < 2) {
-    throw std::invalid_argument(fmt::format("{} s at {} Hz is less than two samples", a.duration_s, a.rate_hz));
+    throw std::invalid_argument(
+        fmt::format("{} s at {} Hz is less than two samples", a.duration_s, a.rate_hz));
   }
   constexpr double kMostSamples = 4e9;
   if (a.duration_s * a.rate_hz > kMostSamples) {
-    throw std::invalid_argument(fmt::format("{:.3g} samples are more than the {:.0e} that simulate makes; lower --rate or "
-                                            "--duration", a.duration_s * a.rate_hz, kMostSamples));
+    throw std::invalid_argument(
+        fmt::format("{:.3g} samples are more than the {:.0e} that simulate makes; lower --rate or "
+                    "--duration",
+                    a.duration_s * a.rate_hz, kMostSamples));
   }
 }
 
 CLI::App* add_allan(CLI::App& app, AllanArguments& a, Texts& texts) {
-  auto* verb = app.add_subcommand("allan",
+  auto* verb = app.add_subcommand(
+      "allan",
       "Allan deviation of a log, with degrees of freedom and 95 % intervals.\n\n"
       "  gyrobudget allan imu.csv --plot allan.svg\n"
       "  gyrobudget allan counts.txt --rate 100 --unit deg/h --scale 0.1 --taus octave --json\n");
@@ -218,24 +250,31 @@ CLI::App* add_allan(CLI::App& app, AllanArguments& a, Texts& texts) {
 }
 
 CLI::App* add_calibrate(CLI::App& app, CalibrateArguments& a, Texts& texts) {
-  auto* verb = app.add_subcommand("calibrate",
+  auto* verb = app.add_subcommand(
+      "calibrate",
       "From a static log to the datasheet: ARW, bias instability and RRW with intervals and a verdict.\n\n"
       "  gyrobudget calibrate imu.csv --report datasheet.html -o sensor.yaml\n"
       "  gyrobudget calibrate gyro.txt --rate 200 --unit deg/s --kalibr imu.yaml\n");
   add_log(*verb, a.curve, texts, false);
-  verb->get_option("--rate")->description("sample rate, where the log has no time column; of the record behind --curve");
+  verb->get_option("--rate")->description(
+      "sample rate, where the log has no time column; of the record behind --curve");
   auto* fit = verb->add_option_group("Fit");
   fit->add_option("--terms", texts.terms,
-                  "terms to fit, of Q,N,B,K,R [N,B,K, and Q where the shortest taus show quantization]")->type_name("LIST");
-  fit->add_option("--method", texts.method,
-                  "gls: generalised least squares with the exact covariance; visual: read off the plot, to compare")
-      ->check(CLI::IsMember({"gls", "visual"}))->capture_default_str();
-  fit->add_option("--tau-min", texts.tau_min, "shortest tau to fit [start of the longest run the model describes]")
+                  "terms to fit, of Q,N,B,K,R [N,B,K, and Q where the shortest taus show quantization]")
+      ->type_name("LIST");
+  fit->add_option(
+         "--method", texts.method,
+         "gls: generalised least squares with the exact covariance; visual: read off the plot, to compare")
+      ->check(CLI::IsMember({"gls", "visual"}))
+      ->capture_default_str();
+  fit->add_option("--tau-min", texts.tau_min,
+                  "shortest tau to fit [start of the longest run the model describes]")
       ->type_name("TIME");
   fit->add_option("--tau-max", texts.tau_max, "longest tau to fit [all]")->type_name("TIME");
   auto* table = verb->add_option_group("Curve table instead of a log");
-  auto* file = table->add_option("--curve", a.curve_file, "table of tau and deviation (CSV with units in the header)")
-      ->type_name("FILE");
+  auto* file =
+      table->add_option("--curve", a.curve_file, "table of tau and deviation (CSV with units in the header)")
+          ->type_name("FILE");
   file->excludes(verb->get_option("log"));
   table->add_option("--duration", texts.duration, "length of the record behind --curve")->type_name("TIME");
   add_curve(*verb, a.curve, "50");
@@ -251,31 +290,39 @@ CLI::App* add_calibrate(CLI::App& app, CalibrateArguments& a, Texts& texts) {
 void finish(CalibrateArguments& a, const Texts& texts) {
   finish_log(a.curve, texts);
   if (a.curve.log.path.empty() == a.curve_file.empty()) {
-    throw std::invalid_argument(fmt::format("calibrate needs a log (or - for stdin), or a table with --curve{}",
-                                            a.curve.log.columns.empty() ? "" : "; put the log before --column"));
+    throw std::invalid_argument(
+        fmt::format("calibrate needs a log (or - for stdin), or a table with --curve{}",
+                    a.curve.log.columns.empty() ? "" : "; put the log before --column"));
   }
   if (!texts.terms.empty()) a.terms = terms(texts.terms);
   a.method = texts.method == "visual" ? fit::Method::visual : fit::Method::gls;
   if (!texts.tau_min.empty()) a.tau_min_s = duration("--tau-min", texts.tau_min);
   if (!texts.tau_max.empty()) a.tau_max_s = duration("--tau-max", texts.tau_max);
   if (!texts.duration.empty()) a.duration_s = duration("--duration", texts.duration);
-  if (!a.curve_file.empty() && (a.curve.ieee_form || a.curve.strict_gaps || a.curve.log.scale != 1 || texts.input != "rate")) {
-    throw std::invalid_argument("--curve: --ieee, --strict-gaps, --scale and --input are about logs, not tables");
+  if (!a.curve_file.empty() &&
+      (a.curve.ieee_form || a.curve.strict_gaps || a.curve.log.scale != 1 || texts.input != "rate")) {
+    throw std::invalid_argument(
+        "--curve: --ieee, --strict-gaps, --scale and --input are about logs, not tables");
   }
   if (!a.curve_file.empty() && (!a.duration_s || !a.curve.log.rate_hz)) {
-    throw std::invalid_argument("--curve: the statistics need the record behind the table; give its --rate and --duration");
+    throw std::invalid_argument(
+        "--curve: the statistics need the record behind the table; give its --rate and --duration");
   }
 }
 
 CLI::App* add_plan(CLI::App& app, PlanArguments& a, Texts& texts) {
-  auto* verb = app.add_subcommand("plan",
-      "How long to record for a wanted accuracy, or what accuracy a recording buys.\n\n"
-      "  gyrobudget plan examples/sensors/mems.yaml --want B=10%\n"
-      "  gyrobudget plan sensor.yaml --duration 2h --rate 200\n");
-  verb->add_option("sensor", a.sensor, "sensor file with the expected coefficients")->required()->type_name("SENSOR");
+  auto* verb =
+      app.add_subcommand("plan",
+                         "How long to record for a wanted accuracy, or what accuracy a recording buys.\n\n"
+                         "  gyrobudget plan examples/sensors/mems.yaml --want B=10%\n"
+                         "  gyrobudget plan sensor.yaml --duration 2h --rate 200\n");
+  verb->add_option("sensor", a.sensor, "sensor file with the expected coefficients")
+      ->required()
+      ->type_name("SENSOR");
   verb->add_option("--rate", texts.rate, "sample rate [100 Hz]")->type_name("HZ");
   verb->add_option("--duration", texts.duration, "what will a record of this length buy?")->type_name("TIME");
-  verb->add_option("--want", texts.wishes, "how long for this accuracy (one sigma, relative), e.g. B=10% or arw=1%")
+  verb->add_option("--want", texts.wishes,
+                   "how long for this accuracy (one sigma, relative), e.g. B=10% or arw=1%")
       ->type_name("TERM=ACCURACY ...");
   add_common(*verb, a.common);
   return verb;
@@ -366,7 +413,8 @@ std::string command_line(int argc, const char* const* argv) {
   std::string line = "gyrobudget";
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
-    const bool plain = !word.empty() && word.find_first_of(" \t\n'\"\\$`*?[](){}<>|&;#~!") == std::string::npos;
+    const bool plain =
+        !word.empty() && word.find_first_of(" \t\n'\"\\$`*?[](){}<>|&;#~!") == std::string::npos;
     if (plain) {
       line += " " + word;
       continue;

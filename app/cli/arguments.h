@@ -42,7 +42,7 @@ struct SimulateArguments {
 /// How a log is turned into a curve, shared by allan and calibrate.
 struct CurveArguments {
   io::LogOptions log;
-  std::string taus;          ///< octave, decade, all, or a count
+  std::string taus;  ///< octave, decade, all, or a count
   bool ieee_form = false;
   bool strict_gaps = false;
 };
@@ -57,14 +57,14 @@ struct CalibrateArguments {
   Common common;
   Pictures pictures;
   CurveArguments curve;
-  std::string curve_file;     ///< a table of deviations instead of a log
-  std::optional<double> duration_s;  ///< of the record behind a curve file
+  std::string curve_file;                         ///< a table of deviations instead of a log
+  std::optional<double> duration_s;               ///< of the record behind a curve file
   std::optional<std::vector<noise::Term>> terms;  ///< unset: N, B, K, and Q where the first tau shows it
   fit::Method method = fit::Method::gls;
   std::optional<double> tau_min_s, tau_max_s;
-  std::string output;         ///< sensor file
-  std::string kalibr;         ///< imu.yaml
-  std::string name;           ///< of the sensor, for the sensor file
+  std::string output;  ///< sensor file
+  std::string kalibr;  ///< imu.yaml
+  std::string name;    ///< of the sensor, for the sensor file
 };
 
 struct PlanArguments {
@@ -84,7 +84,8 @@ struct Answered {
   int exit_code = 0;
 };
 
-using Arguments = std::variant<Answered, SimulateArguments, AllanArguments, CalibrateArguments, PlanArguments>;
+using Arguments =
+    std::variant<Answered, SimulateArguments, AllanArguments, CalibrateArguments, PlanArguments>;
 
 /// Reads the command line; prints help, version and usage errors itself.
 [[nodiscard]] Arguments parse_arguments(int argc, const char* const* argv);

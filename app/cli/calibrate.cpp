@@ -8,23 +8,23 @@
 #include "gyrobudget/io/sensor_file.h"
 #include "gyrobudget/report/report.h"
 
-#include "advice.h"
-#include "analysis.h"
-#include "paths.h"
-#include "terminal.h"
-#include "verbs.h"
-
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fmt/format.h>
 #include <limits>
 #include <memory>
 #include <mutex>
 #include <utility>
+
+#include "advice.h"
+#include "analysis.h"
+#include "paths.h"
+#include "terminal.h"
+#include "verbs.h"
 
 namespace gyrobudget::inline v0::cli {
 namespace {
@@ -42,7 +42,8 @@ struct Curves {
 
 allan::Curve pick(const allan::Curve& curve, const std::vector<std::int64_t>& factors) {
   allan::Curve picked = curve;
-  std::erase_if(picked.points, [&](const auto& p) { return !std::binary_search(factors.begin(), factors.end(), p.m); });
+  std::erase_if(picked.points,
+                [&](const auto& p) { return !std::binary_search(factors.begin(), factors.end(), p.m); });
   return picked;
 }
 
@@ -106,29 +107,32 @@ class Covariances {
 
 // Gaps, or a table of few taus, may leave too little to fit.
 void check_enough(const io::Axis& axis, const allan::Curve& curve, std::size_t terms) {
-  const auto usable = std::count_if(curve.points.begin(), curve.points.end(), [](const auto& p) {
-    return p.terms > 0 && std::isfinite(p.variance);
-  });
+  const auto usable = std::count_if(curve.points.begin(), curve.points.end(),
+                                    [](const auto& p) { return p.terms > 0 && std::isfinite(p.variance); });
   if (static_cast<std::size_t>(usable) > terms) return;
   const std::int64_t missing = curve.mask ? curve.mask->missing() : 0;
   throw io::InputError(fmt::format(
-      "column '{}': found {} usable averaging times, expected at least {} to fit {} terms; {} of {} samples are missing, and "
+      "column '{}': found {} usable averaging times, expected at least {} to fit {} terms; {} of {} samples "
+      "are missing, and "
       "a cluster needs 95 % of its own; fit fewer terms (--terms) or use a part of the log without gaps",
       axis.name, usable, terms + 1, terms, missing, curve.samples));
 }
 
 bool is_silent(const allan::Curve& curve) {
-  return std::all_of(curve.points.begin(), curve.points.end(), [](const auto& p) { return !(p.variance > 0); });
+  return std::all_of(curve.points.begin(), curve.points.end(),
+                     [](const auto& p) { return !(p.variance > 0); });
 }
 
-fit::Result fit_axis(const io::Axis& axis, const Curves& curves, const CalibrateArguments& a, Covariances& covariances) {
+fit::Result fit_axis(const io::Axis& axis, const Curves& curves, const CalibrateArguments& a,
+                     Covariances& covariances) {
   fit::Options options;
   options.terms = terms_for(a, curves.identified);
   check_enough(axis, curves.octaves, options.terms.size());
   options.method = a.method;
   options.tau_min_s = a.tau_min_s;
   options.tau_max_s = a.tau_max_s;
-  if (a.method == fit::Method::visual && !is_silent(curves.display)) return fit::read_visually(curves.display, options);
+  if (a.method == fit::Method::visual && !is_silent(curves.display))
+    return fit::read_visually(curves.display, options);
   fit::Result result = fit::fit(curves.octaves, *covariances.of(curves.octaves, options.terms), options);
   note_minimum(result, curves.display);
   return result;
@@ -149,8 +153,10 @@ report::AxisResult calibrate_axis(const io::Axis& axis, const io::Record& record
 report::LogResult calibrate_log(const CalibrateArguments& a) {
   const io::Record record = read_record(a.curve, a.common);
   if (record.samples < kFewestSamples) {
-    throw io::InputError(fmt::format("{}: found {} samples, expected at least {}; a datasheet needs hours of record "
-                                     "(gyrobudget plan tells how many)", record.source, record.samples, kFewestSamples));
+    throw io::InputError(
+        fmt::format("{}: found {} samples, expected at least {}; a datasheet needs hours of record "
+                    "(gyrobudget plan tells how many)",
+                    record.source, record.samples, kFewestSamples));
   }
   report::LogResult result = describe_record(record, a.common);
   Covariances covariances;
@@ -175,8 +181,10 @@ allan::Curve curve_of_table(const io::CurveTable& table, const std::vector<doubl
     const std::int64_t m = std::llround(cluster);
     constexpr double kPrinted = 0.01;  // taus in tables are rounded
     if (std::abs(cluster - static_cast<double>(m)) > kPrinted * cluster) {
-      throw io::InputError(fmt::format("{}: found tau = {:g} s, expected a whole number of samples at --rate {:g} Hz; give "
-                                       "the rate of the record behind the table", table.source, table.tau_s[i], rate_hz));
+      throw io::InputError(
+          fmt::format("{}: found tau = {:g} s, expected a whole number of samples at --rate {:g} Hz; give "
+                      "the rate of the record behind the table",
+                      table.source, table.tau_s[i], rate_hz));
     }
     const bool repeated = !curve.points.empty() && curve.points.back().m == m;
     if (m < 1 || 2 * m > samples || repeated) continue;
@@ -191,7 +199,8 @@ allan::Curve thinned(const allan::Curve& curve) {
   allan::Curve thin = curve;
   thin.points.clear();
   for (const auto& p : curve.points) {
-    if (thin.points.empty() || static_cast<double>(p.m) >= kOctave * static_cast<double>(thin.points.back().m)) {
+    if (thin.points.empty() ||
+        static_cast<double>(p.m) >= kOctave * static_cast<double>(thin.points.back().m)) {
       thin.points.push_back(p);
     }
   }
@@ -207,7 +216,8 @@ report::LogResult calibrate_table(const CalibrateArguments& a) {
   result.command = a.common.command_line;
   result.rate_hz = rate_hz;
   result.samples = samples;
-  result.notes.push_back("fitted to a table of deviations, taken as fully overlapped ones of a record without gaps");
+  result.notes.push_back(
+      "fitted to a table of deviations, taken as fully overlapped ones of a record without gaps");
   Covariances covariances;
   for (const auto& column : table.columns) {
     const allan::Curve display = curve_of_table(table, column.deviation, rate_hz, samples);
@@ -232,7 +242,8 @@ double rounded(double si, noise::Signal signal, Term term) {
 
 // A converged fit that describes the record and finds at least one of N, B, K.
 bool has_answer(const report::AxisResult& axis) {
-  const bool described = axis.fit->verdict != fit::Verdict::not_described || axis.fit->method == fit::Method::visual;
+  const bool described =
+      axis.fit->verdict != fit::Verdict::not_described || axis.fit->method == fit::Method::visual;
   return described && axis.fit->converged && !holds_no_answer(*axis.fit);
 }
 
@@ -248,7 +259,8 @@ std::optional<noise::ErrorModel> triad(const report::LogResult& result, noise::S
     }
   }
   if (count == 0) return std::nullopt;
-  for (const Term t : {Term::quantization, Term::white, Term::flicker, Term::rate_random_walk, Term::rate_ramp}) {
+  for (const Term t :
+       {Term::quantization, Term::white, Term::flicker, Term::rate_random_walk, Term::rate_ramp}) {
     model[t] = rounded(model[t] / std::sqrt(count), signal, t);
   }
   return model;
@@ -289,7 +301,8 @@ void write_sensor_files(const report::LogResult& result, const CalibrateArgument
   const bool inertial = std::any_of(result.axes.begin(), result.axes.end(), [](const auto& axis) {
     return axis.signal != noise::Signal::dimensionless;
   });
-  if (!inertial) throw std::invalid_argument("-o and --kalibr describe gyros and accelerometers; this log has neither");
+  if (!inertial)
+    throw std::invalid_argument("-o and --kalibr describe gyros and accelerometers; this log has neither");
   if (std::none_of(result.axes.begin(), result.axes.end(), has_answer)) {
     say(a.common, "no sensor file is written: no axis has an answer to put in it");
     return;
@@ -309,8 +322,10 @@ int exit_code(const report::LogResult& result) {
 }  // namespace
 
 int run(const CalibrateArguments& a) {
-  check_outputs(a.curve_file.empty() ? a.curve.log.path : a.curve_file,
-                {{"-o", a.output}, {"--kalibr", a.kalibr}, {"--report", a.pictures.report}, {"--plot", a.pictures.plot}});
+  check_outputs(a.curve_file.empty() ? a.curve.log.path : a.curve_file, {{"-o", a.output},
+                                                                         {"--kalibr", a.kalibr},
+                                                                         {"--report", a.pictures.report},
+                                                                         {"--plot", a.pictures.plot}});
   const report::LogResult result = a.curve_file.empty() ? calibrate_log(a) : calibrate_table(a);
   print(a.common.json ? report::calibration_json(result) : report::datasheet(result));
   write_sensor_files(result, a);

@@ -3,16 +3,16 @@
 #include "gyrobudget/io/error.h"
 #include "gyrobudget/io/output.h"
 
-#include "verbs.h"
-
 #include <tbb/global_control.h>
+#include <unistd.h>
 
 #include <csignal>
 #include <cstdio>
 #include <exception>
 #include <new>
 #include <stdexcept>
-#include <unistd.h>
+
+#include "verbs.h"
 
 namespace cli = gyrobudget::cli;
 namespace io = gyrobudget::io;
@@ -37,10 +37,10 @@ int run(const cli::Arguments& arguments) {
           return a.exit_code;
         } else {
           const auto threads = static_cast<std::size_t>(a.common.threads);
-          const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                          threads > 0 ? threads
-                                                      : tbb::global_control::active_value(
-                                                            tbb::global_control::max_allowed_parallelism));
+          const tbb::global_control limit(
+              tbb::global_control::max_allowed_parallelism,
+              threads > 0 ? threads
+                          : tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
           return cli::run(a);
         }
       },
@@ -62,8 +62,9 @@ int main(int argc, char** argv) {
   } catch (const std::invalid_argument& error) {
     return complain(error.what(), cli::exit_usage);
   } catch (const std::bad_alloc&) {
-    return complain("out of memory: the log has more numbers than fit; use fewer columns (--column) or a shorter part",
-                    cli::exit_bad_input);
+    return complain(
+        "out of memory: the log has more numbers than fit; use fewer columns (--column) or a shorter part",
+        cli::exit_bad_input);
   } catch (const std::exception& error) {
     return complain(error.what(), cli::exit_no_answer);
   }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "paths.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <filesystem>
-#include <fmt/format.h>
 #include <stdexcept>
 
 namespace gyrobudget::inline v0::cli {
@@ -25,7 +26,8 @@ void check_picture(const Output& output) {
   const std::string ending = fs::path(output.path).extension().string();
   constexpr std::array kFormats{".svg", ".png", ".pdf"};
   if (std::ranges::find(kFormats, ending) == kFormats.end()) {
-    throw std::invalid_argument(fmt::format("{} {}: a picture ends in .svg, .png or .pdf", output.option, output.path));
+    throw std::invalid_argument(
+        fmt::format("{} {}: a picture ends in .svg, .png or .pdf", output.option, output.path));
   }
 }
 
@@ -36,15 +38,17 @@ void check_outputs(const std::string& input, const std::vector<Output>& outputs)
     const Output& output = outputs[i];
     if (output.path.empty()) continue;
     if (output.path == "-") {
-      throw std::invalid_argument(fmt::format("{} -: standard output holds the result; name a file", output.option));
+      throw std::invalid_argument(
+          fmt::format("{} -: standard output holds the result; name a file", output.option));
     }
     if (same_file(output.path, input)) {
-      throw std::invalid_argument(fmt::format("{} {}: that is the input; name another file", output.option, output.path));
+      throw std::invalid_argument(
+          fmt::format("{} {}: that is the input; name another file", output.option, output.path));
     }
     for (std::size_t j = 0; j < i; ++j) {
       if (same_file(output.path, outputs[j].path)) {
-        throw std::invalid_argument(fmt::format("{} and {} name the same file, {}", outputs[j].option, output.option,
-                                                output.path));
+        throw std::invalid_argument(
+            fmt::format("{} and {} name the same file, {}", outputs[j].option, output.option, output.path));
       }
     }
     if (output.option == "--plot") check_picture(output);

@@ -4,12 +4,13 @@
 #include "gyrobudget/io/sensor_file.h"
 #include "gyrobudget/noise/generate.h"
 
+#include <fmt/format.h>
+
+#include <cmath>
+
 #include "paths.h"
 #include "terminal.h"
 #include "verbs.h"
-
-#include <cmath>
-#include <fmt/format.h>
 
 namespace gyrobudget::inline v0::cli {
 namespace {
@@ -19,8 +20,8 @@ std::uint64_t stream_of(const std::string& axis, bool accelerometer) {
   return static_cast<std::uint64_t>(axis.front() - 'x') + (accelerometer ? 3U : 0U);
 }
 
-std::vector<double> simulate_axis(const SimulateArguments& a, const noise::ErrorModel& model, std::int64_t samples,
-                                  std::uint64_t stream) {
+std::vector<double> simulate_axis(const SimulateArguments& a, const noise::ErrorModel& model,
+                                  std::int64_t samples, std::uint64_t stream) {
   const auto processes = model.processes();
   const noise::StreamKey key{a.seed, stream};
   const double dt = 1 / a.rate_hz;
@@ -48,11 +49,12 @@ int run(const SimulateArguments& a) {
   };
   add(sensor.gyro, false, a.unit.empty() ? "rad/s" : a.unit);
   if (sensor.accelerometer) add(*sensor.accelerometer, true, "m/s^2");
-  const std::string comment = fmt::format("gyrobudget simulate: sensor {}, model {}, seed {}, {} Hz, {} s", sensor.name,
-                                          a.model, a.seed, a.rate_hz, a.duration_s);
+  const std::string comment = fmt::format("gyrobudget simulate: sensor {}, model {}, seed {}, {} Hz, {} s",
+                                          sensor.name, a.model, a.seed, a.rate_hz, a.duration_s);
   io::write_log(a.output, columns, a.rate_hz, comment);
-  say(a.common, fmt::format("simulated {} samples of {} axes at {} Hz ({} model, seed {}){}", samples, columns.size(),
-                            a.rate_hz, a.model, a.seed, a.output == "-" ? "" : " into " + a.output));
+  say(a.common,
+      fmt::format("simulated {} samples of {} axes at {} Hz ({} model, seed {}){}", samples, columns.size(),
+                  a.rate_hz, a.model, a.seed, a.output == "-" ? "" : " into " + a.output));
   return exit_done;
 }
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "arguments.h"
-
 #include <string_view>
+
+#include "arguments.h"
 
 namespace gyrobudget::inline v0::cli {
 

@@ -5,17 +5,19 @@
 #include "gyrobudget/fit/refine.h"
 #include "gyrobudget/fit/visual.h"
 
-#include <Eigen/Cholesky>
-#include <algorithm>
-#include <array>
 #include <boost/math/distributions/fisher_f.hpp>
 #include <boost/math/special_functions/gamma.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
-#include <fmt/format.h>
 #include <limits>
 #include <numeric>
 #include <stdexcept>
+
+#include <Eigen/Cholesky>
 
 namespace gyrobudget::inline v0::fit {
 namespace {
@@ -25,29 +27,32 @@ constexpr std::array kLinearTerms{Term::quantization, Term::white, Term::flicker
                                   Term::rate_ramp};
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr std::int64_t kTestedClusters = 16;  // goodness of fit over n/m >= 16: beyond, s is too skewed for chi-square
+constexpr std::int64_t kTestedClusters =
+    16;  // goodness of fit over n/m >= 16: beyond, s is too skewed for chi-square
 constexpr double kScatter95 = 1.96;
-constexpr double kNegligible = 0.01;          // of the deviation
-constexpr double kCutBelow = 1e-4;            // p-value of the whole curve below which short taus may be cut
-constexpr double kFirstTauCut = 6.63;         // 1 % cut of chi-square with 1 degree of freedom
-constexpr double kFailedModelLevel = 1e-3;    // of the F test that a term must pass where the model fails its own
-constexpr int kSparePoints = 2;               // a start must leave this many tested taus more than terms
+constexpr double kNegligible = 0.01;   // of the deviation
+constexpr double kCutBelow = 1e-4;     // p-value of the whole curve below which short taus may be cut
+constexpr double kFirstTauCut = 6.63;  // 1 % cut of chi-square with 1 degree of freedom
+constexpr double kFailedModelLevel =
+    1e-3;                        // of the F test that a term must pass where the model fails its own
+constexpr int kSparePoints = 2;  // a start must leave this many tested taus more than terms
 
 // A curve ready to fit: points with terms, terms in the order Q N B K R, variances scaled by a power of two so that
 // neither unit nor size of the signal matters.
 struct Prepared {
-  std::vector<std::size_t> rows;          // of the curve
-  std::vector<std::size_t> columns;       // of the covariance's processes
+  std::vector<std::size_t> rows;     // of the curve
+  std::vector<std::size_t> columns;  // of the covariance's processes
   std::vector<Term> terms;
   std::vector<std::int64_t> m;
   double dt = 1;
   std::int64_t samples = 0;
-  double scale = 1;                       // variance = scaled * scale
-  Eigen::VectorXd s;                      // scaled
+  double scale = 1;                                  // variance = scaled * scale
+  Eigen::VectorXd s;                                 // scaled
   std::optional<allan::CurveCovariance> covariance;  // of rows x columns
 
   [[nodiscard]] Eigen::Index tested_until() const {  // rows with n/m >= 16 come first
-    return std::partition_point(m.begin(), m.end(), [&](auto x) { return x * kTestedClusters <= samples; }) - m.begin();
+    return std::partition_point(m.begin(), m.end(), [&](auto x) { return x * kTestedClusters <= samples; }) -
+           m.begin();
   }
 };
 
@@ -55,7 +60,8 @@ std::vector<Term> in_order(const std::vector<Term>& asked) {
   std::vector<Term> terms;
   for (const Term t : kLinearTerms) {
     const auto count = std::count(asked.begin(), asked.end(), t);
-    if (count > 1) throw std::invalid_argument(fmt::format("term {} is asked for twice", static_cast<char>(t)));
+    if (count > 1)
+      throw std::invalid_argument(fmt::format("term {} is asked for twice", static_cast<char>(t)));
     if (count == 1) terms.push_back(t);
   }
   if (terms.size() != asked.size() || terms.empty()) {
@@ -64,7 +70,8 @@ std::vector<Term> in_order(const std::vector<Term>& asked) {
   return terms;
 }
 
-Prepared prepare(const allan::Curve& curve, const allan::CurveCovariance& covariance, const Options& options) {
+Prepared prepare(const allan::Curve& curve, const allan::CurveCovariance& covariance,
+                 const Options& options) {
   Prepared p;
   p.terms = in_order(options.terms);
   p.dt = curve.dt;
@@ -75,7 +82,8 @@ Prepared prepare(const allan::Curve& curve, const allan::CurveCovariance& covari
   }
   for (const Term t : p.terms) {
     const auto& have = covariance.processes();
-    const auto at = std::find_if(have.begin(), have.end(), [&](const auto& x) { return noise::term(x) == t; });
+    const auto at =
+        std::find_if(have.begin(), have.end(), [&](const auto& x) { return noise::term(x) == t; });
     if (at == have.end()) {
       throw std::invalid_argument(fmt::format("the covariance lacks term {}", static_cast<char>(t)));
     }
@@ -97,7 +105,8 @@ Prepared prepare(const allan::Curve& curve, const allan::CurveCovariance& covari
                                             p.rows.size(), p.terms.size(), p.terms.size() + 1));
   }
   p.s.resize(static_cast<Eigen::Index>(p.rows.size()));
-  for (std::size_t i = 0; i < p.rows.size(); ++i) p.s(static_cast<Eigen::Index>(i)) = curve.points[p.rows[i]].variance;
+  for (std::size_t i = 0; i < p.rows.size(); ++i)
+    p.s(static_cast<Eigen::Index>(i)) = curve.points[p.rows[i]].variance;
   if (p.s.maxCoeff() > 0) p.scale = std::exp2(std::floor(std::log2(p.s.maxCoeff())));
   p.s /= p.scale;
   p.covariance = covariance.subset(p.rows, p.columns);
@@ -157,12 +166,11 @@ Run fit_from(const Prepared& p, Eigen::Index first, bool drop_quantization) {
 
 // The first tau asked for.
 Run run_from_tau(const Prepared& p, double tau_min_s) {
-  const auto first = std::partition_point(p.m.begin(), p.m.end(), [&](auto m) {
-    return static_cast<double>(m) * p.dt < tau_min_s * (1 - 1e-9);
-  });
+  const auto first = std::partition_point(
+      p.m.begin(), p.m.end(), [&](auto m) { return static_cast<double>(m) * p.dt < tau_min_s * (1 - 1e-9); });
   if (p.m.end() - first <= static_cast<std::ptrdiff_t>(p.terms.size())) {
-    throw std::invalid_argument(fmt::format("only {} taus from {} s on: too few to fit {} terms", p.m.end() - first,
-                                            tau_min_s, p.terms.size()));
+    throw std::invalid_argument(fmt::format("only {} taus from {} s on: too few to fit {} terms",
+                                            p.m.end() - first, tau_min_s, p.terms.size()));
   }
   return fit_from(p, first - p.m.begin(), false);
 }
@@ -199,8 +207,8 @@ Eigen::VectorXd standard_deviations(const Run& run) {
   const Eigen::MatrixXd WA = factor.matrixL().solve(run.model.A);
   const Eigen::VectorXd length = WA.colwise().norm();
   const Eigen::MatrixXd unit = WA * length.cwiseInverse().asDiagonal();
-  const Eigen::MatrixXd inverse = (unit.transpose() * unit).llt().solve(
-      Eigen::MatrixXd::Identity(WA.cols(), WA.cols()));
+  const Eigen::MatrixXd inverse =
+      (unit.transpose() * unit).llt().solve(Eigen::MatrixXd::Identity(WA.cols(), WA.cols()));
   return inverse.diagonal().cwiseSqrt().cwiseQuotient(length);
 }
 
@@ -247,7 +255,8 @@ Cuts cuts_of(const Run& run, const Options& options) {
           excess * kIntervalCut};
 }
 
-Coefficient judge(const Run& run, Eigen::Index j, double deviation, double scale, const Cuts& cuts, bool intervals) {
+Coefficient judge(const Run& run, Eigen::Index j, double deviation, double scale, const Cuts& cuts,
+                  bool intervals) {
   Coefficient c;
   c.term = run.terms[static_cast<std::size_t>(j)];
   c.fitted = true;
@@ -301,7 +310,8 @@ void add_coefficients(Result& result, const Run& run, double scale, const Option
 void add_residuals(Result& result, const Prepared& p, const Run& run, const allan::Curve& curve) {
   std::vector<std::size_t> columns;
   for (const Term t : run.terms) {
-    columns.push_back(static_cast<std::size_t>(std::find(p.terms.begin(), p.terms.end(), t) - p.terms.begin()));
+    columns.push_back(
+        static_cast<std::size_t>(std::find(p.terms.begin(), p.terms.end(), t) - p.terms.begin()));
   }
   const LinearModel all = linear_model(p, 0, columns);
   const Eigen::VectorXd model = all.A * run.solution.theta;
@@ -380,15 +390,18 @@ Result silent_record(const Prepared& p, const allan::Curve& curve) {
 }  // namespace
 
 const Coefficient& Result::operator[](Term t) const {
-  const auto at = std::find_if(coefficients.begin(), coefficients.end(), [&](const auto& c) { return c.term == t; });
-  if (at == coefficients.end()) throw std::invalid_argument("only Q, N, B, K and R are coefficients of a fit");
+  const auto at =
+      std::find_if(coefficients.begin(), coefficients.end(), [&](const auto& c) { return c.term == t; });
+  if (at == coefficients.end())
+    throw std::invalid_argument("only Q, N, B, K and R are coefficients of a fit");
   return *at;
 }
 
 std::vector<noise::Process> Result::processes() const {
   std::vector<noise::Process> list;
   for (const auto& c : coefficients) {
-    if (c.fitted && c.value > 0) list.push_back(noise::with_coefficient(noise::unit_process(c.term), c.value));
+    if (c.fitted && c.value > 0)
+      list.push_back(noise::with_coefficient(noise::unit_process(c.term), c.value));
   }
   return list;
 }
@@ -420,8 +433,8 @@ Result fit(const allan::Curve& curve, const Options& options) {
   std::vector<noise::Process> processes;
   for (const Term t : in_order(options.terms)) processes.push_back(noise::unit_process(t));
   return fit(curve,
-             allan::CurveCovariance(curve.samples, std::move(factors), curve.dt, std::move(processes), curve.form,
-                                    curve.mask.get()),
+             allan::CurveCovariance(curve.samples, std::move(factors), curve.dt, std::move(processes),
+                                    curve.form, curve.mask.get()),
              options);
 }
 

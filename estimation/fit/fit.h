@@ -5,23 +5,24 @@
 #include "gyrobudget/allan/deviation.h"
 #include "gyrobudget/noise/process.h"
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include <Eigen/Core>
+
 namespace gyrobudget::inline v0::fit {
 
 /// How coefficients are taken from a curve.
 enum class Method {
-  gls,     ///< generalised least squares with the curve's exact covariance: the default
+  gls,  ///< generalised least squares with the curve's exact covariance: the default
   visual,  ///< three points read off the plot, as the source paper did; here to show what that costs (see visual.h)
 };
 
 /// What a record says of one coefficient.
 enum class Status {
-  identified,   ///< the boundary test T(0) exceeds its cut (kBoundaryCut where the model fits): zero is excluded
+  identified,  ///< the boundary test T(0) exceeds its cut (kBoundaryCut where the model fits): zero is excluded
   upper_bound,  ///< zero is not excluded; `upper` is the one-sided 95 % limit
   left_out,     ///< never fitted, or zero with a limit that adds under 1 % to the deviation at every tau
 };
@@ -36,13 +37,15 @@ inline constexpr double kIntervalCut = 3.841;
 struct Coefficient {
   noise::Term term = noise::Term::white;
   double value = 0;
-  double lower = 0;           ///< 95 %; 0 where the interval reaches it
-  double upper = 0;           ///< 95 %: two-sided for `identified`, one-sided for `upper_bound` and zero `left_out`
-  double upper_two_sided = 0; ///< 95 %, two-sided whatever the status: [lower, this] covers 95 % of all records
-  double relative_std = 0;    ///< one sigma over value, from the Gauss-Newton covariance; infinite where value is 0
-  double boundary_test = 0;   ///< T(0); infinite where nothing but this term can explain the curve
+  double lower = 0;  ///< 95 %; 0 where the interval reaches it
+  double upper = 0;  ///< 95 %: two-sided for `identified`, one-sided for `upper_bound` and zero `left_out`
+  double upper_two_sided =
+      0;  ///< 95 %, two-sided whatever the status: [lower, this] covers 95 % of all records
+  double relative_std =
+      0;  ///< one sigma over value, from the Gauss-Newton covariance; infinite where value is 0
+  double boundary_test = 0;  ///< T(0); infinite where nothing but this term can explain the curve
   Status status = Status::left_out;
-  bool fitted = false;        ///< false: value, lower and upper mean nothing
+  bool fitted = false;  ///< false: value, lower and upper mean nothing
 };
 
 enum class Verdict {
@@ -55,51 +58,52 @@ enum class Verdict {
 struct Residual {
   std::int64_t m = 1;
   double tau_s = 0;
-  double measured = 0;       ///< Allan deviation of the record
-  double model = 0;          ///< of the fitted model, discrete form
-  double relative_std = 0;   ///< of the measured deviation, under the model
-  double misfit = 0;         ///< measured / model - 1
-  bool used = false;         ///< in the fit; the others were cut, at the short or the long end
+  double measured = 0;      ///< Allan deviation of the record
+  double model = 0;         ///< of the fitted model, discrete form
+  double relative_std = 0;  ///< of the measured deviation, under the model
+  double misfit = 0;        ///< measured / model - 1
+  bool used = false;        ///< in the fit; the others were cut, at the short or the long end
 };
 
 /// How far a coefficient moved because taus were cut.
 struct Move {
   noise::Term term = noise::Term::white;
-  double from = 0;           ///< fitted to every tau
-  double to = 0;             ///< fitted from Result::tau_min_s on
+  double from = 0;  ///< fitted to every tau
+  double to = 0;    ///< fitted from Result::tau_min_s on
 };
 
 struct Options {
   std::vector<noise::Term> terms = {noise::Term::white, noise::Term::flicker, noise::Term::rate_random_walk};
   Method method = Method::gls;
-  std::optional<double> tau_min_s;    ///< start of the fit; unset: start of the longest run that the model describes
-  std::optional<double> tau_max_s;    ///< end of the fit; unset: the last tau of the curve
-  double p_value_limit = 0.01;        ///< a run is described when its p-value is at least this
-  double misfit_limit = 0.10;         ///< largest misfit of `described_within`
-  bool intervals = true;              ///< false: values only, for studies that need no intervals
+  std::optional<double>
+      tau_min_s;  ///< start of the fit; unset: start of the longest run that the model describes
+  std::optional<double> tau_max_s;  ///< end of the fit; unset: the last tau of the curve
+  double p_value_limit = 0.01;      ///< a run is described when its p-value is at least this
+  double misfit_limit = 0.10;       ///< largest misfit of `described_within`
+  bool intervals = true;            ///< false: values only, for studies that need no intervals
 };
 
 struct Result {
   Method method = Method::gls;
-  std::vector<Coefficient> coefficients;     ///< Q, N, B, K, R, in this order, fitted or not
-  std::vector<noise::Term> fitted_terms;     ///< order of `covariance`
-  Eigen::MatrixXd covariance;                ///< of the fitted coefficients (not squares); NaN rows where value is 0
+  std::vector<Coefficient> coefficients;  ///< Q, N, B, K, R, in this order, fitted or not
+  std::vector<noise::Term> fitted_terms;  ///< order of `covariance`
+  Eigen::MatrixXd covariance;  ///< of the fitted coefficients (not squares); NaN rows where value is 0
   double tau_min_s = 0;
   double tau_max_s = 0;
-  double chi2 = 0;                           ///< r' S^-1 r over the used taus with n/m >= 16, linear residuals
-  int dof = 0;                               ///< number of those taus less number of terms above zero
+  double chi2 = 0;  ///< r' S^-1 r over the used taus with n/m >= 16, linear residuals
+  int dof = 0;      ///< number of those taus less number of terms above zero
   double p_value = 0;
-  double worst_misfit = 0;                   ///< largest part of |misfit| beyond its 95 % scatter, same taus
+  double worst_misfit = 0;  ///< largest part of |misfit| beyond its 95 % scatter, same taus
   double worst_misfit_tau_s = 0;
   Verdict verdict = Verdict::not_described;
-  std::vector<Residual> residuals;           ///< every tau of the curve
-  std::vector<Move> moved;                   ///< empty where nothing was cut at the short end
-  double minimum_deviation = 0;              ///< raw minimum of the measured curve over tau <= T/10
+  std::vector<Residual> residuals;  ///< every tau of the curve
+  std::vector<Move> moved;          ///< empty where nothing was cut at the short end
+  double minimum_deviation = 0;     ///< raw minimum of the measured curve over tau <= T/10
   double minimum_tau_s = 0;
-  double beta = 0;                           ///< B^2/(N K), what makes B visible; 0 where N or K is 0
+  double beta = 0;  ///< B^2/(N K), what makes B visible; 0 where N or K is 0
   bool converged = false;
-  int iterations = 0;                        ///< reweighting steps plus Ceres iterations of the final fit
-  double seconds = 0;                        ///< wall time, covariance matrices excluded
+  int iterations = 0;  ///< reweighting steps plus Ceres iterations of the final fit
+  double seconds = 0;  ///< wall time, covariance matrices excluded
 
   [[nodiscard]] const Coefficient& operator[](noise::Term) const;
   /// The fitted processes whose value is above zero.
@@ -137,7 +141,8 @@ struct Result {
 ///                    factors, fewer taus than terms plus one, or a curve that is zero everywhere.
 /// Sources: theory of generalised least squares; IEEE Std 952-2020 annex C for the model; the interval construction
 /// and its measured coverage are this project's own (tests/fit, fit_study).
-[[nodiscard]] Result fit(const allan::Curve& curve, const allan::CurveCovariance& covariance, const Options& = {});
+[[nodiscard]] Result fit(const allan::Curve& curve, const allan::CurveCovariance& covariance,
+                         const Options& = {});
 /// The same for a single curve, making the covariance on the way.
 [[nodiscard]] Result fit(const allan::Curve& curve, const Options& = {});
 

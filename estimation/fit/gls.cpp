@@ -1,22 +1,24 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/fit/gls.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
-#include <algorithm>
 #include <boost/math/tools/roots.hpp>
+
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
+
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
 
 namespace gyrobudget::inline v0::fit {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kMostReweightings = 200;
-constexpr int kDampAfter = 15;             // a two-cycle of the active set is broken by averaging
-constexpr double kFixedPoint = 1e-12;      // relative change of the modelled variances
-constexpr unsigned kRootBits = 38;         // interval limits to about 1e-11 of their bracket
+constexpr int kDampAfter = 15;         // a two-cycle of the active set is broken by averaging
+constexpr double kFixedPoint = 1e-12;  // relative change of the modelled variances
+constexpr unsigned kRootBits = 38;     // interval limits to about 1e-11 of their bracket
 
 using Columns = std::vector<Eigen::Index>;
 
@@ -25,7 +27,8 @@ Eigen::VectorXd solve_on(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, con
   Eigen::VectorXd x = Eigen::VectorXd::Zero(A.cols());
   if (columns.empty()) return x;
   Eigen::MatrixXd chosen(A.rows(), static_cast<Eigen::Index>(columns.size()));
-  for (std::size_t j = 0; j < columns.size(); ++j) chosen.col(static_cast<Eigen::Index>(j)) = A.col(columns[j]);
+  for (std::size_t j = 0; j < columns.size(); ++j)
+    chosen.col(static_cast<Eigen::Index>(j)) = A.col(columns[j]);
   const Eigen::VectorXd y = chosen.householderQr().solve(b);
   for (std::size_t j = 0; j < columns.size(); ++j) x(columns[j]) = y(static_cast<Eigen::Index>(j));
   return x;
@@ -57,12 +60,14 @@ Eigen::VectorXd active_set(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, c
     auto best = free.end();
     for (auto j = free.begin(); j != free.end(); ++j) {
       const bool outside = std::find(passive.begin(), passive.end(), *j) == passive.end();
-      if (outside && gradient(*j) > tolerance && (best == free.end() || gradient(*j) > gradient(*best))) best = j;
+      if (outside && gradient(*j) > tolerance && (best == free.end() || gradient(*j) > gradient(*best)))
+        best = j;
     }
     if (best == free.end()) break;  // Karush-Kuhn-Tucker point
     passive.push_back(*best);
     Eigen::VectorXd z = solve_on(A, b, passive);
-    while (!passive.empty() && std::any_of(passive.begin(), passive.end(), [&](auto j) { return z(j) <= 0; })) {
+    while (!passive.empty() &&
+           std::any_of(passive.begin(), passive.end(), [&](auto j) { return z(j) <= 0; })) {
       step_to_boundary(x, z, passive);
       z = solve_on(A, b, passive);
     }
@@ -73,7 +78,8 @@ Eigen::VectorXd active_set(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, c
 
 // First weights: relative ones, which need no model.
 Eigen::VectorXd relative_start(const LinearModel& model, std::optional<Held> held) {
-  const double floor = model.s.maxCoeff() * std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
+  const double floor =
+      model.s.maxCoeff() * std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
   const Eigen::VectorXd weight = model.s.cwiseMax(floor).cwiseInverse();
   return nonnegative_least_squares(weight.asDiagonal() * model.A, weight.cwiseProduct(model.s), held);
 }
@@ -114,14 +120,15 @@ GlsSolution iterate_gls(const LinearModel& model, std::optional<Held> held, cons
     solution.S = model.covariance(solution.theta);
     const Eigen::LLT<Eigen::MatrixXd> factor(solution.S);
     if (factor.info() != Eigen::Success) return solution;
-    const Eigen::VectorXd optimum = nonnegative_least_squares(factor.matrixL().solve(model.A),
-                                                              factor.matrixL().solve(model.s), held);
+    const Eigen::VectorXd optimum =
+        nonnegative_least_squares(factor.matrixL().solve(model.A), factor.matrixL().solve(model.s), held);
     const bool damped = solution.iterations > kDampAfter;
     const Eigen::VectorXd next = damped ? Eigen::VectorXd(0.5 * (optimum + solution.theta)) : optimum;
     const Eigen::VectorXd before = model.A * solution.theta;
     const double change = ((model.A * next - before).array().abs() / before.array().max(1e-300)).maxCoeff();
     solution.converged = change < kFixedPoint;
-    solution.theta = solution.converged ? optimum : next;  // the optimum has exact zeros, a damped step has not
+    solution.theta =
+        solution.converged ? optimum : next;  // the optimum has exact zeros, a damped step has not
     ++solution.iterations;
     solution.chi2 = squared_norm_whitened(factor, model.s - model.A * solution.theta);
   }
@@ -141,8 +148,8 @@ double profile_test(const LinearModel& model, Held held, const Eigen::VectorXd& 
 namespace {
 
 // The v in [inside, outside] with T(v) = cut, T(inside) <= cut < T(outside). The root of T is nearly linear in v.
-double solve_cut(const LinearModel& model, Eigen::Index index, const Eigen::VectorXd& start, double cut, double inside,
-                 double t_inside, double outside, double t_outside) {
+double solve_cut(const LinearModel& model, Eigen::Index index, const Eigen::VectorXd& start, double cut,
+                 double inside, double t_inside, double outside, double t_outside) {
   if (!std::isfinite(t_outside)) t_outside = 4 * cut + 1;  // only its sign matters to the bracket
   const auto excess = [&](double t) { return std::sqrt(t) - std::sqrt(cut); };
   std::uintmax_t budget = 40;
@@ -153,8 +160,7 @@ double solve_cut(const LinearModel& model, Eigen::Index index, const Eigen::Vect
   const bool rising = outside > inside;
   const auto bracket = boost::math::tools::toms748_solve(
       f, std::min(inside, outside), std::max(inside, outside), excess(rising ? t_inside : t_outside),
-      excess(rising ? t_outside : t_inside), boost::math::tools::eps_tolerance<double>(kRootBits),
-      budget);
+      excess(rising ? t_outside : t_inside), boost::math::tools::eps_tolerance<double>(kRootBits), budget);
   return 0.5 * (bracket.first + bracket.second);
 }
 

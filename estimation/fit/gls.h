@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <Eigen/Core>
 #include <functional>
 #include <optional>
+
+#include <Eigen/Core>
 
 namespace gyrobudget::inline v0::fit {
 
@@ -23,8 +24,8 @@ struct Held {
 
 struct GlsSolution {
   Eigen::VectorXd theta;
-  Eigen::MatrixXd S;      ///< covariance at theta; empty where theta is zero
-  double chi2 = 0;        ///< Q(theta; S)
+  Eigen::MatrixXd S;  ///< covariance at theta; empty where theta is zero
+  double chi2 = 0;    ///< Q(theta; S)
   int iterations = 0;
   bool converged = false;
 };
@@ -47,7 +48,8 @@ struct ProfileInterval {
   double lower = 0;
   double upper = 0;
 };
-[[nodiscard]] ProfileInterval profile_interval(const LinearModel&, Eigen::Index index, const GlsSolution& best,
-                                               double standard_deviation, double cut);
+[[nodiscard]] ProfileInterval profile_interval(const LinearModel&, Eigen::Index index,
+                                               const GlsSolution& best, double standard_deviation,
+                                               double cut);
 
 }  // namespace gyrobudget::inline v0::fit

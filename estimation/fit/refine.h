@@ -22,7 +22,7 @@ class WhitenedResidual {
 
 struct Refined {
   Eigen::VectorXd coefficients;
-  Eigen::MatrixXd covariance;   ///< (J'J)^-1 at the solution: weights are absolute, nothing is rescaled
+  Eigen::MatrixXd covariance;  ///< (J'J)^-1 at the solution: weights are absolute, nothing is rescaled
   int iterations = 0;
   bool converged = false;
 };

@@ -27,7 +27,8 @@ std::vector<Reading> readable_points(const allan::Curve& curve) {
     const auto& p = curve.points[i];
     if (p.terms > 0 && p.variance > 0) points.push_back({p.m, curve.tau(i), std::sqrt(p.variance)});
   }
-  if (points.size() < 2) throw std::invalid_argument("a visual reading needs at least two taus with a deviation");
+  if (points.size() < 2)
+    throw std::invalid_argument("a visual reading needs at least two taus with a deviation");
   return points;
 }
 
@@ -37,7 +38,8 @@ double slope(const Reading& a, const Reading& b) {
 
 // The deviation at 1 s by interpolation in log-log, or along -1/2 from the nearer end.
 Reading read_white(const std::vector<Reading>& points) {
-  const auto after = std::partition_point(points.begin(), points.end(), [](const auto& p) { return p.tau < 1; });
+  const auto after =
+      std::partition_point(points.begin(), points.end(), [](const auto& p) { return p.tau < 1; });
   if (after == points.begin() || after == points.end()) {
     const Reading& end = after == points.begin() ? points.front() : points.back();
     return {end.m, 1, end.deviation * std::sqrt(end.tau)};
@@ -97,7 +99,8 @@ void compare_with_model(Result& result, const std::vector<Reading>& points, cons
     }
     result.residuals.push_back(r);
   }
-  result.verdict = result.worst_misfit <= options.misfit_limit ? Verdict::described_within : Verdict::not_described;
+  result.verdict =
+      result.worst_misfit <= options.misfit_limit ? Verdict::described_within : Verdict::not_described;
 }
 
 }  // namespace

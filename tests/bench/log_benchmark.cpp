@@ -120,8 +120,8 @@ void print_ratio(const char* what, const std::vector<double>& times, const std::
   std::vector<double> ratios;
   for (std::size_t i = 0; i < times.size(); ++i) ratios.push_back(times[i] / base[i]);
   const auto [least, most] = std::ranges::minmax(ratios);
-  fmt::print("{}: {:.3f} s, {:.2f} x only parsing, from {:.2f} to {:.2f}\n", what, median(times), median(ratios), least,
-             most);
+  fmt::print("{}: {:.3f} s, {:.2f} x only parsing, from {:.2f} to {:.2f}\n", what, median(times),
+             median(ratios), least, most);
 }
 
 void run(double hours, int repetitions, const std::filesystem::path& folder) {
@@ -151,8 +151,8 @@ void run(double hours, int repetitions, const std::filesystem::path& folder) {
     calibrating.push_back(seconds([&] { whole_memory = peak_memory(silent); }));
   }
   std::filesystem::remove(path);
-  fmt::print("peak memory of the whole calibrate: {:.0f} MB, {:.2f} x the numbers as doubles\n", whole_memory / 1e6,
-             whole_memory / numbers);
+  fmt::print("peak memory of the whole calibrate: {:.0f} MB, {:.2f} x the numbers as doubles\n",
+             whole_memory / 1e6, whole_memory / numbers);
   fmt::print("only parsing {:.3f} s (median of {})\n", median(parsing), repetitions);
   print_ratio("read_log", reading, parsing);
   print_ratio("the whole calibrate, six axes", calibrating, parsing);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Each bad input: the exit code, a message that names place, finding, expectation and mend, and nothing half-written.
-#include "program.h"
-
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
 
 #include <string>
 #include <vector>
+
+#include "program.h"
 
 namespace gyrobudget::tests {
 namespace {
@@ -17,7 +17,8 @@ constexpr int kNoAnswer = 1, kUsage = 2, kBadInput = 3, kBadOutput = 4, kInterru
 // The message must hold every one of these words.
 void expect_refusal(const Outcome& run, int code, const std::vector<std::string>& words) {
   EXPECT_EQ(run.exit_code, code) << run.err;
-  for (const auto& word : words) EXPECT_NE(run.err.find(word), std::string::npos) << "no '" << word << "' in: " << run.err;
+  for (const auto& word : words)
+    EXPECT_NE(run.err.find(word), std::string::npos) << "no '" << word << "' in: " << run.err;
   EXPECT_EQ(run.out, "");
 }
 
@@ -62,7 +63,8 @@ TEST_F(BadInput, TooFewSamples) {
 }
 
 TEST_F(BadInput, TextInANumberColumn) {
-  expect_refusal(calibrate(with_line(good_log(100), 50, "4.8,hello")), kBadInput, {"log.csv:50:5", "hello", "number"});
+  expect_refusal(calibrate(with_line(good_log(100), 50, "4.8,hello")), kBadInput,
+                 {"log.csv:50:5", "hello", "number"});
 }
 
 TEST_F(BadInput, RaggedRow) {
@@ -93,7 +95,8 @@ TEST_F(BadInput, RateContradictsTime) {
 }
 
 TEST_F(BadInput, UnlabelledTimeThatNoUnitFits) {
-  expect_refusal(calibrate(good_log(100, "time,gyro_x (deg/h)\n"), "--rate 7"), kBadInput, {"time", "s", "ms"});
+  expect_refusal(calibrate(good_log(100, "time,gyro_x (deg/h)\n"), "--rate 7"), kBadInput,
+                 {"time", "s", "ms"});
 }
 
 TEST_F(BadInput, NumberBeyondDouble) {
@@ -104,7 +107,8 @@ TEST_F(BadInput, HugeSingleLine) {
   const std::string path = scratch_.path("long.csv");
   const Outcome made = shell("head -c 1000000000 /dev/zero | tr '\\0' '7' > '" + path + "'");
   ASSERT_EQ(made.exit_code, 0);
-  expect_refusal(gyrobudget_run("calibrate '" + path + "' --unit deg/s --rate 1"), kBadInput, {"long.csv", "expected"});
+  expect_refusal(gyrobudget_run("calibrate '" + path + "' --unit deg/s --rate 1"), kBadInput,
+                 {"long.csv", "expected"});
 }
 
 TEST_F(BadInput, Directory) {
@@ -125,7 +129,8 @@ TEST_F(BadInput, RandomBytes) {
 TEST_F(BadInput, TruncatedGzip) {
   const std::string plain = scratch_.file("log.csv", good_log(10000));
   ASSERT_EQ(shell("gzip -f '" + plain + "' && truncate -s 5000 '" + plain + ".gz'").exit_code, 0);
-  expect_refusal(gyrobudget_run("calibrate '" + plain + ".gz'"), kBadInput, {"log.csv.gz", "stop in the middle", "zcat"});
+  expect_refusal(gyrobudget_run("calibrate '" + plain + ".gz'"), kBadInput,
+                 {"log.csv.gz", "stop in the middle", "zcat"});
 }
 
 TEST_F(BadInput, SensorFileWithoutUnit) {
@@ -177,7 +182,8 @@ TEST_F(BadInput, DiskFull) {
 
 TEST_F(BadInput, OutputFolderMissing) {
   const std::string log = scratch_.file("log.csv", good_log(1000));
-  const Outcome run = gyrobudget_run("calibrate '" + log + "' -o '" + scratch_.path("no/such/sensor.yaml") + "'");
+  const Outcome run =
+      gyrobudget_run("calibrate '" + log + "' -o '" + scratch_.path("no/such/sensor.yaml") + "'");
   EXPECT_EQ(run.exit_code, kBadOutput);
   EXPECT_NE(run.err.find("no/such/sensor.yaml"), std::string::npos) << run.err;
 }
@@ -185,8 +191,9 @@ TEST_F(BadInput, OutputFolderMissing) {
 // An interrupt in the middle of writing leaves nothing behind and ends with 130.
 TEST_F(BadInput, Interrupt) {
   const std::string path = scratch_.path("big.csv");
-  const Outcome run = shell("%P simulate " GYROBUDGET_EXAMPLES "/sensors/mems.yaml --duration 20h --quiet -o '" + path +
-                        "' & pid=$!; sleep 0.7; kill -INT $pid; wait $pid");
+  const Outcome run =
+      shell("%P simulate " GYROBUDGET_EXAMPLES "/sensors/mems.yaml --duration 20h --quiet -o '" + path +
+            "' & pid=$!; sleep 0.7; kill -INT $pid; wait $pid");
   EXPECT_EQ(run.exit_code, kInterrupted) << run.err;
   EXPECT_EQ(scratch_.files(), 0U);
 }
@@ -194,9 +201,11 @@ TEST_F(BadInput, Interrupt) {
 // --- Nothing of the user's is destroyed -------------------------------------------------------------------------------
 
 TEST_F(BadInput, OutputsNeverReplaceTheInputOrOneAnother) {
-  const std::string text = good_log(1000), log = scratch_.file("log.csv", text), page = scratch_.path("page.html");
+  const std::string text = good_log(1000), log = scratch_.file("log.csv", text),
+                    page = scratch_.path("page.html");
   expect_refusal(gyrobudget_run("calibrate '" + log + "' -o '" + log + "'"), kUsage, {"-o", "input"});
-  expect_refusal(gyrobudget_run("calibrate '" + log + "' -o '" + page + "' --report '" + page + "'"), kUsage, {"same file"});
+  expect_refusal(gyrobudget_run("calibrate '" + log + "' -o '" + page + "' --report '" + page + "'"), kUsage,
+                 {"same file"});
   expect_refusal(gyrobudget_run("calibrate '" + log + "' --json -o -"), kUsage, {"standard output"});
   expect_refusal(gyrobudget_run("calibrate '" + log + "' --plot x.txt"), kUsage, {"--plot", ".svg"});
   EXPECT_EQ(shell("cat '" + log + "'").out, text);
@@ -213,7 +222,8 @@ TEST_F(BadInput, MostSamplesMissing) {
 }
 
 TEST_F(BadInput, AKnockIsNamed) {
-  const Outcome run = gyrobudget_run("calibrate '" + scratch_.file("log.csv", with_line(good_log(2000), 1000, "99.8,1e6")) + "'");
+  const Outcome run = gyrobudget_run(
+      "calibrate '" + scratch_.file("log.csv", with_line(good_log(2000), 1000, "99.8,1e6")) + "'");
   EXPECT_NE(run.out.find("further from the median"), std::string::npos) << run.out;
   EXPECT_NE(run.out.find("99.8 s"), std::string::npos) << run.out;
 }

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 // The README's blocks between "<!-- run: COMMAND -->" or "<!-- file: PATH -->" and "<!-- end -->" are what the command
 // prints and what the file holds. GYROBUDGET_UPDATE_README=1 rewrites them.
-#include "program.h"
-
 #include <gtest/gtest.h>
 
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
 #include <string>
+
+#include "program.h"
 
 namespace gyrobudget::tests {
 namespace {
@@ -23,12 +23,14 @@ std::string contents(const std::string& path) {
 }
 
 std::string replaced(std::string text, const std::string& from, const std::string& to) {
-  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size()) text.replace(at, from.size(), to);
+  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size())
+    text.replace(at, from.size(), to);
   return text;
 }
 
 std::string output_of(const std::string& command) {
-  const std::string line = replaced(replaced(command, "example_datasheet", "'" GYROBUDGET_EXAMPLE "'"), "gyrobudget ", "%P ");
+  const std::string line =
+      replaced(replaced(command, "example_datasheet", "'" GYROBUDGET_EXAMPLE "'"), "gyrobudget ", "%P ");
   const Outcome outcome = shell("cd '" + kRoot + "' && " + line);
   EXPECT_EQ(outcome.exit_code, 0) << command << "\n" << outcome.err;
   return outcome.out;
@@ -57,7 +59,8 @@ TEST(Readme, ShowsWhatTheProgramPrints) {
   }
   expected += readme.substr(at);
   EXPECT_EQ(blocks, 3U);
-  if (std::getenv("GYROBUDGET_UPDATE_README") != nullptr) std::ofstream(kRoot + "/README.md", std::ios::binary) << expected;
+  if (std::getenv("GYROBUDGET_UPDATE_README") != nullptr)
+    std::ofstream(kRoot + "/README.md", std::ios::binary) << expected;
   EXPECT_EQ(readme, expected) << "run this test with GYROBUDGET_UPDATE_README=1 and look at the difference";
 }
 

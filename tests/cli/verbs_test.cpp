@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
 // The verbs as a person or a script uses them.
-#include "program.h"
-
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -11,6 +9,8 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+
+#include "program.h"
 
 namespace gyrobudget::tests {
 namespace {
@@ -63,9 +63,11 @@ TEST(Verbs, AxesDoNotDependOnWhichOthersAreSimulated) {
 TEST(Verbs, FromSensorToLogToSensor) {
   const Scratch scratch;
   const std::string log = scratch.path("log.csv"), sensor = scratch.path("sensor.yaml");
-  ASSERT_EQ(gyrobudget_run("simulate " + kMems + " --duration 10h --rate 10 --axes x -o " + log).exit_code, 0);
-  const Outcome run = gyrobudget_run("calibrate " + log + " --json -o " + sensor + " --kalibr " + scratch.path("imu.yaml") +
-                                 " --report " + scratch.path("page.html") + " --plot " + scratch.path("plot.svg"));
+  ASSERT_EQ(gyrobudget_run("simulate " + kMems + " --duration 10h --rate 10 --axes x -o " + log).exit_code,
+            0);
+  const Outcome run =
+      gyrobudget_run("calibrate " + log + " --json -o " + sensor + " --kalibr " + scratch.path("imu.yaml") +
+                     " --report " + scratch.path("page.html") + " --plot " + scratch.path("plot.svg"));
   const auto json = json_of(run);
   ASSERT_EQ(json["schema"], "gyrobudget.calibration/1");
   const auto& axis = json["axes"][0];
@@ -85,7 +87,8 @@ TEST(Verbs, FromSensorToLogToSensor) {
   EXPECT_NE(read(scratch.path("page.html")).find("</html>"), std::string::npos);
   EXPECT_NE(read(scratch.path("plot.svg")).find("<svg"), std::string::npos);
   EXPECT_EQ(scratch.files(), 5U);
-  EXPECT_EQ(gyrobudget_run("plan " + sensor + " --duration 2h").exit_code, 0);  // what calibrate writes, plan reads
+  EXPECT_EQ(gyrobudget_run("plan " + sensor + " --duration 2h").exit_code,
+            0);  // what calibrate writes, plan reads
 }
 
 TEST(Verbs, CalibrateGivesTheSameBytesAtAnyThreadCount) {
@@ -100,7 +103,8 @@ TEST(Verbs, CalibrateGivesTheSameBytesAtAnyThreadCount) {
 }
 
 TEST(Verbs, AllanReadsStdinAndWritesJson) {
-  const auto json = json_of(shell("%P simulate " + kMems + " --duration 100s --axes x,y | %P allan - --json --taus octave"));
+  const auto json = json_of(
+      shell("%P simulate " + kMems + " --duration 100s --axes x,y | %P allan - --json --taus octave"));
   EXPECT_EQ(json["schema"], "gyrobudget.allan/1");
   EXPECT_EQ(json["record"]["samples"], 10000);
   EXPECT_EQ(json["record"]["rate_hz"], 100);
@@ -118,7 +122,8 @@ TEST(Verbs, AllanReadsStdinAndWritesJson) {
 }
 
 TEST(Verbs, IeeeFormHasOneTermLess) {
-  const auto json = json_of(shell("%P simulate " + kMems + " --duration 10s --axes x | %P allan - --json --taus octave --ieee"));
+  const auto json = json_of(
+      shell("%P simulate " + kMems + " --duration 10s --axes x | %P allan - --json --taus octave --ieee"));
   EXPECT_EQ(json["axes"][0]["points"][3]["terms"], 1000 - 2 * 8);
 }
 
@@ -136,10 +141,15 @@ TEST(Verbs, PlanKnowsThePapersGyros) {
 TEST(Verbs, OnePercentOfSamplesLostMovesNoCoefficientByAFifthOfItsSigma) {
   const Scratch scratch;
   const std::string whole = scratch.path("whole.csv"), holed = scratch.path("holed.csv");
-  ASSERT_EQ(gyrobudget_run("simulate " + kMems + " --duration 36000s --rate 1 --axes x --seed 3 -o " + whole).exit_code, 0);
+  ASSERT_EQ(gyrobudget_run("simulate " + kMems + " --duration 36000s --rate 1 --axes x --seed 3 -o " + whole)
+                .exit_code,
+            0);
   // A hash of the row number drops one row in a hundred.
-  ASSERT_EQ(shell("awk 'NR < 4 || (NR * 2654435761) % 4294967296 > 42949672' " + whole + " > " + holed).exit_code, 0);
-  const auto a = json_of(gyrobudget_run("calibrate --json " + whole)), b = json_of(gyrobudget_run("calibrate --json " + holed));
+  ASSERT_EQ(
+      shell("awk 'NR < 4 || (NR * 2654435761) % 4294967296 > 42949672' " + whole + " > " + holed).exit_code,
+      0);
+  const auto a = json_of(gyrobudget_run("calibrate --json " + whole)),
+             b = json_of(gyrobudget_run("calibrate --json " + holed));
   EXPECT_NEAR(b["record"]["missing_samples"].get<double>(), 360, 100);
   for (const std::string key : {"arw", "bias_instability", "rrw"}) {
     const auto &x = a["axes"][0]["parameters"][key], &y = b["axes"][0]["parameters"][key];
@@ -160,21 +170,25 @@ class RealLogs : public testing::Test {
 };
 
 TEST_F(RealLogs, ConsumerMemsComesOutUsable) {
-  const auto json = json_of(gyrobudget_run("calibrate " GYROBUDGET_DATA "/static/mems_gyro_x.csv.gz --rate 1 --unit deg/s --json"));
+  const auto json = json_of(
+      gyrobudget_run("calibrate " GYROBUDGET_DATA "/static/mems_gyro_x.csv.gz --rate 1 --unit deg/s --json"));
   const auto& axis = json["axes"][0];
   EXPECT_NE(axis["fit"]["verdict"], "not_described");
   EXPECT_EQ(axis["parameters"]["arw"]["status"], "identified");
   EXPECT_EQ(axis["parameters"]["rrw"]["status"], "identified");
   EXPECT_GT(axis["fit"]["tau_min_s"].get<double>(), 1);  // the shortest taus are not white noise
   bool line = false;                                     // at 0.0503 cycles per sample
-  for (const auto& advice : axis["advice"]) line |= advice.get<std::string>().find("line at 0.050") != std::string::npos;
+  for (const auto& advice : axis["advice"])
+    line |= advice.get<std::string>().find("line at 0.050") != std::string::npos;
   EXPECT_TRUE(line) << axis["advice"];
 }
 
 TEST_F(RealLogs, RingLaserOnAVehicleWithPeopleIsNotDescribed) {
-  const auto json = json_of(gyrobudget_run("calibrate " GYROBUDGET_DATA
-                                           "/static/rlg_vehicle_counts.csv.gz --rate 100 --input increment --unit arcsec "
-                                           "--scale 0.1 --column gx gy gz --json"), 1);
+  const auto json =
+      json_of(gyrobudget_run("calibrate " GYROBUDGET_DATA
+                             "/static/rlg_vehicle_counts.csv.gz --rate 100 --input increment --unit arcsec "
+                             "--scale 0.1 --column gx gy gz --json"),
+              1);
   ASSERT_EQ(json["axes"].size(), 3U);
   for (const auto& axis : json["axes"]) EXPECT_EQ(axis["fit"]["verdict"], "not_described") << axis["name"];
   // Earth's rate on the axes, from the data's own page.
@@ -182,7 +196,8 @@ TEST_F(RealLogs, RingLaserOnAVehicleWithPeopleIsNotDescribed) {
 }
 
 TEST_F(RealLogs, WhitePhaseNoiseHasNoneOfTheThree) {
-  const Outcome run = gyrobudget_run("calibrate " GYROBUDGET_DATA "/oscillator/tic_phase_s.csv.gz --rate 1 --input angle --unit s --json");
+  const Outcome run = gyrobudget_run("calibrate " GYROBUDGET_DATA
+                                     "/oscillator/tic_phase_s.csv.gz --rate 1 --input angle --unit s --json");
   const auto json = json_of(run, 1);
   for (const std::string key : {"arw", "bias_instability", "rrw"}) {
     EXPECT_NE(json["axes"][0]["parameters"][key]["status"], "identified") << key;

@@ -4,13 +4,13 @@
 #include "gyrobudget/allan/factors.h"
 #include "gyrobudget/noise/generate.h"
 
-#include "sensors.h"
-
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
 #include <numbers>
+
+#include "sensors.h"
 
 namespace gyrobudget::fit {
 namespace {
@@ -34,7 +34,8 @@ allan::Curve simulated_curve(const std::vector<noise::Process>& processes, std::
   return allan::overlapped_variance(record, dt, allan::octave_factors(samples));
 }
 
-constexpr double kRecovered = 1e-8;  // fixed point to 1e-10 of the variances, times how weakly B is seen (about 100)
+constexpr double kRecovered =
+    1e-8;  // fixed point to 1e-10 of the variances, times how weakly B is seen (about 100)
 
 TEST(Fit, GivesBackTheTruthOfAnExactCurve) {
   for (const auto& gyro : {tests::ifog(), tests::mems()}) {
@@ -107,8 +108,7 @@ TEST(Fit, GivesNoFlickerToWhiteNoise) {
   constexpr int kMostFalse = 12;
   int false_terms = 0;
   const auto covariance = allan::CurveCovariance(
-      4096, allan::octave_factors(4096), 1,
-      {noise::White{1}, noise::Flicker{1}, noise::RateRandomWalk{1}});
+      4096, allan::octave_factors(4096), 1, {noise::White{1}, noise::Flicker{1}, noise::RateRandomWalk{1}});
   for (std::uint64_t seed = 1; seed <= kRecords; ++seed) {
     const Result result = fit(simulated_curve({noise::White{1}}, 4096, 1, seed), covariance);
     EXPECT_EQ(result[Term::white].status, Status::identified);
@@ -131,7 +131,8 @@ TEST(Fit, FindsTheStartOfTheLongestDescribedRun) {
   EXPECT_EQ(result.moved.size(), 3U);
   EXPECT_FALSE(result.residuals.front().used);
   EXPECT_LT(result.residuals.front().misfit, -0.5);
-  EXPECT_NEAR(result[Term::white].value / gyro.n, 1, 0.08);  // the filter is cut where its bias meets the scatter, 3 %
+  EXPECT_NEAR(result[Term::white].value / gyro.n, 1,
+              0.08);  // the filter is cut where its bias meets the scatter, 3 %
 }
 
 TEST(Fit, SaysWhenNothingDescribesTheRecord) {
@@ -181,7 +182,8 @@ TEST(Fit, MinimumIsThatOfTheCurveWithinATenthOfTheRecord) {
   const auto gyro = tests::mems();
   const Result result = fit(exact_curve(gyro.processes(), 3600000, 0.01));
   // Theory section 3: sqrt(2NK/sqrt3 + 2 ln2/pi B^2) at sqrt3 N/K; the nearest octave lies within a few per cent.
-  const double floor2 = 2 * gyro.n * gyro.k / std::numbers::sqrt3 + 2 * std::numbers::ln2 / std::numbers::pi * gyro.b * gyro.b;
+  const double floor2 =
+      2 * gyro.n * gyro.k / std::numbers::sqrt3 + 2 * std::numbers::ln2 / std::numbers::pi * gyro.b * gyro.b;
   EXPECT_NEAR(result.minimum_deviation / std::sqrt(floor2), 1, 0.05);
   EXPECT_NEAR(std::log2(result.minimum_tau_s / (std::numbers::sqrt3 * gyro.n / gyro.k)), 0, 0.51);
 }

@@ -6,9 +6,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
-#include <cmath>
 
 namespace gyrobudget::fit {
 namespace {
@@ -44,7 +45,8 @@ TEST(WhitenedResidual, JacobianAgreesWithNumericalDerivative) {
     forward(j) += kStep;
     backward(j) -= kStep;
     const Eigen::VectorXd numerical = (residual.value(forward) - residual.value(backward)) / (2 * kStep);
-    EXPECT_LT((numerical - J.col(j)).cwiseAbs().maxCoeff(), kTolerance * 1e1 * (1 + J.col(j).norm())) << "column " << j;
+    EXPECT_LT((numerical - J.col(j)).cwiseAbs().maxCoeff(), kTolerance * 1e1 * (1 + J.col(j).norm()))
+        << "column " << j;
   }
 }
 

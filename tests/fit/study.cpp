@@ -39,8 +39,12 @@ One one_record(const Gyro& gyro, const allan::CurveCovariance& covariance, std::
   return one;
 }
 
-bool covers(const fit::Coefficient& c, double truth) { return c.lower <= truth && truth <= c.upper_two_sided; }
-bool covers_by_status(const fit::Coefficient& c, double truth) { return c.lower <= truth && truth <= c.upper; }
+bool covers(const fit::Coefficient& c, double truth) {
+  return c.lower <= truth && truth <= c.upper_two_sided;
+}
+bool covers_by_status(const fit::Coefficient& c, double truth) {
+  return c.lower <= truth && truth <= c.upper;
+}
 
 }  // namespace
 

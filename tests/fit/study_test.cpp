@@ -29,7 +29,8 @@ void expect_coverage(const CoefficientStudy& c, double low, double high) {
 void expect_rmse(const CoefficientStudy& c, double theory) {
   using ChiSquare = boost::math::chi_squared_distribution<>;
   constexpr double kTheoryError = 3.89 * 0.035;  // 1e-4 two-sided
-  const double high = std::sqrt(boost::math::quantile(complement(ChiSquare(kRecords), kFalseAlarm / 2)) / kRecords);
+  const double high =
+      std::sqrt(boost::math::quantile(complement(ChiSquare(kRecords), kFalseAlarm / 2)) / kRecords);
   const double low = std::sqrt(boost::math::quantile(ChiSquare(kRecords), kFalseAlarm / 2) / kRecords);
   EXPECT_GT(c.rmse, theory * (low - kTheoryError));
   EXPECT_LT(c.rmse, theory * (high + kTheoryError));

@@ -3,12 +3,12 @@
 
 #include "gyrobudget/allan/factors.h"
 
-#include "sensors.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
+
+#include "sensors.h"
 
 namespace gyrobudget::fit {
 namespace {
@@ -35,8 +35,10 @@ TEST(VisualReading, MeasuresTheCrossingInsteadOfTheBiasInstability) {
     const double one_second2 = gyro.n * gyro.n + flat2 * gyro.b * gyro.b + gyro.k * gyro.k / 3;
     EXPECT_NEAR(result[Term::white].value / std::sqrt(one_second2), 1, 1e-3);
     EXPECT_NEAR(result[Term::flicker].value / std::sqrt(crossing2 / flat2), 1, 2e-3);
-    EXPECT_NEAR(result[Term::rate_random_walk].value / gyro.k, 1, 0.03);  // the slope is nearest 1/2 where N and B still add a little
-    EXPECT_EQ(result.verdict, Verdict::not_described);  // the model made of these readings is far above the curve
+    EXPECT_NEAR(result[Term::rate_random_walk].value / gyro.k, 1,
+                0.03);  // the slope is nearest 1/2 where N and B still add a little
+    EXPECT_EQ(result.verdict,
+              Verdict::not_described);  // the model made of these readings is far above the curve
   }
 }
 

@@ -3,18 +3,19 @@
 
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
 #include <filesystem>
 #include <fstream>
 #include <string>
-
-#include <unistd.h>
 
 namespace gyrobudget::io {
 namespace {
 
 class CurveTables : public testing::Test {
  protected:
-  CurveTable read(const std::string& text, std::optional<std::string> unit = {}, std::vector<std::string> columns = {}) {
+  CurveTable read(const std::string& text, std::optional<std::string> unit = {},
+                  std::vector<std::string> columns = {}) {
     std::ofstream(path_) << text;
     return read_curve({path_.string(), std::move(unit), std::move(columns)});
   }
@@ -34,7 +35,8 @@ class CurveTables : public testing::Test {
 constexpr double kDegPerHour = 3.14159265358979323846 / 180 / 3600;
 
 TEST_F(CurveTables, UnitsComeFromTheHeader) {
-  const CurveTable table = read("tau (ms),adev (deg/h),lower (deg/h),upper (deg/h),other (ug)\n10,2,1,3,5\n20,1,0.5,2,4\n");
+  const CurveTable table =
+      read("tau (ms),adev (deg/h),lower (deg/h),upper (deg/h),other (ug)\n10,2,1,3,5\n20,1,0.5,2,4\n");
   EXPECT_EQ(table.tau_s, (std::vector<double>{0.01, 0.02}));
   ASSERT_EQ(table.columns.size(), 2U);
   EXPECT_EQ(table.columns[0].name, "adev");

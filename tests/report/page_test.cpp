@@ -75,8 +75,7 @@ TEST(Page, NamesOfUsersStayText) {
   EXPECT_EQ(count(text, "</script>"), 3U);
   EXPECT_EQ(text.find("<b>"), std::string::npos);
   EXPECT_EQ(text.find("<img"), std::string::npos);
-  EXPECT_NE(text.find("<title>Datasheet of script&gt;&lt;b&gt;&quot;it&#39;s&quot;&amp;"),
-            std::string::npos);
+  EXPECT_NE(text.find("<title>Datasheet of script&gt;&lt;b&gt;&quot;it&#39;s&quot;&amp;"), std::string::npos);
   const Json data = data_of(text);
   EXPECT_EQ(data.at("allan").at("source"), result.source);
   EXPECT_EQ(data.at("allan").at("axes").at(0).at("name"), result.axes.front().name);
