@@ -84,7 +84,7 @@ double expected_square(const noise::Sinusoid& p, const TripleGaps& gaps, double 
   if (cycles == 0) return 0;
   const auto turn = [&](double samples) { return std::numbers::pi * std::remainder(cycles * samples, 2.0); };
   const auto sum = [&](double first, double count) {  // of exp(2 pi i cycles k) over the samples
-    return std::polar(std::sin(turn(count)) / std::sin(turn(1)), turn(2 * first + count - 1));
+    return std::sin(turn(count)) / std::sin(turn(1)) * std::polar(1., turn(2 * first + count - 1));
   };
   std::complex<double> mean[2];
   for (std::size_t i = 0; i < 2; ++i) {
