@@ -5,7 +5,10 @@
 
 // The loops are written once and compiled once per instruction set: always_inline bodies inside functions that
 // differ by their target attribute alone.
-#if defined(__x86_64__) && defined(__GNUC__)
+#if defined(__x86_64__) && defined(__clang__)
+#define GYROBUDGET_AVX2 [[gnu::target("avx2")]]
+#define GYROBUDGET_AVX512 [[gnu::target("avx512f,avx512vl,avx512dq")]]
+#elif defined(__x86_64__) && defined(__GNUC__)
 #define GYROBUDGET_AVX2 [[gnu::target("avx2")]]
 #define GYROBUDGET_AVX512 [[gnu::target("avx512f,avx512vl,avx512dq,prefer-vector-width=512")]]
 #else
