@@ -207,19 +207,19 @@ double masked_variance(const Mask& mask, const Triples& triples, const noise::Pr
   if (std::holds_alternative<noise::White>(process)) return complete * triples.white_ratio;
 
   // Long clusters hold many gaps, but each is then more like the next: fewer do.
-  constexpr std::int64_t kMostBlocks = 128, kMostExact = 512, kFewestExact = 32, kGaps = 100'000;
+  constexpr std::int64_t kMostExact = 512, kMostBlocks = 128, kFewest = 32, kGaps = 100'000;
   const std::int64_t gaps_each =
       1 + static_cast<std::int64_t>(mask.runs().size()) * 2 * triples.m / mask.samples();
-  const std::int64_t most_exact = std::clamp(kGaps / gaps_each, kFewestExact, kMostExact);
+  const auto taken = [&](std::int64_t most) { return std::clamp(kGaps / gaps_each, kFewest, most); };
   const auto m = static_cast<double>(triples.m);
   const double expected = std::visit(
       [&](const auto& p) {
         if constexpr (requires(const TripleGaps& gaps) { expected_square(p, gaps, m, dt); }) {
-          return mean_of_touched(mask, triples, most_exact,
+          return mean_of_touched(mask, triples, taken(kMostExact),
                                  [&](const TripleGaps& gaps) { return expected_square(p, gaps, m, dt); });
         } else {
           Blocks blocks(process, triples.m, dt);
-          return mean_of_touched(mask, triples, kMostBlocks,
+          return mean_of_touched(mask, triples, taken(kMostBlocks),
                                  [&](const TripleGaps& gaps) { return blocks.expected_square(gaps); });
         }
       },
