@@ -157,10 +157,13 @@ double solve_cut(const LinearModel& model, Eigen::Index index, const Eigen::Vect
     const double t = profile_test(model, {index, v}, start);
     return excess(std::isfinite(t) ? t : 4 * cut + 1);
   };
+  // A curve at the edge of rounding may leave no bracket; the outer end is then the safe answer.
+  const double at_inside = excess(t_inside), at_outside = excess(t_outside);
+  if (!(at_inside < 0 && at_outside > 0) || !std::isfinite(outside) || inside == outside) return outside;
   const bool rising = outside > inside;
   const auto bracket = boost::math::tools::toms748_solve(
-      f, std::min(inside, outside), std::max(inside, outside), excess(rising ? t_inside : t_outside),
-      excess(rising ? t_outside : t_inside), boost::math::tools::eps_tolerance<double>(kRootBits), budget);
+      f, std::min(inside, outside), std::max(inside, outside), rising ? at_inside : at_outside,
+      rising ? at_outside : at_inside, boost::math::tools::eps_tolerance<double>(kRootBits), budget);
   return 0.5 * (bracket.first + bracket.second);
 }
 

@@ -71,7 +71,8 @@ Reading read_walk(const std::vector<Reading>& points, std::size_t minimum) {
 
 Coefficient coefficient(Term term, const Reading& reading, double value, const allan::Curve& curve) {
   const std::array mix{noise::unit_process(term)};
-  const double edf = allan::equivalent_dof(curve.samples, reading.m, curve.dt, mix, curve.form);
+  const double edf =
+      allan::equivalent_dof(curve.samples, reading.m, curve.dt, mix, curve.form, curve.mask.get());
   const auto interval = allan::chi_square_interval(value * value, edf);
   Coefficient c;
   c.term = term;
@@ -91,7 +92,8 @@ void compare_with_model(Result& result, const std::vector<Reading>& points, cons
   for (const auto& p : points) {
     Residual r{.m = p.m, .tau_s = p.tau, .measured = p.deviation, .used = true};
     r.model = std::sqrt(noise::allan_variance(mix, p.m, curve.dt));
-    r.relative_std = 1 / std::sqrt(2 * allan::equivalent_dof(curve.samples, p.m, curve.dt, mix, curve.form));
+    r.relative_std = 1 / std::sqrt(2 * allan::equivalent_dof(curve.samples, p.m, curve.dt, mix, curve.form,
+                                                             curve.mask.get()));
     r.misfit = r.measured / r.model - 1;
     const double beyond = std::abs(r.misfit) - 1.96 * r.relative_std;
     if (p.m * 16 <= curve.samples && beyond > result.worst_misfit) {
