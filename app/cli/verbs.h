@@ -8,7 +8,7 @@ namespace gyrobudget::inline v0::cli {
 /// The program's exit codes.
 enum Exit : int {
   exit_done = 0,
-  exit_no_answer = 1,  ///< ran, but a check failed, a fit did not converge or the record holds no answer
+  exit_no_answer = 1,  ///< ran, but an axis has no answer: not described, nothing resolved, not converged
   exit_usage = 2,
   exit_bad_input = 3,
   exit_bad_output = 4,
