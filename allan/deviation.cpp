@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/allan/deviation.h"
 
-#include "gyrobudget/allan/detail/phase.h"
 #include "gyrobudget/allan/detail/second_difference.h"
 
-#include <fmt/core.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 
 namespace gyrobudget::inline v0::allan {
 namespace {
@@ -27,11 +24,11 @@ constexpr std::int64_t kLongTile = 1 << 15;
 constexpr std::size_t kFactorsAtOnce = 256;  // bounds the memory that partial sums take
 
 struct Record {
-  std::span<const double> rate;
+  const RateRecord& data;
   const Mask* mask;
   Form form;
 
-  [[nodiscard]] std::int64_t samples() const { return static_cast<std::int64_t>(rate.size()); }
+  [[nodiscard]] std::int64_t samples() const { return data.samples(); }
   [[nodiscard]] std::int64_t first() const { return first_triple(form); }
   [[nodiscard]] std::int64_t end(std::int64_t m) const {
     return first() + complete_terms(samples(), m, form);
@@ -105,7 +102,7 @@ void sum_short(const Record& record, std::span<Point*> points) {
   tbb::enumerable_thread_specific<Scratch> scratch;
   const auto window_at = [&](std::int64_t begin) {
     const auto length = static_cast<std::size_t>(std::min(needed, record.samples() - begin));
-    const auto rate = record.rate.subspan(static_cast<std::size_t>(begin), length);
+    const auto rate = record.data.rate().subspan(static_cast<std::size_t>(begin), length);
     auto& [x, missing] = scratch.local();
     x.resize(static_cast<std::size_t>(needed) + 1);
     detail::integrate_stretch(rate, record.mask != nullptr, x.data());
@@ -118,7 +115,8 @@ void sum_short(const Record& record, std::span<Point*> points) {
   sum_tiles(record, kShortTile, window_at, points);
 }
 
-void sum_long(const Record& record, const detail::Phase& phase, std::span<Point*> points) {
+void sum_long(const Record& record, std::span<Point*> points) {
+  const detail::Phase& phase = record.data.phase();
   const auto window_at = [&](std::int64_t begin) {
     return Window{phase.x.get() + begin, record.mask ? phase.missing.get() + begin : nullptr};
   };
@@ -133,46 +131,25 @@ void in_batches(std::span<Point*> points, Work work) {
   }
 }
 
-void check(std::span<const double> rate, double dt, std::span<const std::int64_t> factors,
-           const DeviationOptions& options) {
-  if (!(dt > 0) || !std::isfinite(dt)) {
-    throw std::invalid_argument(
-        fmt::format("sample interval dt is {}; it must be positive and finite (s)", dt));
-  }
-  if (!(options.minimum_fill > 0 && options.minimum_fill <= 1)) {
-    throw std::invalid_argument(
-        fmt::format("minimum fill of a cluster is {}; it must be in (0, 1]", options.minimum_fill));
-  }
-  const auto limit = static_cast<std::int64_t>(rate.size()) / 2;
-  for (const std::int64_t m : factors) {
-    if (m < 1 || m > limit) {
-      throw std::invalid_argument(
-          fmt::format("averaging factor is {}; for a record of {} samples it must be from 1 to {}", m,
-                      rate.size(), limit));
-    }
-  }
-}
-
 }  // namespace
 
-Curve overlapped_variance(std::span<const double> rate, double dt, std::span<const std::int64_t> factors,
-                          const DeviationOptions& options) {
-  check(rate, dt, factors, options);
-  const detail::Census facts = detail::census(rate, options.minimum_fill);
-  const Record record{rate, facts.mask.get(), options.form};
-
-  Curve curve{dt, record.samples(), facts.mean, options.form, std::vector<Point>(factors.size()), facts.mask};
+Curve overlapped_variance(const RateRecord& data, std::span<const std::int64_t> factors, Form form) {
+  data.require_factors(factors);
+  const Record record{data, data.mask().get(), form};
+  Curve curve{data.dt(), data.samples(), data.mean(), form, std::vector<Point>(factors.size()), data.mask()};
   std::vector<Point*> short_points, long_points;
   for (std::size_t i = 0; i < factors.size(); ++i) {
     curve.points[i].m = factors[i];
     (factors[i] <= kShort ? short_points : long_points).push_back(&curve.points[i]);
   }
   in_batches(short_points, [&](std::span<Point*> points) { sum_short(record, points); });
-  if (!long_points.empty()) {
-    const detail::Phase phase = detail::integrate(rate, facts);
-    in_batches(long_points, [&](std::span<Point*> points) { sum_long(record, phase, points); });
-  }
+  in_batches(long_points, [&](std::span<Point*> points) { sum_long(record, points); });
   return curve;
+}
+
+Curve overlapped_variance(std::span<const double> rate, double dt, std::span<const std::int64_t> factors,
+                          const DeviationOptions& options) {
+  return overlapped_variance(RateRecord(rate, dt, options.minimum_fill), factors, options.form);
 }
 
 }  // namespace gyrobudget::inline v0::allan

@@ -3,6 +3,7 @@
 
 #include "gyrobudget/allan/form.h"
 #include "gyrobudget/allan/mask.h"
+#include "gyrobudget/allan/record.h"
 
 #include <cstdint>
 #include <memory>
@@ -13,8 +14,7 @@ namespace gyrobudget::inline v0::allan {
 
 struct DeviationOptions {
   Form form = Form::full;
-  double minimum_fill =
-      0.95;  ///< part of a cluster's samples that must exist for it to count, in (0, 1]; 1 = all
+  double minimum_fill = kMinimumFill;  ///< in (0, 1]; 1: clusters without gaps only
 };
 
 /// One averaging factor of a curve.
@@ -61,5 +61,8 @@ struct Curve {
 /// threads and on any x86-64.
 [[nodiscard]] Curve overlapped_variance(std::span<const double> rate, double dt,
                                         std::span<const std::int64_t> factors, const DeviationOptions& = {});
+/// The same of a record made ready before, whose minimum fill holds.
+[[nodiscard]] Curve overlapped_variance(const RateRecord&, std::span<const std::int64_t> factors,
+                                        Form = Form::full);
 
 }  // namespace gyrobudget::inline v0::allan

@@ -2,30 +2,45 @@
 #include "gyrobudget/allan/identify.h"
 
 #include "gyrobudget/allan/detail/lag_kernel.h"
-#include "gyrobudget/allan/detail/phase.h"
 
-#include <fmt/core.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 
 namespace gyrobudget::inline v0::allan {
 namespace {
 
 constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 
-/// Means of adjacent clusters; NaN where too few samples exist.
-std::vector<double> cluster_means(const detail::Phase& phase, std::int64_t samples, std::int64_t m) {
+constexpr std::int64_t kStretches = 16, kStretchClusters = 1 << 11;  // looked at, of more clusters than that
+
+/// Means of clusters first, first + 1, ... before last, added to `means`; NaN where too few samples exist.
+void add_means(std::vector<double>& means, const detail::Phase& phase, std::int64_t m, std::int64_t first,
+               std::int64_t last) {
   constexpr double kLeastPart = 0.5;
-  std::vector<double> means;
-  means.reserve(static_cast<std::size_t>(samples / m));
-  for (std::int64_t k = 0; k + m <= samples; k += m) {
+  for (std::int64_t k = first * m; k < last * m; k += m) {
     const std::uint32_t missing = phase.missing ? phase.missing[k + m] - phase.missing[k] : 0;
     const double existing = static_cast<double>(m) - missing, least = kLeastPart * static_cast<double>(m);
     means.push_back(existing >= least ? (phase.x[k + m] - phase.x[k]) / existing : kMissing);
+  }
+}
+
+/// Means of adjacent clusters; of very many, some stretches with a missing one between them.
+std::vector<double> cluster_means(const detail::Phase& phase, std::int64_t samples, std::int64_t m) {
+  const std::int64_t clusters = samples / m;
+  std::vector<double> means;
+  if (clusters <= kStretches * kStretchClusters) {
+    means.reserve(static_cast<std::size_t>(clusters));
+    add_means(means, phase, m, 0, clusters);
+    return means;
+  }
+  means.reserve(kStretches * (kStretchClusters + 1));
+  for (std::int64_t i = 0; i < kStretches; ++i) {
+    const std::int64_t first = i * (clusters - kStretchClusters) / (kStretches - 1);
+    if (i > 0) means.push_back(kMissing);
+    add_means(means, phase, m, first, first + kStretchClusters);
   }
   return means;
 }
@@ -103,24 +118,21 @@ Identified identify(std::vector<double> z, std::int64_t m) {
 
 }  // namespace
 
-std::vector<Identified> identify_noise(std::span<const double> rate, std::span<const std::int64_t> factors) {
-  const auto samples = static_cast<std::int64_t>(rate.size());
-  for (const std::int64_t m : factors) {
-    if (m < 1 || m > samples / 2) {
-      throw std::invalid_argument(
-          fmt::format("averaging factor is {}; for a record of {} samples it must be from 1 to {}", m,
-                      samples, samples / 2));
-    }
-  }
+std::vector<Identified> identify_noise(const RateRecord& record, std::span<const std::int64_t> factors) {
+  record.require_factors(factors);
   constexpr std::int64_t kFewestClusters = 30;
-  const std::int64_t longest = std::max<std::int64_t>(1, samples / kFewestClusters);
-  const detail::Phase phase = detail::integrate(rate, detail::census(rate, 1));
+  const std::int64_t longest = std::max<std::int64_t>(1, record.samples() / kFewestClusters);
+  const detail::Phase& phase = record.phase();
   std::vector<Identified> result(factors.size());
   tbb::parallel_for(std::size_t{0}, factors.size(), [&](std::size_t i) {
     const std::int64_t m = std::min(factors[i], longest);
-    result[i] = identify(cluster_means(phase, samples, m), m);
+    result[i] = identify(cluster_means(phase, record.samples(), m), m);
   });
   return result;
+}
+
+std::vector<Identified> identify_noise(std::span<const double> rate, std::span<const std::int64_t> factors) {
+  return identify_noise(RateRecord(rate), factors);
 }
 
 Identified identify_noise(std::span<const double> rate, std::int64_t m) {

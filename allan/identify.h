@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "gyrobudget/allan/record.h"
 #include "gyrobudget/noise/process.h"
 
 #include <cstdint>
@@ -36,7 +37,12 @@ struct Identified {
 /// @param factors 1 <= m <= n/2 each.
 /// @return one for each factor, in their order.
 /// @throws std::invalid_argument for a factor out of range.
-/// Cost: prefix sums of the record once, then O(n/m) for each factor.
+/// Of more than 2^15 clusters 16 stretches of 2^11 neighbours, spread evenly over the record, are looked at: r1 is then
+/// known to 0.006 (one sigma), and no two exponents are nearer than 0.1.
+/// Cost: prefix sums of the record once, then O(min(n/m, 2^15)) for each factor.
+[[nodiscard]] std::vector<Identified> identify_noise(const RateRecord&,
+                                                     std::span<const std::int64_t> factors);
+/// The same of rates alone.
 [[nodiscard]] std::vector<Identified> identify_noise(std::span<const double> rate,
                                                      std::span<const std::int64_t> factors);
 /// At one factor.

@@ -18,9 +18,10 @@ namespace gyrobudget::inline v0::allan {
 namespace {
 
 constexpr std::size_t kFewestSamples = 1024;
-constexpr std::size_t kLongestSegment = std::size_t{1} << 18;
+constexpr std::size_t kLongestSegment = std::size_t{1} << 17;
 constexpr std::size_t kFewestSegments = 4;
-constexpr std::size_t kMostSamples = std::size_t{1} << 20;  // looked at, at each segment length
+constexpr std::size_t kMostSamples = std::size_t{1}
+                                     << 18;  // looked at, at each of the shorter segment lengths
 constexpr std::size_t kFirstBin = 50;
 constexpr std::size_t kLeastBlock = 60;
 constexpr double kBlockRatio = 1.1;

@@ -23,11 +23,12 @@ struct LineOptions {
 
 /// Lines of a record, strongest first.
 ///
-/// Averaged Hann-windowed periodograms at three segment lengths (a quarter of the record up to 2^18 samples, 1/8 and
-/// 1/64 of that; at most 2^20 samples of it, spread over the record), for lines that hold their frequency and lines that wander; a bin is a line where it exceeds the level of the spectrum around
+/// Averaged Hann-windowed periodograms at three segment lengths (a quarter of the record up to 2^17 samples, 1/8 and
+/// 1/64 of that; four segments of the longest, 2^18 samples in the shorter ones, spread over the record), for lines
+/// that hold their frequency and lines that wander. A bin is a line where it exceeds the level of the spectrum around
 /// it (medians of blocks 10 % and at least 60 bins wide) by what chance would exceed with probability
-/// false_alarm / (bins tested), from the chi-square law of the average. Bins below 50 cycles a segment are not tested: there the 1/f slope is no flat
-/// neighbourhood. Missing samples (NaN) count as the mean.
+/// false_alarm / (bins tested), from the chi-square law of the average. Bins below 50 cycles a segment are not tested:
+/// there the 1/f slope is no flat neighbourhood. Missing samples (NaN) count as the mean.
 /// @param rate  at least 1024 samples, else nothing is found; dt > 0 [s].
 /// @throws std::invalid_argument for dt that is not above zero.
 /// Source: Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70; window's noise bandwidth 1.5 bins.

@@ -23,21 +23,23 @@ void require_length(std::size_t n, std::size_t multiple_of) {
   }
 }
 
-/// Runs `use` with a transform whose tables live on for the thread's next call of the same small length;
+/// Runs `use` with a transform whose tables live on for the thread's next calls of the same few small lengths;
 /// those of large lengths would hold as much memory as the data.
 template <typename Use>
 void with_transform(std::size_t n, Use use) {
-  constexpr std::size_t kKept = 1 << 16;
+  constexpr std::size_t kLongestKept = 1 << 17, kMostKept = 8;
   constexpr auto kFlags = static_cast<Transform::Flag>(Transform::Unscaled | Transform::HalfSpectrum);
-  if (n > kKept) {
+  if (n > kLongestKept) {
     Transform once(Eigen::default_fft_impl<double>{}, kFlags);
     use(once);
     return;
   }
   thread_local Transform kept(Eigen::default_fft_impl<double>{}, kFlags);
-  thread_local std::size_t kept_length = 0;
-  if (n != kept_length) kept.impl().clear();
-  kept_length = n;
+  thread_local std::vector<std::size_t> lengths;
+  if (std::find(lengths.begin(), lengths.end(), n) == lengths.end()) {
+    if (lengths.size() == kMostKept) kept.impl().clear(), lengths.clear();
+    lengths.push_back(n);
+  }
   use(kept);
 }
 

@@ -15,11 +15,12 @@ int run(const AllanArguments& a) {
   report::LogResult result = describe_record(record, a.common);
   const auto factors = factors_for(a.curve, record.samples);
   for (const auto& axis : record.axes) {
-    const allan::Curve curve = curve_of(axis, record, a.curve, factors);
+    const allan::RateRecord rates = rate_record(axis, record, a.curve);
+    const allan::Curve curve = allan::overlapped_variance(rates, factors, form_of(a.curve));
     result.axes.push_back({.name = axis.name,
                            .signal = axis.signal,
                            .mean = curve.mean,
-                           .points = with_intervals(curve, allan::identify_noise(axis.rate, factors)),
+                           .points = with_intervals(curve, allan::identify_noise(rates, factors)),
                            .fit = {},
                            .advice = {}});
   }

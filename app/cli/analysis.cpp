@@ -41,13 +41,11 @@ report::LogResult describe_record(const io::Record& record, const Common& common
   return result;
 }
 
-allan::Curve curve_of(const io::Axis& axis, const io::Record& record, const CurveArguments& a,
-                      std::span<const std::int64_t> factors) {
-  allan::DeviationOptions options;
-  options.form = a.ieee_form ? allan::Form::ieee : allan::Form::full;
-  if (a.strict_gaps) options.minimum_fill = 1;
-  return allan::overlapped_variance(axis.rate, 1 / record.rate_hz, factors, options);
+allan::RateRecord rate_record(const io::Axis& axis, const io::Record& record, const CurveArguments& a) {
+  return allan::RateRecord(axis.rate, 1 / record.rate_hz, a.strict_gaps ? 1 : allan::kMinimumFill);
 }
+
+allan::Form form_of(const CurveArguments& a) { return a.ieee_form ? allan::Form::ieee : allan::Form::full; }
 
 std::vector<report::DeviationPoint> with_intervals(const allan::Curve& curve,
                                                    std::span<const allan::Identified> identified,

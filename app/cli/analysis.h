@@ -24,8 +24,9 @@ namespace gyrobudget::inline v0::cli {
 /// What the result says of the record as a whole; axes still empty.
 [[nodiscard]] report::LogResult describe_record(const io::Record&, const Common&);
 
-[[nodiscard]] allan::Curve curve_of(const io::Axis&, const io::Record&, const CurveArguments&,
-                                    std::span<const std::int64_t> factors);
+/// An axis made ready for its statistics.
+[[nodiscard]] allan::RateRecord rate_record(const io::Axis&, const io::Record&, const CurveArguments&);
+[[nodiscard]] allan::Form form_of(const CurveArguments&);
 
 /// Points with 95 % intervals; their degrees of freedom are those of the noise type identified at each tau, or of `mix`
 /// where it is given (the fitted model; `identified` may then be empty).

@@ -52,8 +52,9 @@ Curves curves_of(const io::Axis& axis, const io::Record& record, const CurveArgu
   const auto octaves = allan::octave_factors(record.samples);
   std::vector<std::int64_t> both;
   std::set_union(display.begin(), display.end(), octaves.begin(), octaves.end(), std::back_inserter(both));
-  const allan::Curve curve = curve_of(axis, record, a, both);
-  return {pick(curve, display), pick(curve, octaves), allan::identify_noise(axis.rate, display)};
+  const allan::RateRecord rates = rate_record(axis, record, a);
+  const allan::Curve curve = allan::overlapped_variance(rates, both, form_of(a));
+  return {pick(curve, display), pick(curve, octaves), allan::identify_noise(rates, display)};
 }
 
 // N, B and K; and Q where lag-1 identification sees white angle noise at the first tau.

@@ -90,6 +90,24 @@ INSTANTIATE_TEST_SUITE_P(PowerLaws, Identify, testing::ValuesIn(kLaws), [](const
   return name += std::to_string(std::abs(law.param.alpha));
 });
 
+TEST(IdentifyStretches, StandForAllClustersOfALongRecord) {
+  constexpr std::int64_t kLong = 1 << 18;  // 8 times what is looked at for m = 1
+  // Standard error of r1 from 2^15 clusters: 1/sqrt(2^15) at most; 4 of them fail one record in 16 000.
+  constexpr double kScatter = 4 / 181.;
+  const auto record_of = [](const noise::Process& process, std::uint64_t stream) {
+    return noise::generate_record(std::span(&process, 1), kLong, 1, {9, stream});
+  };
+  const std::vector<double> white = record_of(noise::White{1}, 0);
+  EXPECT_NEAR(identify_noise(white, 1).lag1, 0, kScatter);
+  EXPECT_EQ(identify_noise(white, 1).alpha, 0);
+  // Flicker and walk are differenced across no gap between stretches: a jump there would show as white.
+  const std::vector<double> walk = record_of(noise::RateRandomWalk{1}, 1);
+  EXPECT_NEAR(identify_noise(walk, 2).lag1, 1. / 6, kScatter);
+  EXPECT_EQ(identify_noise(walk, 2).alpha, -2);
+  const std::vector<double> flicker = record_of(noise::Flicker{1}, 2);
+  EXPECT_EQ(identify_noise(flicker, 4).alpha, -1);
+}
+
 TEST(IdentifyEdge, ReadsEqualSamplesAsWhiteAndATrendAsRandomWalk) {
   EXPECT_EQ(identify_noise(std::vector<double>(100, 3.3), 1).alpha, 0);
   std::vector<double> ramp(1000);
