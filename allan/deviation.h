@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "gyrobudget/allan/estimator.h"
 #include "gyrobudget/allan/form.h"
 #include "gyrobudget/allan/mask.h"
 #include "gyrobudget/allan/record.h"
@@ -19,13 +20,14 @@ struct DeviationOptions {
 
 /// One averaging factor of a curve.
 struct Point {
-  std::int64_t m = 1;      ///< averaging factor [samples]
-  double variance = 0;     ///< Allan variance [signal^2]; the deviation is its square root
-  std::int64_t terms = 0;  ///< number of triples averaged; 0 where none counts, and then the variance is NaN
+  std::int64_t m = 1;       ///< averaging factor [samples]
+  double variance = 0;      ///< Allan variance [signal^2]; the deviation is its square root
+  std::int64_t terms = 0;   ///< number of terms averaged; 0 where none counts, and then the variance is NaN
+  std::int64_t stride = 1;  ///< samples from one term to the next; 1 = fully overlapped
 };
 
-/// An overlapped Allan variance curve and what is needed to know its statistics: `samples`, `form` and `mask` are
-/// what CurveCovariance and equivalent_dof ask for.
+/// A variance curve, of the overlapped Allan variance unless `estimator` says otherwise, and what is needed to know its
+/// statistics: `samples`, `form` and `mask` are what CurveCovariance and equivalent_dof ask for.
 struct Curve {
   double dt = 1;             ///< sample interval [s]
   std::int64_t samples = 0;  ///< length of the record, missing ones included
@@ -33,8 +35,9 @@ struct Curve {
   Form form = Form::full;
   std::vector<Point> points;         ///< in the order of the factors asked for
   std::shared_ptr<const Mask> mask;  ///< null for a complete record
-  /// Averaging time m dt of point i [s].
-  [[nodiscard]] double tau(std::size_t i) const { return static_cast<double>(points[i].m) * dt; }
+  Estimator estimator = Estimator::oadev;
+  /// Averaging time of point i [s]: m dt, but 0.75 m dt for Theo1.
+  [[nodiscard]] double tau(std::size_t i) const { return averaging_time(estimator, points[i].m, dt); }
 };
 
 /// Fully overlapped Allan variance (IEEE Std 952; NIST SP 1065 eq. 11) of n rates y, each the mean over dt:
