@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/fit/fit.h"
 
-#include "gyrobudget/fit/gls.h"
-#include "gyrobudget/fit/refine.h"
+#include "gyrobudget/fit/detail/gls.h"
+#include "gyrobudget/fit/detail/refine.h"
 #include "gyrobudget/fit/visual.h"
 
 #include <boost/math/distributions/fisher_f.hpp>

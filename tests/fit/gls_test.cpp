@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/fit/gls.h"
+#include "gyrobudget/fit/detail/gls.h"
 
 #include "gyrobudget/allan/covariance.h"
 #include "gyrobudget/allan/factors.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/fit/refine.h"
+#include "gyrobudget/fit/detail/refine.h"
 
-#include "gyrobudget/fit/gls.h"
+#include "gyrobudget/fit/detail/gls.h"
 #include "gyrobudget/noise/normal.h"
 
 #include <gtest/gtest.h>

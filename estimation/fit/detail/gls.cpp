@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/fit/gls.h"
-
-#include <boost/math/tools/roots.hpp>
+#include "gyrobudget/fit/detail/gls.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +16,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kMostReweightings = 200;
 constexpr int kDampAfter = 15;         // a two-cycle of the active set is broken by averaging
 constexpr double kFixedPoint = 1e-12;  // relative change of the modelled variances
-constexpr unsigned kRootBits = 38;     // interval limits to about 1e-11 of their bracket
 
 using Columns = std::vector<Eigen::Index>;
 
@@ -145,61 +142,13 @@ double profile_test(const LinearModel& model, Held held, const Eigen::VectorXd& 
   return std::max(0.0, (Ws - WA * constrained.theta).squaredNorm() - (Ws - WA * best).squaredNorm());
 }
 
-namespace {
-
-// The v in [inside, outside] with T(v) = cut, T(inside) <= cut < T(outside). The root of T is nearly linear in v.
-double solve_cut(const LinearModel& model, Eigen::Index index, const Eigen::VectorXd& start, double cut,
-                 double inside, double t_inside, double outside, double t_outside) {
-  if (!std::isfinite(t_outside)) t_outside = 4 * cut + 1;  // only its sign matters to the bracket
-  const auto excess = [&](double t) { return std::sqrt(t) - std::sqrt(cut); };
-  std::uintmax_t budget = 40;
-  const auto f = [&](double v) {
-    const double t = profile_test(model, {index, v}, start);
-    return excess(std::isfinite(t) ? t : 4 * cut + 1);
-  };
-  // A curve at the edge of rounding may leave no bracket; the outer end is then the safe answer.
-  const double at_inside = excess(t_inside), at_outside = excess(t_outside);
-  if (!(at_inside < 0 && at_outside > 0) || !std::isfinite(outside) || inside == outside) return outside;
-  const bool rising = outside > inside;
-  const auto bracket = boost::math::tools::toms748_solve(
-      f, std::min(inside, outside), std::max(inside, outside), rising ? at_inside : at_outside,
-      rising ? at_outside : at_inside, boost::math::tools::eps_tolerance<double>(kRootBits), budget);
-  return 0.5 * (bracket.first + bracket.second);
-}
-
-}  // namespace
-
 ProfileInterval profile_interval(const LinearModel& model, Eigen::Index index, const GlsSolution& best,
                                  double standard_deviation, double cut) {
-  const double center = best.theta(index);
-  const double step = std::sqrt(cut) * standard_deviation;
-  const auto test = [&](double v) { return profile_test(model, {index, v}, best.theta); };
-  ProfileInterval interval;
-
-  constexpr int kMostDoublings = 80;
-  double inside = center, t_inside = 0, outside = center - 1.2 * step;
-  for (int i = 0; i < kMostDoublings && center > 0; ++i) {
-    outside = std::max(outside, 0.0);
-    const double t = test(outside);
-    if (t > cut) {
-      interval.lower = solve_cut(model, index, best.theta, cut, inside, t_inside, outside, t);
-      break;
-    }
-    if (outside == 0) break;  // the interval reaches zero
-    inside = outside, t_inside = t, outside = center - 2 * (center - outside);
-  }
-
-  inside = center, t_inside = center > 0 ? 0 : test(0), outside = center + 1.2 * step;
-  for (int i = 0; i < kMostDoublings; ++i) {
-    const double t = test(outside);
-    if (t > cut) {
-      interval.upper = solve_cut(model, index, best.theta, cut, inside, t_inside, outside, t);
-      return interval;
-    }
-    inside = outside, t_inside = t, outside = center + 2 * (outside - center);
-  }
-  interval.upper = kInfinity;  // too few degrees of freedom to exclude anything
-  return interval;
+  return profile_interval(
+      [&](double v) {
+        return profile_test(model, {index, v}, best.theta);
+      },
+      best.theta(index), standard_deviation, cut);
 }
 
 }  // namespace gyrobudget::inline v0::fit

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "gyrobudget/fit/detail/profile.h"
+
 #include <functional>
 #include <optional>
 
@@ -43,11 +45,7 @@ struct GlsSolution {
 /// both measured with the covariance of the held fit. Infinite where the held fit is zero altogether.
 [[nodiscard]] double profile_test(const LinearModel&, Held held, const Eigen::VectorXd& start);
 
-/// {v : T(v) <= cut} as [lower, upper] around theta_hat (squared coefficient).
-struct ProfileInterval {
-  double lower = 0;
-  double upper = 0;
-};
+/// {v : T(v) <= cut} around the estimate.
 [[nodiscard]] ProfileInterval profile_interval(const LinearModel&, Eigen::Index index,
                                                const GlsSolution& best, double standard_deviation,
                                                double cut);
