@@ -7,23 +7,16 @@
 
 #include <gtest/gtest.h>
 
-#include <zlib.h>
-
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <map>
 #include <numeric>
-#include <sstream>
 #include <string>
 
 #include "../truth/sp1065.h"
+#include "logs.h"
 
 namespace gyrobudget::allan {
 namespace {
-
-using Columns = std::vector<std::vector<double>>;
-using Rows = std::vector<std::map<std::string, std::string>>;
 
 /// Overlapped and plain (adjacent clusters) Allan deviation at one factor.
 double overlapped(std::span<const double> rate, std::int64_t m) {
@@ -36,12 +29,6 @@ double normal(std::span<const double> rate, std::int64_t m) {
     means.push_back(std::accumulate(first, first + m, 0.) / static_cast<double>(m));
   }
   return overlapped(means, 1);
-}
-
-/// That `value` prints as `published` with `digits` significant digits.
-void expect_printed(double value, double published, int digits) {
-  const double unit = std::pow(10, std::floor(std::log10(published)) - digits + 1);
-  EXPECT_NEAR(value, published, 0.501 * unit);
 }
 
 // ---- NIST SP 1065 ----------------------------------------------------------------------------------------------
@@ -62,56 +49,6 @@ TEST(Sp1065, NinePoints) {
 }
 
 // ---- the data folder -------------------------------------------------------------------------------------------
-
-std::string path(const std::string& name) { return std::string(GYROBUDGET_DATA) + "/" + name; }
-
-#define SKIP_WITHOUT(name) \
-  if (!std::filesystem::exists(path(name))) GTEST_SKIP() << "no " << path(name) << "; set GYROBUDGET_DATA"
-
-/// Numbers of a gzipped CSV with one header line, by column.
-Columns read_columns(const std::string& name) {
-  Columns columns;
-  const gzFile file = gzopen(path(name).c_str(), "rb");
-  constexpr int kLine = 4096;
-  char line[kLine];
-  gzgets(file, line, kLine);
-  while (gzgets(file, line, kLine) != nullptr) {
-    char* at = line;
-    for (std::size_t c = 0;; ++c) {
-      if (c == columns.size()) columns.emplace_back();
-      columns[c].push_back(std::strtod(at, &at));
-      if (*at++ != ',') break;
-    }
-  }
-  gzclose(file);
-  return columns;
-}
-
-Rows read_table(const std::string& name) {
-  const auto split = [](const std::string& line) {
-    std::vector<std::string> fields;
-    std::istringstream stream(line);
-    for (std::string field; std::getline(stream, field, ',');) fields.push_back(field);
-    return fields;
-  };
-  std::ifstream file(path(name));
-  std::string line;
-  std::getline(file, line);
-  const auto header = split(line);
-  Rows rows;
-  while (std::getline(file, line)) {
-    const auto fields = split(line);
-    for (std::size_t c = 0; c < header.size() && c < fields.size(); ++c) {
-      if (c == 0) rows.emplace_back();
-      rows.back()[header[c]] = fields[c];
-    }
-  }
-  return rows;
-}
-
-double number(const std::map<std::string, std::string>& row, const char* key) {
-  return std::stod(row.at(key));
-}
 
 TEST(ReferenceCurves, StaticGyros) {
   SKIP_WITHOUT("reference_adev.csv");
@@ -137,24 +74,6 @@ TEST(ReferenceCurves, StaticGyros) {
     ++checked;
   }
   EXPECT_EQ(checked, 7 * 17);
-}
-
-std::vector<double> differences(const std::vector<double>& phase) {
-  std::vector<double> rate;
-  for (std::size_t k = 1; k < phase.size(); ++k) rate.push_back(phase[k] - phase[k - 1]);
-  return rate;
-}
-
-/// The oscillator sets as rates at 1 Hz.
-std::map<std::string, std::vector<double>> oscillators() {
-  std::map<std::string, std::vector<double>> sets;
-  sets["phase_dat"] = differences(read_columns("oscillator/phase_dat.csv.gz")[0]);
-  sets["tic_phase_s"] = differences(read_columns("oscillator/tic_phase_s.csv.gz")[0]);
-  const Columns ocxo = read_columns("oscillator/ocxo_frequency_hz.csv.gz");
-  for (const double hertz : ocxo[0]) {
-    sets["ocxo_frequency_hz"].push_back(hertz / 1e7 - 1);
-  }
-  return sets;
 }
 
 TEST(Stable32, Deviations) {

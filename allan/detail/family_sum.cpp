@@ -1,0 +1,361 @@
+// SPDX-License-Identifier: MIT
+#include "gyrobudget/allan/detail/family_sum.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+namespace gyrobudget::inline v0::allan::detail {
+namespace {
+
+constexpr int kLanes = 16;
+
+/// Sums in a fixed number of lanes, so that the compiler can use registers of any width without changing a bit.
+class Lanes {
+ public:
+  [[gnu::always_inline]] void add(int lane, double value) { lane_[lane] += value; }
+  [[nodiscard]] double value() {
+    for (int half = kLanes / 2; half > 0; half /= 2) {
+      for (int l = 0; l < half; ++l) lane_[l] += lane_[l + half];
+    }
+    return lane_[0];
+  }
+
+ private:
+  double lane_[kLanes] = {};
+};
+
+/// sum_{i < count} body(i).
+template <typename Body>
+[[gnu::always_inline]] inline double lane_sum(std::int64_t count, Body body) {
+  Lanes lanes;
+  std::int64_t i = 0;
+  for (; i + kLanes <= count; i += kLanes) {
+    for (int lane = 0; lane < kLanes; ++lane) lanes.add(lane, body(i + lane));
+  }
+  for (int lane = 0; i + lane < count; ++lane) lanes.add(lane, body(i + lane));
+  return lanes.value();
+}
+
+constexpr double square(double value) { return value * value; }
+
+/// The positions of a sum: first, first + stride, ...
+struct Positions {
+  std::int64_t first, stride, count;
+  [[nodiscard]] std::int64_t at(std::int64_t i) const { return first + stride * i; }
+  [[nodiscard]] std::int64_t last() const { return at(count - 1); }
+};
+
+/// The samples a term depends on.
+struct Span {
+  std::int64_t begin, end;
+};
+
+bool counts(const FamilyRecord& record, const Span& span) {
+  const std::int64_t length = span.end - span.begin;
+  const auto lost = static_cast<std::int32_t>(record.missing[span.end] - record.missing[span.begin]);
+  constexpr double kRounding = 1e-9;  // of the product: 5 % of 20 samples is one sample
+  return lost <= (1 - record.minimum_fill) * static_cast<double>(length) + kRounding;
+}
+
+/// @param squared the square of the term at a position.
+/// @param span the samples of the term at a position.
+template <typename Squared, typename SpanAt>
+[[gnu::always_inline]] inline TermSum sum_terms(const FamilyRecord& record, const Positions& at,
+                                                Squared squared, SpanAt span) {
+  if (record.missing == nullptr) {
+    if (at.stride == 1) {
+      return {
+          lane_sum(
+              at.count, [&](std::int64_t i) __attribute__((always_inline)) { return squared(at.first + i); }),
+          at.count};
+    }
+    return {lane_sum(
+                at.count, [&](std::int64_t i) __attribute__((always_inline)) { return squared(at.at(i)); }),
+            at.count};
+  }
+  TermSum sum;
+  sum.squares = lane_sum(at.count, [&](std::int64_t i) {
+    const std::int64_t k = at.at(i);
+    if (!counts(record, span(k))) return 0.;
+    ++sum.terms;
+    return squared(k);
+  });
+  return sum;
+}
+
+/// Span of a term that begins at sample k.
+auto span_of(std::int64_t length) {
+  return [length](std::int64_t k) { return Span{k, k + length}; };
+}
+
+// ---- Allan and Hadamard: second and third differences of the phase ----
+
+TermSum second_differences(const FamilyRecord& record, std::int64_t m, const Positions& at) {
+  const double *x0 = record.x, *x1 = x0 + m, *x2 = x1 + m;
+  return sum_terms(
+      record, at,
+      [=](std::int64_t k)
+          __attribute__((always_inline)) { return square((x2[k] - x1[k]) - (x1[k] - x0[k])); },
+      span_of(2 * m));
+}
+
+TermSum third_differences(const FamilyRecord& record, std::int64_t m, const Positions& at) {
+  const double *x0 = record.x, *x1 = x0 + m, *x2 = x1 + m, *x3 = x2 + m;
+  return sum_terms(
+      record, at,
+      [=](std::int64_t k) __attribute__((always_inline)) {
+        return square(((x3[k] - x2[k]) - (x2[k] - x1[k])) - ((x2[k] - x1[k]) - (x1[k] - x0[k])));
+      },
+      span_of(3 * m));
+}
+
+// ---- Modified Allan: means over m second differences ----
+
+/// Prefix sums of the second differences from `first` on. They are themselves differences of sums over m phases, so
+/// they stay as small as the terms, where prefix sums of the phase would outgrow them.
+std::unique_ptr<double[]> sums_of_second_differences(const double* x, std::int64_t m, std::int64_t first,
+                                                     std::int64_t count) {
+  const double *x0 = x + first, *x1 = x0 + m, *x2 = x1 + m;
+  auto sums = std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(count) + 1);
+  sums[0] = 0;
+  constexpr std::int64_t kBlock = 8;  // four short chains of additions instead of one long
+  double before = 0;
+  std::int64_t i = 0;
+  for (; i + 4 * kBlock <= count; i += 4 * kBlock) {
+    double chain[4] = {};
+    for (std::int64_t j = 0; j < kBlock; ++j) {
+      for (int c = 0; c < 4; ++c) {
+        const std::int64_t k = i + c * kBlock + j;
+        chain[c] += (x2[k] - x1[k]) - (x1[k] - x0[k]);
+        sums[k + 1] = chain[c];
+      }
+    }
+    for (int c = 0; c < 4; ++c) {
+      for (std::int64_t j = 1; j <= kBlock; ++j) sums[i + c * kBlock + j] += before;
+      before += chain[c];
+    }
+  }
+  for (; i < count; ++i) sums[i + 1] = before += (x2[i] - x1[i]) - (x1[i] - x0[i]);
+  return sums;
+}
+
+TermSum modified(const FamilyRecord& record, std::int64_t m, const Positions& at) {
+  const auto sums = sums_of_second_differences(record.x, m, at.first, at.last() - at.first + m);
+  const double *s0 = sums.get() - at.first, *s1 = s0 + m;
+  return sum_terms(
+      record, at, [=](std::int64_t k) __attribute__((always_inline)) { return square(s1[k] - s0[k]); },
+      span_of(3 * m - 1));
+}
+
+// ---- Total: second differences of the phase reflected about its ends ----
+
+TermSum total(const FamilyRecord& record, std::int64_t m, const Positions& at) {
+  // Position k is the middle less 1. Where both neighbours lie inside, it is the plain second difference.
+  const std::int64_t n = record.samples;
+  const double* x = record.x;
+  const auto left = [=](std::int64_t i) { return i >= m ? x[i - m] : 2 * x[0] - x[m - i]; };
+  const auto right = [=](std::int64_t i) { return i + m <= n ? x[i + m] : 2 * x[n] - x[2 * n - i - m]; };
+  const auto squared = [=](std::int64_t k) {
+    const std::int64_t i = k + 1;
+    return square((right(i) - x[i]) - (x[i] - left(i)));
+  };
+  const auto span = [=](std::int64_t k) {
+    const std::int64_t i = k + 1;
+    return Span{std::max<std::int64_t>(0, i - m), std::min(n, i + m)};
+  };
+  const auto index_of = [&](std::int64_t k) {  // of the first position at or behind k
+    return std::clamp<std::int64_t>((k - at.first + at.stride - 1) / at.stride, 0, at.count);
+  };
+  const std::int64_t inside = index_of(m - 1), outside = std::max(inside, index_of(n - m));
+  const auto part = [&](std::int64_t begin, std::int64_t end) {
+    return Positions{at.at(begin), at.stride, end - begin};
+  };
+  const Positions middle = part(inside, outside);
+  const TermSum before = sum_terms(record, part(0, inside), squared, span);
+  const TermSum plain = second_differences(record, m, {middle.first - m + 1, middle.stride, middle.count});
+  const TermSum after = sum_terms(record, part(outside, at.count), squared, span);
+  return {before.squares + plain.squares + after.squares, before.terms + plain.terms + after.terms};
+}
+
+// ---- Modified and Hadamard total: 3m values without their slope, continued evenly to both sides ----
+
+/// Of values z_0 .. z_{3m-1} whose prefix sums are p_0 .. p_{3m}: the slope that the means of their halves show is
+/// removed, the rest is continued as z_2 z_1 z_0 | z_0 z_1 z_2 ..., and the second differences of the sums over m are
+/// squared and averaged over all 6m places. Even continuation to both sides has period 6m and mirror symmetry, so 4m places
+/// are enough, and prefix sums S make each a sum of four numbers.
+class EvenContinuation {
+ public:
+  explicit EvenContinuation(std::int64_t m)
+      : m_(m), s_(std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(3 * m) + 1)) {}
+
+  double mean_square(const double* p) {
+    remove_trend(p);
+    const double* s = s_.get();
+    const std::int64_t m = m_;
+    // A place t is where the first of three neighbouring sums begins; S(t) = -S(6m - t), since S(3m) = 0.
+    const double pure = lane_sum(
+        m, [=](std::int64_t t) __attribute__((always_inline)) {
+          return square((s[3 * m - t] + s[t]) + 3 * (s[t + 2 * m] - s[t + m]));
+        });
+    const double right = lane_sum(
+        m + 1, [=](std::int64_t i) __attribute__((always_inline)) {
+          const std::int64_t t = m + i;
+          return square((s[3 * m - t] + s[t]) - 3 * (s[4 * m - t] + s[t + m]));
+        });
+    const double far = lane_sum(
+        m, [=](std::int64_t i) __attribute__((always_inline)) {
+          const std::int64_t u = i + 1;
+          return square((s[u] + s[3 * m - u]) + 3 * (s[m - u] - s[2 * m - u]));
+        });
+    const double left = lane_sum(
+        m - 1, [=](std::int64_t i) __attribute__((always_inline)) {
+          const std::int64_t u = m + i + 1;
+          return square((s[u] + s[3 * m - u]) - 3 * (s[u - m] + s[2 * m - u]));
+        });
+    return (2 * (pure + far) + (right + left)) / static_cast<double>(6 * m);
+  }
+
+ private:
+  void remove_trend(const double* p) {
+    const std::int64_t length = 3 * m_, half = length / 2, second = length - half;
+    const double mean = (p[length] - p[0]) / static_cast<double>(length);
+    const double slope = ((p[length] - p[second]) - (p[half] - p[0])) / static_cast<double>(half) /
+                         static_cast<double>(second);
+    double* s = s_.get();
+    for (std::int64_t j = 0; j <= length; ++j) {
+      const auto t = static_cast<double>(j);
+      s[j] = (p[j] - p[0]) - mean * t + slope / 2 * t * static_cast<double>(length - j);
+    }
+  }
+
+  std::int64_t m_;
+  std::unique_ptr<double[]> s_;
+};
+
+TermSum hadamard_total(const FamilyRecord& record, std::int64_t m, const Positions& at) {
+  if (m == 1) return third_differences(record, 1, at);  // as Stable32 and AllanTools have it
+  EvenContinuation continuation(m);
+  return sum_terms(
+      record, at, [&](std::int64_t k) { return continuation.mean_square(record.x + k); }, span_of(3 * m));
+}
+
+TermSum modified_total(const FamilyRecord& record, std::int64_t m, const Positions& at) {
+  const std::int64_t length = at.last() - at.first + 3 * m;
+  auto p = std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(length) + 1);
+  const double* x = record.x + at.first;
+  const double middle = x[length / 2];  // any number near the phases: it keeps their sums small
+  p[0] = 0;
+  for (std::int64_t i = 0; i < length; ++i) p[i + 1] = p[i] + (x[i] - middle);
+  EvenContinuation continuation(m);
+  return sum_terms(
+      record, at, [&](std::int64_t k) { return continuation.mean_square(p.get() + (k - at.first)); },
+      span_of(3 * m - 1));
+}
+
+// ---- Theo1 ----
+
+TermSum theo1(const FamilyRecord& record, std::int64_t m, const Positions& at) {
+  const std::int64_t half = m / 2;
+  auto weight = std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(half));
+  for (std::int64_t j = 0; j < half; ++j) weight[j] = 1 / static_cast<double>(j + 1);
+  return sum_terms(
+      record, at,
+      [&](std::int64_t k) {
+        const double *begin = record.x + k + 1, *end = record.x + k + m - 1, *w = weight.get();
+        const double ends = begin[-1] + end[1];
+        return lane_sum(
+            half, [=](std::int64_t j)
+                      __attribute__((always_inline)) { return w[j] * square(ends - (begin[j] + end[-j])); });
+      },
+      span_of(m));
+}
+
+}  // namespace
+
+std::int64_t family_positions(Estimator estimator, std::int64_t samples, std::int64_t m) {
+  switch (estimator) {
+    case Estimator::adev:
+    case Estimator::oadev:
+      return samples - 2 * m + 1;
+    case Estimator::mdev:
+    case Estimator::tdev:
+    case Estimator::mtotdev:
+    case Estimator::ttotdev:
+      return samples - 3 * m + 2;
+    case Estimator::hdev:
+    case Estimator::ohdev:
+    case Estimator::htotdev:
+      return samples - 3 * m + 1;
+    case Estimator::totdev:
+      return samples - 1;
+    case Estimator::theo1:
+      return samples - m + 1;
+  }
+  return 0;
+}
+
+std::int64_t steps_per_term(Estimator estimator, std::int64_t m) {
+  switch (estimator) {
+    case Estimator::mtotdev:
+    case Estimator::ttotdev:
+    case Estimator::htotdev:
+      return 7 * m;
+    case Estimator::theo1:
+      return m / 2;
+    default:
+      return 1;
+  }
+}
+
+TermSum family_sum(Estimator estimator, const FamilyRecord& record, std::int64_t m, std::int64_t first,
+                   std::int64_t stride, std::int64_t count) {
+  const Positions at{first, stride, count};
+  switch (estimator) {
+    case Estimator::adev:
+    case Estimator::oadev:
+      return second_differences(record, m, at);
+    case Estimator::mdev:
+    case Estimator::tdev:
+      return modified(record, m, at);
+    case Estimator::hdev:
+    case Estimator::ohdev:
+      return third_differences(record, m, at);
+    case Estimator::totdev:
+      return total(record, m, at);
+    case Estimator::mtotdev:
+    case Estimator::ttotdev:
+      return modified_total(record, m, at);
+    case Estimator::htotdev:
+      return hadamard_total(record, m, at);
+    case Estimator::theo1:
+      return theo1(record, m, at);
+  }
+  return {};
+}
+
+double family_scale(Estimator estimator, std::int64_t m, double dt) {
+  // The phase in units of dt: a difference of phases over m is a difference of means.
+  const double M = static_cast<double>(m), mean = 1 / (M * M), time = M * M * dt * dt / 3;
+  switch (estimator) {
+    case Estimator::adev:
+    case Estimator::oadev:
+    case Estimator::totdev:
+      return mean / 2;
+    case Estimator::hdev:
+    case Estimator::ohdev:
+    case Estimator::htotdev:
+      return mean / 6;
+    case Estimator::mdev:
+    case Estimator::mtotdev:
+      return mean * mean / 2;
+    case Estimator::tdev:
+    case Estimator::ttotdev:
+      return mean * mean / 2 * time;
+    case Estimator::theo1:
+      return mean / 0.75;
+  }
+  return 1;
+}
+
+}  // namespace gyrobudget::inline v0::allan::detail

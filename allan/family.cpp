@@ -1,0 +1,200 @@
+// SPDX-License-Identifier: MIT
+#include "gyrobudget/allan/family.h"
+
+#include "gyrobudget/allan/detail/family_sum.h"
+#include "gyrobudget/allan/detail/second_difference.h"
+
+#include <fmt/core.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+namespace gyrobudget::inline v0::allan {
+namespace {
+
+using detail::FamilyRecord;
+using detail::TermSum;
+
+void check(Estimator estimator, std::int64_t samples, std::span<const std::int64_t> factors,
+           const EstimatorOptions& options) {
+  const FactorRange range = factor_range(estimator, samples);
+  for (const std::int64_t m : factors) {
+    if (m < range.least || m > range.most || m % range.step != 0) {
+      throw std::invalid_argument(
+          fmt::format("averaging factor is {}; for {} of a record of {} samples it must be {}from {} to {}",
+                      m, name(estimator), samples, range.step == 2 ? "even, " : "", range.least, range.most));
+    }
+  }
+  if (options.overlap < 0)
+    throw std::invalid_argument(
+        fmt::format("overlap is {} terms a cluster; it must be 0 or more", options.overlap));
+}
+
+std::int64_t ceil_ratio(std::int64_t a, std::int64_t b) { return (a + b - 1) / b; }
+
+/// Mean of the samples that exist among `count` on either side of a missing run.
+double bridge_level(std::span<const double> rate, const Mask::Run& run) {
+  constexpr std::int64_t kFewest = 16;
+  const std::int64_t reach = std::max(run.count, kFewest), end = run.first + run.count;
+  const auto samples = static_cast<std::int64_t>(rate.size());
+  double sum = 0, count = 0;
+  const auto add = [&](std::int64_t from, std::int64_t to) {
+    for (std::int64_t k = std::max<std::int64_t>(0, from); k < std::min(to, samples); ++k) {
+      const double sample = rate[static_cast<std::size_t>(k)];
+      if (std::isfinite(sample)) sum += sample, ++count;
+    }
+  };
+  add(run.first - reach, run.first);
+  add(end, end + reach);
+  return count > 0 ? sum / count : 0;
+}
+
+std::vector<double> bridged(std::span<const double> rate, const Mask& mask) {
+  std::vector<double> whole(rate.begin(), rate.end());
+  for (const Mask::Run& run : mask.runs()) {
+    std::fill_n(whole.begin() + run.first, run.count, bridge_level(rate, run));
+  }
+  return whole;
+}
+
+/// Terms of one factor, in tiles that are worth a task.
+struct Job {
+  std::int64_t m, stride, terms, tile;
+  [[nodiscard]] std::int64_t tiles() const { return ceil_ratio(terms, tile); }
+};
+
+Job make_job(Estimator estimator, std::int64_t samples, std::int64_t m, const EstimatorOptions& options) {
+  Job job{m, stride_of(estimator, samples, m, options), 0, 0};
+  job.terms = ceil_ratio(detail::family_positions(estimator, samples, m), job.stride);
+  constexpr std::int64_t kStepsPerTile = 1 << 15;
+  // A tile of the modified deviations has prefix sums of its own, which reach m or 3m beyond it.
+  const bool has_sums = estimator == Estimator::mdev || estimator == Estimator::tdev;
+  const std::int64_t steps = has_sums ? std::max(kStepsPerTile, m) / job.stride
+                                      : kStepsPerTile / detail::steps_per_term(estimator, m);
+  job.tile = std::max<std::int64_t>(steps, detail::steps_per_term(estimator, m) > 1 ? 8 : 1);
+  return job;
+}
+
+/// sum(job, first term, count) of every tile of every job, added up in the order of the tiles.
+template <typename Sum>
+std::vector<TermSum> sum_jobs(std::span<const Job> jobs, Sum sum) {
+  std::vector<std::size_t> first_part{0};
+  for (const Job& job : jobs) first_part.push_back(first_part.back() + static_cast<std::size_t>(job.tiles()));
+  std::vector<TermSum> parts(first_part.back());
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
+    const auto at = std::upper_bound(first_part.begin(), first_part.end(), part) - first_part.begin() - 1;
+    const Job& job = jobs[static_cast<std::size_t>(at)];
+    const std::int64_t first =
+        static_cast<std::int64_t>(part - first_part[static_cast<std::size_t>(at)]) * job.tile;
+    parts[part] = sum(job, first, std::min(job.tile, job.terms - first));
+  });
+  std::vector<TermSum> totals(jobs.size());
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    detail::CompensatedSum squares;
+    for (std::size_t part = first_part[i]; part < first_part[i + 1]; ++part) {
+      squares.add(parts[part].squares);
+      totals[i].terms += parts[part].terms;
+    }
+    totals[i].squares = squares.value();
+  }
+  return totals;
+}
+
+/// Differences of the means over what exists in two clusters.
+TermSum masked_second_differences(const detail::Phase& phase, const Mask& mask, const Job& job,
+                                  std::int64_t first, std::int64_t count) {
+  const detail::SecondDifference& kernel = detail::second_difference();
+  TermSum sum;
+  for (std::int64_t i = first; i < first + count; ++i) {
+    const std::int64_t k = i * job.stride;
+    const auto term =
+        kernel.masked(phase.x.get() + k, phase.missing.get() + k, 1, job.m, mask.minimum_count(job.m));
+    sum.squares += term.squares;
+    sum.terms += term.terms;
+  }
+  return sum;
+}
+
+std::vector<TermSum> sum_terms(const RateRecord& record, Estimator estimator, std::span<const Job> jobs) {
+  const auto sum_family = [&](const FamilyRecord& view) {
+    return sum_jobs(jobs, [&](const Job& job, std::int64_t first, std::int64_t count) {
+      return family_sum(estimator, view, job.m, first * job.stride, job.stride, count);
+    });
+  };
+  const Mask* mask = record.mask().get();
+  if (mask == nullptr) return sum_family({record.phase().x.get(), nullptr, record.samples(), 1});
+  if (estimator == Estimator::adev || estimator == Estimator::oadev) {
+    const detail::Phase& phase = record.phase();
+    auto sums = sum_jobs(jobs, [&](const Job& job, std::int64_t first, std::int64_t count) {
+      return masked_second_differences(phase, *mask, job, first, count);
+    });
+    for (std::size_t i = 0; i < jobs.size(); ++i)  // of means, where family_scale expects sums
+      sums[i].squares *= static_cast<double>(jobs[i].m) * static_cast<double>(jobs[i].m);
+    return sums;
+  }
+  const std::vector<double> whole = bridged(record.rate(), *mask);
+  const detail::Phase phase = detail::integrate(whole, {record.mean(), nullptr});
+  std::vector<std::uint32_t> missing(whole.size() + 1);
+  detail::count_missing(record.rate(), missing.data());
+  return sum_family({phase.x.get(), missing.data(), record.samples(), mask->minimum_fill()});
+}
+
+}  // namespace
+
+std::int64_t stride_of(Estimator estimator, std::int64_t samples, std::int64_t m,
+                       const EstimatorOptions& options) {
+  if (estimator == Estimator::adev || estimator == Estimator::hdev) return m;
+  if (options.overlap > 0) return std::max<std::int64_t>(1, m / options.overlap);
+  const std::int64_t steps = detail::steps_per_term(estimator, m);
+  if (steps == 1) return 1;
+  constexpr double kMostSteps = 1 << 30;
+  constexpr std::int64_t kLeastOverlap = 16;
+  const double work =
+      static_cast<double>(steps) * static_cast<double>(detail::family_positions(estimator, samples, m));
+  const auto wanted = static_cast<std::int64_t>(std::ceil(work / kMostSteps));
+  return std::max<std::int64_t>(1, std::min(wanted, m / kLeastOverlap));
+}
+
+Curve deviation(const RateRecord& record, Estimator estimator, std::span<const std::int64_t> factors,
+                const EstimatorOptions& options) {
+  check(estimator, record.samples(), factors, options);
+  if (estimator == Estimator::oadev && options.overlap == 0)
+    return overlapped_variance(record, factors, options.form);
+
+  std::vector<Job> jobs;
+  for (const std::int64_t m : factors) jobs.push_back(make_job(estimator, record.samples(), m, options));
+  const std::vector<TermSum> sums = sum_terms(record, estimator, jobs);
+
+  Curve curve{record.dt(), record.samples(), record.mean(), Form::full, {}, record.mask(), estimator};
+  for (std::size_t i = 0; i < jobs.size(); ++i) {
+    const auto terms = static_cast<double>(sums[i].terms);
+    const double variance =
+        terms > 0 ? sums[i].squares / terms * detail::family_scale(estimator, jobs[i].m, record.dt())
+                  : std::numeric_limits<double>::quiet_NaN();
+    curve.points.push_back({jobs[i].m, variance, sums[i].terms, jobs[i].stride});
+  }
+  return curve;
+}
+
+Curve deviation(std::span<const double> rate, double dt, Estimator estimator,
+                std::span<const std::int64_t> factors, const EstimatorOptions& options) {
+  return deviation(RateRecord(rate, dt), estimator, factors, options);
+}
+
+std::vector<double> rates_of_angles(std::span<const double> angles, double dt) {
+  std::vector<double> rates;
+  rates.reserve(angles.size());
+  for (std::size_t k = 1; k < angles.size(); ++k) rates.push_back((angles[k] - angles[k - 1]) / dt);
+  return rates;
+}
+
+std::vector<double> rates_of_increments(std::span<const double> increments, double dt) {
+  std::vector<double> rates(increments.begin(), increments.end());
+  for (double& rate : rates) rate /= dt;
+  return rates;
+}
+
+}  // namespace gyrobudget::inline v0::allan
