@@ -140,11 +140,12 @@ Record read_log(const LogOptions& options) {
   append(record.notes, std::move(choice.notes));
   append(record.notes, std::move(grid.notes));
 
+  const bool complete = table.complete && grid.places.empty();
   const std::size_t axes = choice.data.size();
   std::vector<std::int64_t> turns(axes), numbers(axes);
   tbb::parallel_for(std::size_t{0}, axes, [&](std::size_t i) {
     put_on_grid(grid, table.numbers[i]);
-    numbers[i] = count_numbers(table.numbers[i]);
+    numbers[i] = complete ? static_cast<std::int64_t>(table.rows) : count_numbers(table.numbers[i]);
     turns[i] = to_rate(table.numbers[i], options.input, choice.data[i].signal, grid.rate_hz);
   });
   for (std::size_t i = 0; i < axes; ++i) {
@@ -156,7 +157,7 @@ Record read_log(const LogOptions& options) {
     record.axes.push_back({column.name, column.signal, std::move(table.numbers[i])});
   }
   record.samples = static_cast<std::int64_t>(record.axes.front().rate.size());
-  record.missing_samples = count_missing(record);
+  record.missing_samples = complete ? 0 : count_missing(record);
   return record;
 }
 

@@ -15,37 +15,33 @@
 #include <new>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 namespace gyrobudget::inline v0::io {
 namespace {
 
 constexpr std::size_t kRowsPerTask = std::size_t{1} << 14;
 
-void check(std::span<const LogColumn> columns, double rate_hz, std::string_view comment) {
-  if (columns.empty()) throw std::invalid_argument("a log needs at least one column");
-  if (!(std::isfinite(rate_hz) && rate_hz > 0)) {
-    throw std::invalid_argument(fmt::format("rate_hz is {} Hz; it must be above 0 and finite", rate_hz));
+void check(const LogHead& head) {
+  if (head.columns.empty()) throw std::invalid_argument("a log needs at least one column");
+  if (!(std::isfinite(head.rate_hz) && head.rate_hz > 0)) {
+    throw std::invalid_argument(fmt::format("rate_hz is {} Hz; it must be above 0 and finite", head.rate_hz));
   }
-  for (const LogColumn& c : columns) {
-    if (c.values.size() != columns[0].values.size()) {
-      throw std::invalid_argument(
-          fmt::format("column '{}' has {} values, '{}' has {}; they must be equally long", c.name,
-                      c.values.size(), columns[0].name, columns[0].values.size()));
-    }
+  for (const LogHead::Column& c : head.columns) {
     if (c.name.find_first_of(",\"\r\n") != std::string::npos) {
       throw std::invalid_argument(
           fmt::format("column name '{}' must not hold commas, quotes or line breaks", c.name));
     }
   }
-  if (comment.find_first_of("\r\n") != std::string_view::npos) {
+  if (head.comment.find_first_of("\r\n") != std::string::npos) {
     throw std::invalid_argument("the comment of a log must be one line");
   }
 }
 
-std::string header(std::span<const LogColumn> columns, std::string_view comment) {
-  std::string text = comment.empty() ? std::string() : fmt::format("# {}\n", comment);
+std::string header(const LogHead& head) {
+  std::string text = head.comment.empty() ? std::string() : fmt::format("# {}\n", head.comment);
   text += "time (s)";
-  for (const LogColumn& c : columns) text += fmt::format(",{} ({})", c.name, c.unit);
+  for (const LogHead::Column& c : head.columns) text += fmt::format(",{} ({})", c.name, c.unit);
   return text + '\n';
 }
 
@@ -69,21 +65,28 @@ std::string compressed(const std::string& text) {
   return result;
 }
 
+/// Some rows of a log, from sample `first` on, column after column.
+struct Rows {
+  std::uint64_t first = 0;
+  std::size_t count = 0;
+  std::vector<double> values;
+};
+
 class Formatter {
  public:
-  Formatter(std::span<const LogColumn> columns, double rate_hz) : columns_(columns), rate_hz_(rate_hz) {
-    for (const LogColumn& c : columns) to_si_.push_back(noise::parse_unit(c.unit).to_si);
+  explicit Formatter(const LogHead& head) : rate_hz_(head.rate_hz) {
+    for (const LogHead::Column& c : head.columns) to_si_.push_back(noise::parse_unit(c.unit).to_si);
   }
 
-  [[nodiscard]] std::string rows(std::size_t first, std::size_t last) const {
+  [[nodiscard]] std::string operator()(const Rows& rows) const {
     constexpr std::size_t kLongestNumber = 25;  // -1.7976931348623157e+308 and a delimiter
-    std::string text((last - first) * (columns_.size() + 1) * kLongestNumber, '\0');
+    std::string text(rows.count * (to_si_.size() + 1) * kLongestNumber, '\0');
     char* at = text.data();
-    for (std::size_t row = first; row < last; ++row) {
-      at = number(at, static_cast<double>(row) / rate_hz_);
-      for (std::size_t i = 0; i < columns_.size(); ++i) {
+    for (std::size_t row = 0; row < rows.count; ++row) {
+      at = number(at, static_cast<double>(rows.first + row) / rate_hz_);
+      for (std::size_t i = 0; i < to_si_.size(); ++i) {
         *at++ = ',';
-        at = number(at, columns_[i].values[row] / to_si_[i]);
+        at = number(at, rows.values[i * rows.count + row] / to_si_[i]);
       }
       *at++ = '\n';
     }
@@ -98,41 +101,77 @@ class Formatter {
     return std::to_chars(at, at + kRoom, value).ptr;
   }
 
-  std::span<const LogColumn> columns_;
   double rate_hz_;
   std::vector<double> to_si_;
 };
 
+/// The next at most kRowsPerTask rows of those that end before `end`.
+Rows produced(std::uint64_t first, std::uint64_t end, std::size_t columns, const LogProducer& produce) {
+  Rows rows{first, static_cast<std::size_t>(std::min<std::uint64_t>(kRowsPerTask, end - first)), {}};
+  rows.values.resize(rows.count * columns);
+  std::vector<std::span<double>> spans;
+  for (std::size_t i = 0; i < columns; ++i) {
+    spans.push_back(std::span(rows.values).subspan(i * rows.count, rows.count));
+  }
+  produce(spans);
+  return rows;
+}
+
 }  // namespace
 
-void write_log(const std::string& path, std::span<const LogColumn> columns, double rate_hz,
-               std::string_view comment) {
-  check(columns, rate_hz, comment);
-  const Formatter formatter(columns, rate_hz);
+void write_log(const std::string& path, const LogHead& head, std::uint64_t samples,
+               const LogProducer& produce) {
+  check(head);
+  const Formatter formatter(head);
   const bool gzip = path.ends_with(".gz");
   OutputFile file(path);
-  const std::string head = header(columns, comment);
-  file.write(gzip ? compressed(head) : head);
+  const std::string top = header(head);
+  file.write(gzip ? compressed(top) : top);
 
-  using Rows = std::pair<std::size_t, std::size_t>;
-  const std::size_t count = columns[0].values.size();
-  std::size_t next = 0;
-  const auto cut = [&](tbb::flow_control& control) {
-    if (next == count) control.stop();
-    const std::size_t first = std::exchange(next, std::min(next + kRowsPerTask, count));
-    return Rows{first, next};
+  const std::uint64_t end = head.first_sample + samples;
+  std::uint64_t next = head.first_sample;
+  const auto make = [&](tbb::flow_control& control) {
+    if (next == end) {
+      control.stop();
+      return Rows{};
+    }
+    Rows rows = produced(next, end, head.columns.size(), produce);
+    next += rows.count;
+    return rows;
   };
   const auto format = [&](const Rows& rows) {
-    std::string text = formatter.rows(rows.first, rows.second);
+    std::string text = formatter(rows);
     return gzip ? compressed(text) : text;
   };
   const auto write = [&](const std::string& bytes) { file.write(bytes); };
   const auto in_flight = 2 * static_cast<std::size_t>(tbb::info::default_concurrency());
   tbb::parallel_pipeline(in_flight,
-                         tbb::make_filter<void, Rows>(tbb::filter_mode::serial_in_order, cut) &
+                         tbb::make_filter<void, Rows>(tbb::filter_mode::serial_in_order, make) &
                              tbb::make_filter<Rows, std::string>(tbb::filter_mode::parallel, format) &
                              tbb::make_filter<std::string, void>(tbb::filter_mode::serial_in_order, write));
   file.commit();
+}
+
+void write_log(const std::string& path, std::span<const LogColumn> columns, double rate_hz,
+               std::string_view comment) {
+  LogHead head{{}, rate_hz, std::string(comment), 0};
+  for (const LogColumn& c : columns) {
+    if (c.values.size() != columns[0].values.size()) {
+      throw std::invalid_argument(
+          fmt::format("column '{}' has {} values, '{}' has {}; they must be equally long", c.name,
+                      c.values.size(), columns[0].name, columns[0].values.size()));
+    }
+    head.columns.push_back({c.name, c.unit});
+  }
+  std::size_t at = 0;
+  write_log(path, head, columns.empty() ? 0 : columns[0].values.size(),
+            [&](std::span<const std::span<double>> out) {
+              for (std::size_t i = 0; i < columns.size(); ++i) {
+                std::copy_n(columns[i].values.begin() + static_cast<std::ptrdiff_t>(at), out[i].size(),
+                            out[i].begin());
+              }
+              at += out[0].size();
+            });
 }
 
 }  // namespace gyrobudget::inline v0::io

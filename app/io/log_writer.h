@@ -3,6 +3,8 @@
 
 #include "gyrobudget/io/error.h"
 
+#include <cstdint>
+#include <functional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -27,5 +29,25 @@ struct LogColumn {
 /// break, a unit is unknown, or rate_hz is not above 0.
 void write_log(const std::string& path, std::span<const LogColumn> columns, double rate_hz,
                std::string_view comment = {});
+
+/// What a log says before its rows.
+struct LogHead {
+  struct Column {
+    std::string name;  ///< "gyro_x"
+    std::string unit;  ///< as in LogColumn
+  };
+  std::vector<Column> columns;
+  double rate_hz = 0;
+  std::string comment;             ///< one line; empty: none
+  std::uint64_t first_sample = 0;  ///< k of the first row: its time is k / rate_hz
+};
+
+/// Fills the next rows, one span for each column, all equally long. Called by one thread at a time, in order.
+using LogProducer = std::function<void(std::span<const std::span<double>> columns)>;
+
+/// The same log, its rows made while it is written, in constant memory: `produce` is asked for `samples` rows in all,
+/// at most 16384 at a time. The rows of a log that starts at k are the bytes of the longer log from its row k on.
+/// @throws what write_log above throws, and what `produce` does.
+void write_log(const std::string& path, const LogHead&, std::uint64_t samples, const LogProducer& produce);
 
 }  // namespace gyrobudget::inline v0::io

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/io/number.h"
 
+#include "gyrobudget/io/decimal.h"
 #include "gyrobudget/io/text.h"
 
 #include <algorithm>
@@ -44,13 +45,6 @@ std::string with_point(std::string_view cell) {
 
 __extension__ using Wide = unsigned __int128;
 
-/// digits * 10^exponent, as written.
-struct Decimal {
-  std::uint64_t digits = 0;
-  int exponent = 0;
-  bool negative = false;
-};
-
 /// Reads as many characters as belong to the number; null where there is none.
 const char* read_decimal(const char* at, const char* end, char point, Decimal& d) {
   d.negative = at < end && *at == '-';
@@ -86,12 +80,6 @@ const char* read_decimal(const char* at, const char* end, char point, Decimal& d
   }
   return at;
 }
-
-constexpr auto kPowersOfTen = [] {
-  std::array<std::int64_t, 19> powers{1};
-  for (std::size_t i = 1; i < powers.size(); ++i) powers[i] = 10 * powers[i - 1];
-  return powers;
-}();
 
 /// digits * 10^exponent * unit, rounded; false where it does not fit.
 bool to_nanoseconds(const Decimal& d, std::int64_t unit, std::int64_t& ns) {
@@ -166,9 +154,16 @@ Cell parse_stamp(std::string_view cell, bool decimal_comma, std::int64_t ns_per_
   return parse_number(cell, decimal_comma, ignored) == Cell::missing ? Cell::missing : Cell::text;
 }
 
-const char* scan_stamp(const char* begin, const char* end, std::int64_t ns_per_unit, std::int64_t& ns) {
+const char* scan_unusual_number(const char* begin, const char* end, bool decimal_comma, double& value) {
+  if (decimal_comma) return nullptr;
+  const auto [stop, error] = std::from_chars(begin, end, value);
+  return error == std::errc{} ? stop : nullptr;
+}
+
+const char* scan_stamp(const char* begin, const char* end, bool decimal_comma, std::int64_t ns_per_unit,
+                       std::int64_t& ns) {
   Decimal decimal;
-  const char* stop = read_decimal(begin, end, '.', decimal);
+  const char* stop = scan_decimal(begin, end, decimal_comma ? ',' : '.', decimal);
   return stop && to_nanoseconds(decimal, ns_per_unit, ns) ? stop : nullptr;
 }
 

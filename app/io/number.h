@@ -2,6 +2,8 @@
 // Inside io: one cell of a log as a number or as a time stamp.
 #pragma once
 
+#include "gyrobudget/io/decimal.h"
+
 #include <cstdint>
 #include <limits>
 #include <string_view>
@@ -28,9 +30,20 @@ inline constexpr std::int64_t kNoStamp = std::numeric_limits<std::int64_t>::min(
 [[nodiscard]] Cell parse_stamp(std::string_view cell, bool decimal_comma, std::int64_t ns_per_unit,
                                std::int64_t& ns);
 
-/// The same for what stands between `begin` and `end`, which may go on behind the number.
-/// @returns where the number ends, or null where none begins or it does not fit
-[[nodiscard]] const char* scan_stamp(const char* begin, const char* end, std::int64_t ns_per_unit,
-                                     std::int64_t& ns);
+// The usual numbers, fast, from text that may go on behind them. Each gives where the number ends, or null where it is
+// of a kind, or so long, that only the whole cell tells what it is.
+
+/// What std::from_chars has to read.
+[[nodiscard]] const char* scan_unusual_number(const char* begin, const char* end, bool decimal_comma,
+                                              double& value);
+/// To the bit what std::from_chars gives.
+[[nodiscard]] inline const char* scan_number(const char* begin, const char* end, bool decimal_comma,
+                                             double& value) {
+  Decimal decimal;
+  const char* stop = scan_decimal(begin, end, decimal_comma ? ',' : '.', decimal);
+  return stop && to_double(decimal, value) ? stop : scan_unusual_number(begin, end, decimal_comma, value);
+}
+[[nodiscard]] const char* scan_stamp(const char* begin, const char* end, bool decimal_comma,
+                                     std::int64_t ns_per_unit, std::int64_t& ns);
 
 }  // namespace gyrobudget::inline v0::io

@@ -55,13 +55,12 @@ std::vector<Role> roles_of(const Layout& layout, const Choice& choice, Table& ta
 template <bool kBlanks>
 class RowParser {
  public:
-  RowParser(Dialect dialect, const std::vector<Role>& roles, Table& table)
-      : dialect_(dialect), roles_(roles), stamps_(table.stamps.data()) {}
+  RowParser(Dialect dialect, const std::vector<Role>& roles, Table& table, std::atomic<bool>& complete)
+      : dialect_(dialect), roles_(roles), stamps_(table.stamps.data()), complete_(complete) {}
 
   /// The usual case, fast: a row of plain numbers and of cells that are passed over.
   /// @returns where the next line starts; null where the row is another case (its end is not looked for)
   const char* parse_plain(const char* at, const char* end, std::size_t row) const {
-    if (dialect_.decimal_comma) return nullptr;
     for (std::size_t i = 0; i < roles_.size(); ++i) {
       if (i > 0) {
         if (at == end || !is_delimiter(*at)) return nullptr;
@@ -120,13 +119,15 @@ class RowParser {
     switch (role.kind) {
       case Role::number: {
         double value = 0;
-        const auto [stop, error] = std::from_chars(at, end, value);
+        const char* stop = scan_number(at, end, dialect_.decimal_comma, value);
         value *= role.to_si;
         role.numbers[row] = value;
-        return error == std::errc{} && std::isfinite(value) ? stop : nullptr;
+        return std::isfinite(value) ? stop : nullptr;
       }
       case Role::stamp:
-        return role.further_part ? nullptr : scan_stamp(at, end, role.ns_per_unit, stamps_[row]);
+        return role.further_part
+                   ? nullptr
+                   : scan_stamp(at, end, dialect_.decimal_comma, role.ns_per_unit, stamps_[row]);
       case Role::skip:
         break;
     }
@@ -147,6 +148,7 @@ class RowParser {
       double value = 0;
       const Cell kind = parse_number(cell, dialect_.decimal_comma, value);
       role.numbers[row] = value * role.to_si;
+      if (kind == Cell::missing && complete_.load(std::memory_order_relaxed)) complete_ = false;
       return kind == Cell::missing || (kind == Cell::number && std::isfinite(role.numbers[row]));
     }
     if (role.kind == Role::stamp) {
@@ -199,6 +201,7 @@ class RowParser {
   Dialect dialect_;
   const std::vector<Role>& roles_;
   std::int64_t* stamps_;
+  std::atomic<bool>& complete_;
 };
 
 /// Calls visit(begin, end) with each line that starts in [begin, end) of the text, until it returns false or a line is
@@ -216,6 +219,31 @@ std::size_t for_each_line(std::string_view text, std::size_t begin, std::size_t 
 
 /// Surely a row, from its first character.
 bool starts_row(char c) { return is_digit(c) || c == '-'; }
+
+/// Lines that start behind the first byte of a text, and those among them that are surely rows.
+struct LineStarts {
+  std::size_t lines = 0, rows = 0;
+};
+
+/// Plain loops over blocks whose counts fit a byte: the compiler takes many bytes at once.
+LineStarts count_line_starts(std::string_view text) {
+  constexpr std::size_t kBlock = 240;
+  LineStarts result;
+  for (std::size_t begin = 0; begin + 1 < text.size(); begin += kBlock) {
+    const std::size_t size = std::min(kBlock, text.size() - 1 - begin);
+    const char* at = text.data() + begin;
+    unsigned char lines = 0, rows = 0;
+    for (std::size_t i = 0; i < size; ++i) {
+      const bool newline = at[i] == '\n';
+      const bool row = (static_cast<unsigned char>(at[i + 1] - '0') <= 9) | (at[i + 1] == '-');
+      lines = static_cast<unsigned char>(lines + newline);
+      rows = static_cast<unsigned char>(rows + (newline & row));
+    }
+    result.lines += lines;
+    result.rows += rows;
+  }
+  return result;
+}
 
 /// kind_of, with a short cut.
 Line quick_kind(std::string_view text, std::size_t begin, std::size_t end) {
@@ -250,7 +278,8 @@ std::optional<Fault> parse_chunk(const Parser& parser, std::string_view text, st
 }
 
 /// Room for the numbers of a column in large pages: fewer faults while it is filled.
-void make_room(std::vector<double>& numbers, std::size_t rows) {
+template <class Number>
+void make_room(std::vector<Number>& numbers, std::size_t rows) {
   numbers.reserve(rows);
   constexpr std::size_t kPage = std::size_t{1} << 21;
   const auto begin = (reinterpret_cast<std::uintptr_t>(numbers.data()) + kPage - 1) / kPage * kPage;
@@ -290,6 +319,28 @@ void TableReader::count(Chunk& c) const {
     const std::size_t newline = nominal.find('\n', c.begin - 1);
     c.begin = newline == std::string_view::npos ? c.end : newline + 1;
   }
+  if (!count_plain(c)) count_kinds(c);
+  source_.release(text.substr(c.begin, c.end - c.begin));
+}
+
+bool TableReader::count_plain(Chunk& c) const {
+  const std::string_view text = source_.text();
+  if (c.begin == c.end) return true;
+  if (c.end - c.begin > kLongestLine || !starts_row(text[c.begin])) return false;
+  const LineStarts starts = count_line_starts(text.substr(c.begin, c.end - c.begin));
+  if (starts.rows != starts.lines) return false;
+  // Only the last line can be too long: the others end within the chunk.
+  const std::size_t newline = text.substr(c.begin, c.end - 1 - c.begin).rfind('\n');
+  const std::size_t last = newline == std::string_view::npos ? c.begin : c.begin + newline + 1;
+  const bool too_long = line_end(text, last) == std::string_view::npos;
+  if (too_long) c.long_line = last;
+  c.rows = starts.rows + (too_long ? 0 : 1);
+  c.lines = static_cast<std::int64_t>(c.rows);
+  return true;
+}
+
+void TableReader::count_kinds(Chunk& c) const {
+  const std::string_view text = source_.text();
   c.long_line = for_each_line(text, c.begin, c.end, [&](std::size_t begin, std::size_t end) {
     const Line kind = quick_kind(text, begin, end);
     ++c.lines;
@@ -302,7 +353,6 @@ void TableReader::count(Chunk& c) const {
     }
     return true;
   });
-  source_.release(text.substr(c.begin, c.end - c.begin));
 }
 
 Table TableReader::read(const Choice& choice) const {
@@ -310,16 +360,23 @@ Table TableReader::read(const Choice& choice) const {
   table.rows = rows_;
   table.inner_blank = inner_blank_;
   table.numbers.resize(choice.data.size());
-  if (!choice.stamps.empty()) table.stamps.resize(rows_);
-  tbb::parallel_for(std::size_t{0}, table.numbers.size(),
-                    [&](std::size_t i) { make_room(table.numbers[i], rows_); });
+  const std::size_t columns = table.numbers.size();
+  tbb::parallel_for(std::size_t{0}, columns + (choice.stamps.empty() ? 0 : 1), [&](std::size_t i) {
+    if (i < columns) {
+      make_room(table.numbers[i], rows_);
+    } else {
+      make_room(table.stamps, rows_);
+    }
+  });
 
   const std::vector<Role> roles = roles_of(layout_, choice, table);
+  std::atomic<bool> complete{true};
   if (layout_.dialect.delimiter == ' ') {
-    parse_rows(RowParser<true>(layout_.dialect, roles, table));
+    parse_rows(RowParser<true>(layout_.dialect, roles, table, complete));
   } else {
-    parse_rows(RowParser<false>(layout_.dialect, roles, table));
+    parse_rows(RowParser<false>(layout_.dialect, roles, table, complete));
   }
+  table.complete = complete;
   return table;
 }
 

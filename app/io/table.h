@@ -17,6 +17,7 @@ struct Table {
   std::vector<std::int64_t> stamps;          ///< [ns], kNoStamp where missing; empty without time column
   std::size_t rows = 0;
   std::size_t inner_blank = 0;  ///< blank lines between the first and the last row
+  bool complete = true;         ///< no number is missing: there is no NaN to look for
 };
 
 /// The rows of a log, in chunks of whole lines.
@@ -41,6 +42,9 @@ class TableReader {
     std::size_t long_line = std::string_view::npos;
   };
   void count(Chunk&) const;
+  /// Fast, for chunks that hold nothing but rows. @returns false where this one does not
+  bool count_plain(Chunk&) const;
+  void count_kinds(Chunk&) const;
   template <class Parser>
   void parse_rows(const Parser&) const;
 
