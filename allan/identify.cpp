@@ -2,6 +2,7 @@
 #include "gyrobudget/allan/identify.h"
 
 #include "gyrobudget/allan/detail/lag_kernel.h"
+#include "gyrobudget/allan/detail/means.h"
 
 #include <tbb/parallel_for.h>
 
@@ -16,15 +17,9 @@ constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 
 constexpr std::int64_t kStretches = 16, kStretchClusters = 1 << 11;  // looked at, of more clusters than that
 
-/// Means of clusters first, first + 1, ... before last, added to `means`; NaN where too few samples exist.
 void add_means(std::vector<double>& means, const detail::Phase& phase, std::int64_t m, std::int64_t first,
                std::int64_t last) {
-  constexpr double kLeastPart = 0.5;
-  for (std::int64_t k = first * m; k < last * m; k += m) {
-    const std::uint32_t missing = phase.missing ? phase.missing[k + m] - phase.missing[k] : 0;
-    const double existing = static_cast<double>(m) - missing, least = kLeastPart * static_cast<double>(m);
-    means.push_back(existing >= least ? (phase.x[k + m] - phase.x[k]) / existing : kMissing);
-  }
+  for (std::int64_t k = first * m; k < last * m; k += m) means.push_back(detail::mean_of(phase, k, m));
 }
 
 /// Means of adjacent clusters; of very many, some stretches with a missing one between them.
