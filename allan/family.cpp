@@ -28,6 +28,11 @@ void check(Estimator estimator, std::int64_t samples, std::span<const std::int64
                       m, name(estimator), samples, range.step == 2 ? "even, " : "", range.least, range.most));
     }
   }
+  constexpr std::int64_t kLongestStretch = INT32_MAX;  // of an even continuation
+  if (detail::steps_per_term(estimator, 4) > 1 && samples >= kLongestStretch) {
+    throw std::invalid_argument(
+        fmt::format("{} of {} samples; it takes at most {}", name(estimator), samples, kLongestStretch - 1));
+  }
   if (options.overlap < 0)
     throw std::invalid_argument(
         fmt::format("overlap is {} terms a cluster; it must be 0 or more", options.overlap));
@@ -150,8 +155,8 @@ std::int64_t stride_of(Estimator estimator, std::int64_t samples, std::int64_t m
   if (options.overlap > 0) return std::max<std::int64_t>(1, m / options.overlap);
   const std::int64_t steps = detail::steps_per_term(estimator, m);
   if (steps == 1) return 1;
-  constexpr double kMostSteps = 1 << 30;
-  constexpr std::int64_t kLeastOverlap = 16;
+  constexpr double kMostSteps = 1 << 28;
+  constexpr std::int64_t kLeastOverlap = 8;
   const double work =
       static_cast<double>(steps) * static_cast<double>(detail::family_positions(estimator, samples, m));
   const auto wanted = static_cast<std::int64_t>(std::ceil(work / kMostSteps));

@@ -41,14 +41,15 @@ struct EstimatorOptions {
 /// part of the variance that is missing.
 ///
 /// @param factors averaging factors within factor_range(estimator, n), in any order.
-/// @throws std::invalid_argument for a factor out of range (or odd, for Theo1) or a negative overlap.
+/// @throws std::invalid_argument for a factor out of range (or odd, for Theo1), a negative overlap, or 2^31 samples for
+/// those whose terms cost O(m).
 ///
 /// Error: 1e-12 of the variance against exact arithmetic for noise on any mean (see overlapped_variance); drifts cost
 /// digits as they exceed 1e3 times the noise.
 ///
 /// Cost: O(n) per factor, n/stride for second and third differences. A term of mtotdev, ttotdev, htotdev and theo1 costs
-/// O(m) by itself; where a factor would need more than 2^30 steps their terms are thinned to what needs as many, but never
-/// to fewer than 16 a cluster (that loses below 1 % of the degrees of freedom); an overlap asked for is kept to.
+/// O(m) by itself; where a factor would need more than 2^28 steps their terms are thinned to what needs as many, but never
+/// to fewer than 8 a cluster (that loses below 1 % of the degrees of freedom); an overlap asked for is kept to.
 /// Point::stride says what was done. Memory 8 bytes per sample (12 with gaps), and 8 more where gaps are bridged. Same
 /// bytes for any number of threads.
 [[nodiscard]] Curve deviation(const RateRecord&, Estimator, std::span<const std::int64_t> factors,

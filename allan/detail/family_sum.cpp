@@ -1,41 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/allan/detail/family_sum.h"
 
+#include "gyrobudget/allan/detail/family_kernel.h"
+#include "gyrobudget/allan/detail/lanes.h"
+
 #include <algorithm>
 #include <cmath>
 #include <memory>
 
 namespace gyrobudget::inline v0::allan::detail {
 namespace {
-
-constexpr int kLanes = 16;
-
-/// Sums in a fixed number of lanes, so that the compiler can use registers of any width without changing a bit.
-class Lanes {
- public:
-  [[gnu::always_inline]] void add(int lane, double value) { lane_[lane] += value; }
-  [[nodiscard]] double value() {
-    for (int half = kLanes / 2; half > 0; half /= 2) {
-      for (int l = 0; l < half; ++l) lane_[l] += lane_[l + half];
-    }
-    return lane_[0];
-  }
-
- private:
-  double lane_[kLanes] = {};
-};
-
-/// sum_{i < count} body(i).
-template <typename Body>
-[[gnu::always_inline]] inline double lane_sum(std::int64_t count, Body body) {
-  Lanes lanes;
-  std::int64_t i = 0;
-  for (; i + kLanes <= count; i += kLanes) {
-    for (int lane = 0; lane < kLanes; ++lane) lanes.add(lane, body(i + lane));
-  }
-  for (int lane = 0; i + lane < count; ++lane) lanes.add(lane, body(i + lane));
-  return lanes.value();
-}
 
 constexpr double square(double value) { return value * value; }
 
@@ -92,6 +66,8 @@ auto span_of(std::int64_t length) {
 // ---- Allan and Hadamard: second and third differences of the phase ----
 
 TermSum second_differences(const FamilyRecord& record, std::int64_t m, const Positions& at) {
+  if (record.missing == nullptr && at.stride == 1)
+    return {second_difference().complete(record.x + at.first, at.count, m), at.count};
   const double *x0 = record.x, *x1 = x0 + m, *x2 = x1 + m;
   return sum_terms(
       record, at,
@@ -101,6 +77,8 @@ TermSum second_differences(const FamilyRecord& record, std::int64_t m, const Pos
 }
 
 TermSum third_differences(const FamilyRecord& record, std::int64_t m, const Positions& at) {
+  if (record.missing == nullptr && at.stride == 1)
+    return {family_kernel().third_differences(record.x + at.first, at.count, m), at.count};
   const double *x0 = record.x, *x1 = x0 + m, *x2 = x1 + m, *x3 = x2 + m;
   return sum_terms(
       record, at,
@@ -180,94 +158,39 @@ TermSum total(const FamilyRecord& record, std::int64_t m, const Positions& at) {
 
 // ---- Modified and Hadamard total: 3m values without their slope, continued evenly to both sides ----
 
-/// Of values z_0 .. z_{3m-1} whose prefix sums are p_0 .. p_{3m}: the slope that the means of their halves show is
-/// removed, the rest is continued as z_2 z_1 z_0 | z_0 z_1 z_2 ..., and the second differences of the sums over m are
-/// squared and averaged over all 6m places. Even continuation to both sides has period 6m and mirror symmetry, so 4m places
-/// are enough, and prefix sums S make each a sum of four numbers.
-class EvenContinuation {
- public:
-  explicit EvenContinuation(std::int64_t m)
-      : m_(m), s_(std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(3 * m) + 1)) {}
-
-  double mean_square(const double* p) {
-    remove_trend(p);
-    const double* s = s_.get();
-    const std::int64_t m = m_;
-    // A place t is where the first of three neighbouring sums begins; S(t) = -S(6m - t), since S(3m) = 0.
-    const double pure = lane_sum(
-        m, [=](std::int64_t t) __attribute__((always_inline)) {
-          return square((s[3 * m - t] + s[t]) + 3 * (s[t + 2 * m] - s[t + m]));
-        });
-    const double right = lane_sum(
-        m + 1, [=](std::int64_t i) __attribute__((always_inline)) {
-          const std::int64_t t = m + i;
-          return square((s[3 * m - t] + s[t]) - 3 * (s[4 * m - t] + s[t + m]));
-        });
-    const double far = lane_sum(
-        m, [=](std::int64_t i) __attribute__((always_inline)) {
-          const std::int64_t u = i + 1;
-          return square((s[u] + s[3 * m - u]) + 3 * (s[m - u] - s[2 * m - u]));
-        });
-    const double left = lane_sum(
-        m - 1, [=](std::int64_t i) __attribute__((always_inline)) {
-          const std::int64_t u = m + i + 1;
-          return square((s[u] + s[3 * m - u]) - 3 * (s[u - m] + s[2 * m - u]));
-        });
-    return (2 * (pure + far) + (right + left)) / static_cast<double>(6 * m);
-  }
-
- private:
-  void remove_trend(const double* p) {
-    const std::int64_t length = 3 * m_, half = length / 2, second = length - half;
-    const double mean = (p[length] - p[0]) / static_cast<double>(length);
-    const double slope = ((p[length] - p[second]) - (p[half] - p[0])) / static_cast<double>(half) /
-                         static_cast<double>(second);
-    double* s = s_.get();
-    for (std::int64_t j = 0; j <= length; ++j) {
-      const auto t = static_cast<double>(j);
-      s[j] = (p[j] - p[0]) - mean * t + slope / 2 * t * static_cast<double>(length - j);
-    }
-  }
-
-  std::int64_t m_;
-  std::unique_ptr<double[]> s_;
-};
+using Numbers = std::unique_ptr<double[]>;
+Numbers numbers(std::int64_t count) {
+  return std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(count));
+}
 
 TermSum hadamard_total(const FamilyRecord& record, std::int64_t m, const Positions& at) {
   if (m == 1) return third_differences(record, 1, at);  // as Stable32 and AllanTools have it
-  EvenContinuation continuation(m);
+  const Numbers scratch = numbers(3 * m + 1);
   return sum_terms(
-      record, at, [&](std::int64_t k) { return continuation.mean_square(record.x + k); }, span_of(3 * m));
+      record, at,
+      [&](std::int64_t k) { return family_kernel().even_continuation(record.x + k, m, scratch.get()); },
+      span_of(3 * m));
 }
 
 TermSum modified_total(const FamilyRecord& record, std::int64_t m, const Positions& at) {
   const std::int64_t length = at.last() - at.first + 3 * m;
-  auto p = std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(length) + 1);
+  const Numbers p = numbers(length + 1), scratch = numbers(3 * m + 1);
   const double* x = record.x + at.first;
   const double middle = x[length / 2];  // any number near the phases: it keeps their sums small
   p[0] = 0;
   for (std::int64_t i = 0; i < length; ++i) p[i + 1] = p[i] + (x[i] - middle);
-  EvenContinuation continuation(m);
+  const double* sums = p.get() - at.first;
   return sum_terms(
-      record, at, [&](std::int64_t k) { return continuation.mean_square(p.get() + (k - at.first)); },
+      record, at,
+      [&](std::int64_t k) { return family_kernel().even_continuation(sums + k, m, scratch.get()); },
       span_of(3 * m - 1));
 }
 
-// ---- Theo1 ----
-
 TermSum theo1(const FamilyRecord& record, std::int64_t m, const Positions& at) {
-  const std::int64_t half = m / 2;
-  auto weight = std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(half));
-  for (std::int64_t j = 0; j < half; ++j) weight[j] = 1 / static_cast<double>(j + 1);
+  const Numbers weight = numbers(m / 2);
+  for (std::int64_t j = 0; j < m / 2; ++j) weight[j] = 1 / static_cast<double>(j + 1);
   return sum_terms(
-      record, at,
-      [&](std::int64_t k) {
-        const double *begin = record.x + k + 1, *end = record.x + k + m - 1, *w = weight.get();
-        const double ends = begin[-1] + end[1];
-        return lane_sum(
-            half, [=](std::int64_t j)
-                      __attribute__((always_inline)) { return w[j] * square(ends - (begin[j] + end[-j])); });
-      },
+      record, at, [&](std::int64_t k) { return family_kernel().theo1(record.x + k, m, weight.get()); },
       span_of(m));
 }
 

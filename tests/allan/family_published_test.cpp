@@ -47,6 +47,14 @@ TEST(Sp1065Family, ThousandPoints) {
   }
 }
 
+TEST(Stable32Family, Theo1OfTheThousandPoints) {
+  // Stable32 1.60's run at tau = 7.5, 75 and 750 s, no bias removed, as AllanTools' tests quote it.
+  const std::vector<double> rate = truth::sp1065_frequencies();
+  expect_printed(one(Estimator::theo1, rate, 10), 1.0757e-01, 5);
+  expect_printed(one(Estimator::theo1, rate, 100), 3.1789e-02, 5);
+  expect_printed(one(Estimator::theo1, rate, 1000), 5.0524e-03, 5);
+}
+
 /// What Stable32 divides a variance by, for the noise its table names: of total and Hadamard total, not of modified total.
 /// Greenhall, Howe, Percival 1999 and Howe et al. 2005, as in SP 1065 tables 8 and 12.
 double removed_bias(Estimator estimator, int alpha, std::int64_t m, std::int64_t samples) {
