@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/fit/fit.h"
 
+#include "gyrobudget/allan/factors.h"
 #include "gyrobudget/fit/detail/gls.h"
+#include "gyrobudget/fit/detail/judge.h"
 #include "gyrobudget/fit/detail/refine.h"
+#include "gyrobudget/fit/detail/weighted.h"
 #include "gyrobudget/fit/visual.h"
+#include "gyrobudget/fit/whittle.h"
 
-#include <boost/math/distributions/fisher_f.hpp>
-#include <boost/math/special_functions/gamma.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,8 +25,6 @@ namespace gyrobudget::inline v0::fit {
 namespace {
 
 using noise::Term;
-constexpr std::array kLinearTerms{Term::quantization, Term::white, Term::flicker, Term::rate_random_walk,
-                                  Term::rate_ramp};
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr std::int64_t kTestedClusters =
@@ -33,9 +33,7 @@ constexpr double kScatter95 = 1.96;
 constexpr double kNegligible = 0.01;   // of the deviation
 constexpr double kCutBelow = 1e-4;     // p-value of the whole curve below which short taus may be cut
 constexpr double kFirstTauCut = 6.63;  // 1 % cut of chi-square with 1 degree of freedom
-constexpr double kFailedModelLevel =
-    1e-3;                        // of the F test that a term must pass where the model fails its own
-constexpr int kSparePoints = 2;  // a start must leave this many tested taus more than terms
+constexpr int kSparePoints = 2;        // a start must leave this many tested taus more than terms
 
 // A curve ready to fit: points with terms, terms in the order Q N B K R, variances scaled by a power of two so that
 // neither unit nor size of the signal matters.
@@ -55,20 +53,6 @@ struct Prepared {
            m.begin();
   }
 };
-
-std::vector<Term> in_order(const std::vector<Term>& asked) {
-  std::vector<Term> terms;
-  for (const Term t : kLinearTerms) {
-    const auto count = std::count(asked.begin(), asked.end(), t);
-    if (count > 1)
-      throw std::invalid_argument(fmt::format("term {} is asked for twice", static_cast<char>(t)));
-    if (count == 1) terms.push_back(t);
-  }
-  if (terms.size() != asked.size() || terms.empty()) {
-    throw std::invalid_argument("the terms to fit must be one or more of Q, N, B, K, R");
-  }
-  return terms;
-}
 
 Prepared prepare(const allan::Curve& curve, const allan::CurveCovariance& covariance,
                  const Options& options) {
@@ -119,6 +103,7 @@ struct Run {
   std::vector<Term> terms;
   LinearModel model;
   GlsSolution solution;
+  Eigen::MatrixXd covariance;  // of theta, where the method has its own
   double chi2 = 0;
   int dof = 0;
   double p_value = 0;
@@ -144,11 +129,21 @@ void test_fit(const Prepared& p, Run& run) {
   const Eigen::LLT<Eigen::MatrixXd> factor(run.solution.S.topLeftCorner(count, count));
   if (factor.info() != Eigen::Success) return;
   run.chi2 = factor.matrixL().solve(r).squaredNorm();
-  const double hopeless = 2000 + 100.0 * run.dof;  // p below 1e-300, where the series of gamma_q fail
-  run.p_value = run.chi2 < hopeless ? boost::math::gamma_q(0.5 * run.dof, 0.5 * run.chi2) : 0;
+  run.p_value = chi_square_tail(run.chi2, run.dof);
 }
 
-Run fit_from(const Prepared& p, Eigen::Index first, bool drop_quantization) {
+void solve(Run& run, Method method) {
+  if (method == Method::gls) {
+    run.solution = iterate_gls(run.model);
+    return;
+  }
+  WeightedSolution weighted =
+      method == Method::edf ? weigh_by_variance(run.model) : fit_logarithms(run.model);
+  run.solution = std::move(weighted.solution);
+  run.covariance = std::move(weighted.covariance);
+}
+
+Run fit_from(const Prepared& p, Eigen::Index first, bool drop_quantization, Method method = Method::gls) {
   Run run;
   run.first = first;
   std::vector<std::size_t> columns;
@@ -159,20 +154,20 @@ Run fit_from(const Prepared& p, Eigen::Index first, bool drop_quantization) {
   }
   if (columns.empty()) return run;
   run.model = linear_model(p, first, columns);
-  run.solution = iterate_gls(run.model);
+  solve(run, method);
   test_fit(p, run);
   return run;
 }
 
 // The first tau asked for.
-Run run_from_tau(const Prepared& p, double tau_min_s) {
+Run run_from_tau(const Prepared& p, double tau_min_s, Method method) {
   const auto first = std::partition_point(
       p.m.begin(), p.m.end(), [&](auto m) { return static_cast<double>(m) * p.dt < tau_min_s * (1 - 1e-9); });
   if (p.m.end() - first <= static_cast<std::ptrdiff_t>(p.terms.size())) {
     throw std::invalid_argument(fmt::format("only {} taus from {} s on: too few to fit {} terms",
                                             p.m.end() - first, tau_min_s, p.terms.size()));
   }
-  return fit_from(p, first - p.m.begin(), false);
+  return fit_from(p, first - p.m.begin(), false, method);
 }
 
 // The runs that the model describes, longest first: the p-value reaches the limit and the first tau belongs, that is,
@@ -195,14 +190,15 @@ std::vector<Run> described_runs(const Prepared& p, const Options& options) {
 }
 
 Run choose_run(const Prepared& p, const Options& options) {
-  if (options.tau_min_s) return run_from_tau(p, *options.tau_min_s);
-  Run whole = fit_from(p, 0, false);
-  if (whole.p_value >= kCutBelow) return whole;
+  if (options.tau_min_s) return run_from_tau(p, *options.tau_min_s, options.method);
+  Run whole = fit_from(p, 0, false, options.method);
+  if (whole.p_value >= kCutBelow || options.method != Method::gls) return whole;
   const auto described = described_runs(p, options);
   return described.empty() ? whole : described.front();
 }
 
 Eigen::VectorXd standard_deviations(const Run& run) {
+  if (run.covariance.size() > 0) return run.covariance.diagonal().cwiseSqrt();
   const Eigen::LLT<Eigen::MatrixXd> factor(run.solution.S);
   const Eigen::MatrixXd WA = factor.matrixL().solve(run.model.A);
   const Eigen::VectorXd length = WA.colwise().norm();
@@ -212,22 +208,46 @@ Eigen::VectorXd standard_deviations(const Run& run) {
   return inverse.diagonal().cwiseSqrt().cwiseQuotient(length);
 }
 
-// Ceres' step over the coefficients above zero; updates the solution and fills `result.covariance`.
-void refine_run(Run& run, double scale, Result& result) {
+std::vector<Eigen::Index> above_zero(const Eigen::VectorXd& theta) {
   std::vector<Eigen::Index> free;
-  for (Eigen::Index j = 0; j < run.solution.theta.size(); ++j) {
-    if (run.solution.theta(j) > 0) free.push_back(j);
+  for (Eigen::Index j = 0; j < theta.size(); ++j) {
+    if (theta(j) > 0) free.push_back(j);
   }
-  const auto p = run.solution.theta.size();
-  result.covariance = Eigen::MatrixXd::Constant(p, p, kNaN);
-  if (free.empty() || !run.solution.converged) return;
+  return free;
+}
+
+// Ceres' step over the coefficients above zero; updates the solution and its test, and fills the result's covariance.
+void refine_run(const Prepared& p, Run& run, Result& result) {
+  const auto free = above_zero(run.solution.theta);
   const Eigen::MatrixXd A = run.model.A(Eigen::all, free);
   const WhitenedResidual residual(A, run.model.s, run.solution.S);
   const Refined refined = refine(residual, run.solution.theta(free).cwiseSqrt());
   run.solution.theta(free) = refined.coefficients.cwiseAbs2();
-  result.covariance(free, free) = refined.covariance * scale;
-  result.iterations = run.solution.iterations + refined.iterations;
-  result.converged = run.solution.converged && refined.converged;
+  test_fit(p, run);
+  result.covariance(free, free) = refined.covariance * p.scale;
+  result.iterations += refined.iterations;
+  result.converged = refined.converged;
+}
+
+// Covariance of the coefficients c from that of theta = c^2.
+void spread_covariance(const Prepared& p, const Run& run, Result& result) {
+  const auto free = above_zero(run.solution.theta);
+  const Eigen::VectorXd slope = 0.5 * run.solution.theta(free).cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd of_theta = run.covariance(free, free);
+  result.covariance(free, free) = slope.asDiagonal() * of_theta * slope.asDiagonal() * p.scale;
+}
+
+void finish(const Prepared& p, Run& run, Result& result) {
+  const Eigen::Index size = run.solution.theta.size();
+  result.covariance = Eigen::MatrixXd::Constant(size, size, kNaN);
+  result.iterations = run.solution.iterations;
+  result.converged = run.solution.converged;
+  if (!run.solution.converged || run.solution.theta.maxCoeff() <= 0) return;
+  if (run.covariance.size() > 0) {
+    spread_covariance(p, run, result);
+  } else {
+    refine_run(p, run, result);
+  }
 }
 
 // Zero, and even its limit adds less than 1 % to the deviation anywhere.
@@ -238,72 +258,38 @@ bool negligible(const Run& run, Eigen::Index j, double upper_theta) {
   return ((1 + added / model.max(1e-300)).sqrt() - 1 < kNegligible).all();
 }
 
-// What the tests of coefficients are held against. Where the model fails its own test, chi-square per degree of
-// freedom measures how much worse than chance it misses, and a term must be seen above that (F test, 0.1 %): a wrong
-// model must not lend significance to its smallest parts.
-struct Cuts {
-  double boundary = kBoundaryCut;
-  double one_sided = kBoundaryCut;
-  double two_sided = kIntervalCut;
-};
-
-Cuts cuts_of(const Run& run, const Options& options) {
-  if (run.p_value >= options.p_value_limit || run.dof < 1) return {};
-  const double excess = std::max(1.0, run.chi2 / run.dof);
-  const boost::math::fisher_f_distribution<> F(1, run.dof);
-  return {excess * boost::math::quantile(complement(F, kFailedModelLevel)), excess * kBoundaryCut,
-          excess * kIntervalCut};
-}
-
-Coefficient judge(const Run& run, Eigen::Index j, double deviation, double scale, const Cuts& cuts,
-                  bool intervals) {
-  Coefficient c;
-  c.term = run.terms[static_cast<std::size_t>(j)];
-  c.fitted = true;
+HeldTest held_test(const Run& run, Eigen::Index j, double deviation) {
+  if (run.covariance.size() == 0)
+    return [&run, j](double v) { return profile_test(run.model, {j, v}, run.solution.theta); };
   const double theta = run.solution.theta(j);
-  c.value = std::sqrt(theta * scale);
-  c.relative_std = theta > 0 ? 0.5 * deviation / theta : kInfinity;
-  c.lower = c.upper = c.upper_two_sided = c.value;
-  c.status = theta > 0 ? Status::identified : Status::upper_bound;
-  if (!intervals) return c;
-  c.boundary_test = theta > 0 ? profile_test(run.model, {j, 0.0}, run.solution.theta) : 0;
-  const bool identified = c.boundary_test > cuts.boundary;
-  c.status = identified ? Status::identified : Status::upper_bound;
-  const ProfileInterval interval = profile_interval(run.model, j, run.solution, deviation, cuts.two_sided);
-  c.lower = identified ? std::sqrt(interval.lower * scale) : 0;
-  c.upper = c.upper_two_sided = std::sqrt(interval.upper * scale);
-  if (identified) return c;
-  const double limit = profile_interval(run.model, j, run.solution, deviation, cuts.one_sided).upper;
-  c.upper = std::sqrt(limit * scale);
-  if (negligible(run, j, limit)) c.status = Status::left_out;
-  return c;
-}
-
-// The weights never settled: a value for what it is worth, and no limit.
-Coefficient without_answer(const Run& run, Eigen::Index j, double scale) {
-  Coefficient c;
-  c.term = run.terms[static_cast<std::size_t>(j)];
-  c.fitted = true;
-  c.value = std::sqrt(run.solution.theta(j) * scale);
-  c.upper = c.upper_two_sided = c.relative_std = kInfinity;
-  c.status = Status::upper_bound;
-  return c;
+  return [=](double v) { return std::pow((v - theta) / deviation, 2); };
 }
 
 void add_coefficients(Result& result, const Run& run, double scale, const Options& options) {
-  const Cuts cuts = cuts_of(run, options);
-  const Eigen::VectorXd deviation = run.solution.converged ? standard_deviations(run) : Eigen::VectorXd();
-  for (const Term t : kLinearTerms) {
-    const auto at = std::find(run.terms.begin(), run.terms.end(), t);
-    if (at == run.terms.end()) {
-      result.coefficients.push_back({.term = t});
-    } else {
-      const Eigen::Index j = at - run.terms.begin();
-      result.coefficients.push_back(run.solution.converged
-                                        ? judge(run, j, deviation(j), scale, cuts, options.intervals)
-                                        : without_answer(run, j, scale));
-    }
+  const Cuts cuts = cuts_of(run.p_value, run.chi2, run.dof, options);
+  const bool settled = run.solution.converged;
+  const Eigen::VectorXd deviation = settled ? standard_deviations(run) : Eigen::VectorXd();
+  for (std::size_t i = 0; i < run.terms.size(); ++i) {
+    const auto j = static_cast<Eigen::Index>(i);
+    const double theta = run.solution.theta(j);
+    Coefficient c = settled ? judge(run.terms[i], theta, deviation(j), scale, cuts,
+                                    held_test(run, j, deviation(j)), options.intervals)
+                            : without_answer(run.terms[i], theta, scale);
+    if (settled && options.intervals && negligible(run, j, c.upper * (c.upper / scale)))
+      c.status = Status::left_out;
+    const noise::Process process = shaped_process(c.term, options);
+    if (const auto* g = std::get_if<noise::GaussMarkov>(&process)) c.shape = g->correlation_time;
+    if (const auto* line = std::get_if<noise::Sinusoid>(&process)) c.shape = line->frequency;
+    c.shape_lower = c.shape_upper = c.shape;
+    result.coefficients.push_back(c);
   }
+  for (const Term t :
+       options.terms) {  // quantization that a cut run could not hold; G, S are listed when asked for
+    const bool listed = std::any_of(result.coefficients.begin(), result.coefficients.end(),
+                                    [=](const auto& c) { return c.term == t; });
+    if (!listed) result.coefficients.push_back({.term = t});
+  }
+  complete(result.coefficients);
 }
 
 // Every tau of the curve beside the model, the cut ones too.
@@ -339,11 +325,7 @@ void judge_fit(Result& result, const Prepared& p, const Run& run, const Options&
     const double beyond = std::abs(r.misfit) - kScatter95 * r.relative_std;
     if (beyond > result.worst_misfit) result.worst_misfit = beyond, result.worst_misfit_tau_s = r.tau_s;
   }
-  if (run.p_value >= options.p_value_limit) {
-    result.verdict = Verdict::described;
-  } else if (run.dof >= 1 && result.worst_misfit <= options.misfit_limit) {
-    result.verdict = Verdict::described_within;
-  }
+  result.verdict = verdict_of(result, options);
 }
 
 void add_moves(Result& result, const Prepared& p, const Run& run) {
@@ -367,24 +349,31 @@ void add_curve_facts(Result& result, const allan::Curve& curve) {
       result.minimum_tau_s = curve.tau(i);
     }
   }
-  const double N = result[Term::white].value, B = result[Term::flicker].value,
-               K = result[Term::rate_random_walk].value;
-  result.beta = N > 0 && K > 0 ? (B / N) * (B / K) : 0;
 }
 
-// Nothing varies: every coefficient is zero and no model is needed. Not an error, but no answer either.
-Result silent_record(const Prepared& p, const allan::Curve& curve) {
-  Result result;
-  for (const Term t : kLinearTerms) {
-    const bool fitted = std::find(p.terms.begin(), p.terms.end(), t) != p.terms.end();
-    result.coefficients.push_back({.term = t, .relative_std = kInfinity, .fitted = fitted});
-  }
-  result.fitted_terms = p.terms;
-  const auto size = static_cast<Eigen::Index>(p.terms.size());
-  result.covariance = Eigen::MatrixXd::Constant(size, size, kNaN);
+// Nothing varies: no model is needed. Not an error, but no answer either.
+Result silent_record(const Prepared& p, const allan::Curve& curve, Method method) {
+  Result result = no_answer(method, p.terms);
   result.tau_min_s = curve.tau(p.rows.front());
   result.tau_max_s = curve.tau(p.rows.back());
   return result;
+}
+
+void require_shapes(const Options& options) {
+  for (const Term t : options.terms) {
+    if (t == Term::gauss_markov && !options.correlation_time_s)
+      throw std::invalid_argument("a curve's fit of term G needs its correlation time");
+    if (t == Term::sinusoid && !options.frequency_hz)
+      throw std::invalid_argument("a curve's fit of term S needs its frequency");
+  }
+}
+
+allan::CurveCovariance covariance_of(const allan::Curve& curve, const Options& options) {
+  std::vector<std::int64_t> factors;
+  for (const auto& point : curve.points) factors.push_back(point.m);
+  std::vector<noise::Process> processes;
+  for (const Term t : in_order(options.terms)) processes.push_back(shaped_process(t, options));
+  return {curve.samples, std::move(factors), curve.dt, std::move(processes), curve.form, curve.mask.get()};
 }
 
 }  // namespace
@@ -393,49 +382,124 @@ const Coefficient& Result::operator[](Term t) const {
   const auto at =
       std::find_if(coefficients.begin(), coefficients.end(), [&](const auto& c) { return c.term == t; });
   if (at == coefficients.end())
-    throw std::invalid_argument("only Q, N, B, K and R are coefficients of a fit");
+    throw std::invalid_argument(fmt::format("term {} is no coefficient of this fit", static_cast<char>(t)));
   return *at;
 }
 
 std::vector<noise::Process> Result::processes() const {
   std::vector<noise::Process> list;
   for (const auto& c : coefficients) {
-    if (c.fitted && c.value > 0)
-      list.push_back(noise::with_coefficient(noise::unit_process(c.term), c.value));
+    if (!c.fitted || !(c.value > 0)) continue;
+    const Options shape{.correlation_time_s = c.shape, .frequency_hz = c.shape};
+    list.push_back(noise::with_coefficient(shaped_process(c.term, shape), c.value));
   }
   return list;
 }
 
+std::string_view name(Method method) {
+  switch (method) {
+    case Method::gls:
+      return "gls";
+    case Method::edf:
+      return "edf";
+    case Method::loglog:
+      return "loglog";
+    case Method::slope:
+      return "slope";
+    case Method::visual:
+      return "visual";
+    case Method::whittle:
+      return "whittle";
+  }
+  throw std::invalid_argument("a value that is no Method");
+}
+
 Result fit(const allan::Curve& curve, const allan::CurveCovariance& covariance, const Options& options) {
   const auto start = std::chrono::steady_clock::now();
+  if (options.method == Method::whittle)
+    throw std::invalid_argument("the likelihood needs the samples, a curve does not hold them");
+  require_shapes(options);
   const Prepared p = prepare(curve, covariance, options);
-  if (p.s.maxCoeff() <= 0) return silent_record(p, curve);
+  if (p.s.maxCoeff() <= 0) return silent_record(p, curve, options.method);
   if (options.method == Method::visual) return read_visually(curve, options);
+  if (options.method == Method::slope) return read_slopes(curve, options);
 
   Run run = choose_run(p, options);
   Result result;
+  result.method = options.method;
   result.fitted_terms = run.terms;
-  refine_run(run, p.scale, result);
+  finish(p, run, result);
   add_coefficients(result, run, p.scale, options);
   result.tau_min_s = static_cast<double>(p.m[static_cast<std::size_t>(run.first)]) * p.dt;
   result.tau_max_s = static_cast<double>(p.m.back()) * p.dt;
   add_residuals(result, p, run, curve);
   judge_fit(result, p, run, options);
-  add_moves(result, p, run);
+  if (options.method == Method::gls) add_moves(result, p, run);
   add_curve_facts(result, curve);
+  add_beta(result);
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
 }
 
 Result fit(const allan::Curve& curve, const Options& options) {
-  std::vector<std::int64_t> factors;
-  for (const auto& point : curve.points) factors.push_back(point.m);
-  std::vector<noise::Process> processes;
-  for (const Term t : in_order(options.terms)) processes.push_back(noise::unit_process(t));
-  return fit(curve,
-             allan::CurveCovariance(curve.samples, std::move(factors), curve.dt, std::move(processes),
-                                    curve.form, curve.mask.get()),
-             options);
+  require_shapes(options);
+  return fit(curve, covariance_of(curve, options), options);
+}
+
+namespace {
+
+// Exponent of two that brings the record's variation to 1 where its squares would leave double; else 0.
+int extreme_exponent(std::span<const double> rate) {
+  double low = kInfinity, high = -kInfinity;
+  for (const double y : rate) {
+    if (std::isfinite(y)) low = std::min(low, y), high = std::max(high, y);
+  }
+  const double range = 0.5 * high - 0.5 * low;
+  constexpr double kSafe = 1e120;
+  const bool extreme = range > 0 && (range > kSafe || range < 1 / kSafe);
+  return extreme ? std::ilogb(range) : 0;
+}
+
+Result fit_scaled(const Record& record, const Options& options, int exponent) {
+  std::vector<double> scaled(record.rate.begin(), record.rate.end());
+  for (double& y : scaled) y = std::ldexp(y, -exponent);
+  Result result = fit(Record{.rate = scaled, .dt = record.dt, .covariance = record.covariance}, options);
+  rescale(result, std::ldexp(1.0, exponent));
+  return result;
+}
+
+// The likelihood's answer for what the options leave open of G and S.
+Options with_shapes(const Record& record, const Options& options) {
+  const auto asked = [&](Term t) {
+    return std::find(options.terms.begin(), options.terms.end(), t) != options.terms.end();
+  };
+  const bool open_G = asked(Term::gauss_markov) && !options.correlation_time_s;
+  const bool open_S = asked(Term::sinusoid) && !options.frequency_hz;
+  if (!open_G && !open_S) return options;
+  Options likelihood = options;
+  likelihood.intervals = false;
+  const Result found = fit_likelihood(record.rate, record.dt, likelihood);
+  Options result = options;
+  if (open_G) result.correlation_time_s = found[Term::gauss_markov].shape;
+  if (open_S) result.frequency_hz = found[Term::sinusoid].shape;
+  return result;
+}
+
+}  // namespace
+
+Result fit(const Record& record, const Options& asked) {
+  if (record.rate.empty() && !record.curve) throw std::invalid_argument("a fit needs samples or their curve");
+  if (const int exponent = record.curve ? 0 : extreme_exponent(record.rate))
+    return fit_scaled(record, asked, exponent);
+  if (asked.method == Method::whittle) return fit_likelihood(record.rate, record.dt, asked);
+  const Options options = with_shapes(record, asked);
+  allan::Curve made;
+  if (!record.curve) {
+    const auto factors = allan::octave_factors(static_cast<std::int64_t>(record.rate.size()));
+    made = allan::overlapped_variance(record.rate, record.dt, factors);
+  }
+  const allan::Curve& curve = record.curve ? *record.curve : made;
+  return record.covariance ? fit(curve, *record.covariance, options) : fit(curve, options);
 }
 
 }  // namespace gyrobudget::inline v0::fit

@@ -5,24 +5,37 @@
 #include "gyrobudget/allan/deviation.h"
 #include "gyrobudget/noise/process.h"
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include <Eigen/Core>
 
 namespace gyrobudget::inline v0::fit {
 
-/// How coefficients are taken from a curve.
+/// How coefficients are taken from a record. RMSE in 10 h at 1 Hz of (N, B, K) for the paper's MEMS gyro in brackets;
+/// fit_study makes the whole table.
 enum class Method {
-  gls,  ///< generalised least squares with the curve's exact covariance: the default
+  gls,  ///< generalised least squares with the curve's exact covariance: the default (0.41 %, 21 %, 13 %)
+  edf,  ///< least squares weighted with each tau's own variance, correlations ignored (0.42 %, 21 %, 14 %)
+  loglog,  ///< unweighted least squares of logarithms, as most published tools do (5 %, 84 %, 43 %; see weighted.h)
+  slope,  ///< tangents of slope -1/2, 0, +1/2, as MATLAB's example does (see visual.h)
   visual,  ///< three points read off the plot, as the source paper did; here to show what that costs (see visual.h)
+  whittle,  ///< maximum likelihood of the record itself, without its Allan curve (see whittle.h); as good as gls
 };
+inline constexpr std::array kMethods{Method::gls,   Method::edf,    Method::loglog,
+                                     Method::slope, Method::visual, Method::whittle};
+/// "gls", "edf", "loglog", "slope", "visual" or "whittle".
+[[nodiscard]] std::string_view name(Method);
 
 /// What a record says of one coefficient.
 enum class Status {
-  identified,  ///< the boundary test T(0) exceeds its cut (kBoundaryCut where the model fits): zero is excluded
+  /// The boundary test T(0) exceeds its cut (kBoundaryCut where the model fits): zero is excluded, at 5 % of one side.
+  /// The two-sided interval excludes it from 3.841 on only: with T(0) between, `lower` is 0.
+  identified,
   upper_bound,  ///< zero is not excluded; `upper` is the one-sided 95 % limit
   left_out,     ///< never fitted, or zero with a limit that adds under 1 % to the deviation at every tau
 };
@@ -33,7 +46,7 @@ inline constexpr double kBoundaryCut = 2.706;
 /// 95 % cut of chi-square with 1 degree of freedom: the two-sided interval.
 inline constexpr double kIntervalCut = 3.841;
 
-/// One coefficient (Q, N, B, K or R), SI, in the units of the signal that the curve is of.
+/// One coefficient (Q, N, B, K, R, sigma of G or amplitude of S), SI, in the units of the signal.
 struct Coefficient {
   noise::Term term = noise::Term::white;
   double value = 0;
@@ -44,6 +57,9 @@ struct Coefficient {
   double relative_std =
       0;  ///< one sigma over value, from the Gauss-Newton covariance; infinite where value is 0
   double boundary_test = 0;  ///< T(0); infinite where nothing but this term can explain the curve
+  /// Correlation time [s] of G, frequency [Hz] of S; 0 for others. The limits are 95 %, and equal to it where it was
+  /// given or the data do not bound it.
+  double shape = 0, shape_lower = 0, shape_upper = 0;
   Status status = Status::left_out;
   bool fitted = false;  ///< false: value, lower and upper mean nothing
 };
@@ -65,6 +81,14 @@ struct Residual {
   bool used = false;        ///< in the fit; the others were cut, at the short or the long end
 };
 
+/// One of some 33 logarithmic bands of the record's spectrum beside the likelihood's model.
+struct SpectralResidual {
+  double frequency_hz = 0;  ///< geometric middle
+  double count = 0;         ///< independent coefficients in it
+  double misfit = 0;        ///< root of measured over modelled power, less 1
+  double relative_std = 0;  ///< of that root
+};
+
 /// How far a coefficient moved because taus were cut.
 struct Move {
   noise::Term term = noise::Term::white;
@@ -77,15 +101,18 @@ struct Options {
   Method method = Method::gls;
   std::optional<double>
       tau_min_s;  ///< start of the fit; unset: start of the longest run that the model describes
-  std::optional<double> tau_max_s;  ///< end of the fit; unset: the last tau of the curve
-  double p_value_limit = 0.01;      ///< a run is described when its p-value is at least this
-  double misfit_limit = 0.10;       ///< largest misfit of `described_within`
-  bool intervals = true;            ///< false: values only, for studies that need no intervals
+  std::optional<double> tau_max_s;           ///< end of the fit; unset: the last tau of the curve
+  double p_value_limit = 0.01;               ///< a run is described when its p-value is at least this
+  double misfit_limit = 0.10;                ///< largest misfit of `described_within`
+  bool intervals = true;                     ///< false: values only, for studies that need no intervals
+  std::optional<double> correlation_time_s;  ///< of G; unset: fitted, by the likelihood
+  std::optional<double> frequency_hz;        ///< of S; unset: fitted, by the likelihood
 };
 
 struct Result {
   Method method = Method::gls;
-  std::vector<Coefficient> coefficients;  ///< Q, N, B, K, R, in this order, fitted or not
+  std::vector<Coefficient>
+      coefficients;  ///< Q, N, B, K, R, in this order, fitted or not; then G, S if asked for
   std::vector<noise::Term> fitted_terms;  ///< order of `covariance`
   Eigen::MatrixXd covariance;  ///< of the fitted coefficients (not squares); NaN rows where value is 0
   double tau_min_s = 0;
@@ -104,11 +131,36 @@ struct Result {
   bool converged = false;
   int iterations = 0;  ///< reweighting steps plus Ceres iterations of the final fit
   double seconds = 0;  ///< wall time, covariance matrices excluded
+  // Of Method::whittle only:
+  std::vector<SpectralResidual> spectrum;
+  std::int64_t first_sample =
+      0;                      ///< the likelihood is of samples [first_sample, first_sample + samples): the
+  std::int64_t samples = 0;   ///< longest stretch without a gap, trimmed to a length of a fast transform
+  double log_likelihood = 0;  ///< up to a constant of the record: differences between models count
 
+  /// @throws std::invalid_argument for G or S where it was not asked for.
   [[nodiscard]] const Coefficient& operator[](noise::Term) const;
   /// The fitted processes whose value is above zero.
   [[nodiscard]] std::vector<noise::Process> processes() const;
 };
+
+/// What a method may need of one axis.
+struct Record {
+  std::span<const double>
+      rate;       ///< samples [signal], NaN where missing; needed by `whittle` and where curve is null
+  double dt = 1;  ///< sample interval [s]
+  const allan::Curve* curve = nullptr;                 ///< octaves of it; null: made from `rate`
+  const allan::CurveCovariance* covariance = nullptr;  ///< of the curve, with the terms asked for; null: made
+};
+
+/// Fits by any method: every Options::method answers with the same Result.
+///
+/// Records of extreme scale are brought to 1 by a power of two first, so their squares stay inside double.
+/// Curve methods with term G or S need its correlation time or frequency: where Options has none, the likelihood's is
+/// taken, and their intervals hold it fixed. `slope` and `visual` read N, B and K whatever the terms.
+/// @throws std::invalid_argument for what the overloads below and fit_likelihood refuse, and for a record that has
+/// neither samples nor curve, or no samples where the method needs them.
+[[nodiscard]] Result fit(const Record&, const Options& = {});
 
 /// Fits noise coefficients to an Allan variance curve.
 ///
@@ -137,8 +189,12 @@ struct Result {
 ///                    singular); points without terms (NaN) are skipped.
 /// @param covariance  for the curve's record length, factors, form and mask, and at least the terms asked for. It
 ///                    holds for any axis of the same record: make it once.
-/// @throws std::invalid_argument for terms other than Q, N, B, K, R, a repeated or missing term, a covariance of other
-///                    factors, fewer taus than terms plus one, or a curve that is zero everywhere.
+/// Other methods of the curve (edf, loglog, slope, visual) are chosen by Options::method.
+/// A curve that is zero everywhere, because nothing varies or because squares below 1e-300 left double, has no answer:
+/// `fitted` is false for every coefficient.
+/// @throws std::invalid_argument for a repeated or missing term, G without Options::correlation_time_s, S without
+///                    Options::frequency_hz, a covariance of other factors, fewer taus than terms plus one, or
+///                    Method::whittle, which needs samples.
 /// Sources: theory of generalised least squares; IEEE Std 952-2020 annex C for the model; the interval construction
 /// and its measured coverage are this project's own (tests/fit, fit_study).
 [[nodiscard]] Result fit(const allan::Curve& curve, const allan::CurveCovariance& covariance,

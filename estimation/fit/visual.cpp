@@ -2,6 +2,7 @@
 #include "gyrobudget/fit/visual.h"
 
 #include "gyrobudget/allan/confidence.h"
+#include "gyrobudget/fit/detail/judge.h"
 
 #include <algorithm>
 #include <array>
@@ -105,41 +106,65 @@ void compare_with_model(Result& result, const std::vector<Reading>& points, cons
       result.worst_misfit <= options.misfit_limit ? Verdict::described_within : Verdict::not_described;
 }
 
-}  // namespace
+// The point whose slope to the next is nearest to `wanted`.
+const Reading& tangent_point(const std::vector<Reading>& points, double wanted) {
+  std::size_t best = 0;
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+    const auto distance = [&](std::size_t j) { return std::abs(slope(points[j], points[j + 1]) - wanted); };
+    if (distance(i) < distance(best)) best = i;
+  }
+  return points[best];
+}
 
-Result read_visually(const allan::Curve& curve, const Options& options) {
-  const auto points = readable_points(curve);
-  const std::size_t minimum = minimum_index(points, curve.samples);
-  const double flat = std::sqrt(2 * std::numbers::ln2 / std::numbers::pi);
-  const Reading white = read_white(points);
-  const Reading walk = read_walk(points, minimum);
+Reading along(const Reading& p, double slope_of_line, double tau) {
+  return {p.m, tau, p.deviation * std::pow(tau / p.tau, slope_of_line)};
+}
 
+struct Readings {
+  Reading white, flat, walk;
+};
+
+Result result_of(Method method, const Readings& read, const std::vector<Reading>& points,
+                 const allan::Curve& curve, const Options& options) {
+  const double flat_of_one = std::sqrt(2 * std::numbers::ln2 / std::numbers::pi);
   Result result;
-  result.method = Method::visual;
-  result.coefficients = {
-      {.term = Term::quantization},
-      coefficient(Term::white, white, white.deviation, curve),
-      coefficient(Term::flicker, points[minimum], points[minimum].deviation / flat, curve),
-      coefficient(Term::rate_random_walk, walk, walk.deviation, curve),
-      {.term = Term::rate_ramp},
-  };
+  result.method = method;
+  result.coefficients = {coefficient(Term::white, read.white, read.white.deviation, curve),
+                         coefficient(Term::flicker, read.flat, read.flat.deviation / flat_of_one, curve),
+                         coefficient(Term::rate_random_walk, read.walk, read.walk.deviation, curve)};
+  complete(result.coefficients);
   result.fitted_terms = {Term::white, Term::flicker, Term::rate_random_walk};
   result.covariance = Eigen::MatrixXd::Zero(3, 3);
   for (Eigen::Index j = 0; j < 3; ++j) {
     const Coefficient& c = result[result.fitted_terms[static_cast<std::size_t>(j)]];
     result.covariance(j, j) = std::pow(c.relative_std * c.value, 2);
   }
+  const Reading& minimum = points[minimum_index(points, curve.samples)];
   result.tau_min_s = points.front().tau;
   result.tau_max_s = points.back().tau;
   result.p_value = std::numeric_limits<double>::quiet_NaN();
-  result.minimum_deviation = points[minimum].deviation;
-  result.minimum_tau_s = points[minimum].tau;
-  const double N = result[Term::white].value, B = result[Term::flicker].value,
-               K = result[Term::rate_random_walk].value;
-  result.beta = N > 0 && K > 0 ? (B / N) * (B / K) : 0;
+  result.minimum_deviation = minimum.deviation;
+  result.minimum_tau_s = minimum.tau;
+  add_beta(result);
   result.converged = true;
   compare_with_model(result, points, curve, options);
   return result;
+}
+
+}  // namespace
+
+Result read_visually(const allan::Curve& curve, const Options& options) {
+  const auto points = readable_points(curve);
+  const std::size_t minimum = minimum_index(points, curve.samples);
+  const Readings read{read_white(points), points[minimum], read_walk(points, minimum)};
+  return result_of(Method::visual, read, points, curve, options);
+}
+
+Result read_slopes(const allan::Curve& curve, const Options& options) {
+  const auto points = readable_points(curve);
+  const Readings read{along(tangent_point(points, -0.5), -0.5, 1), tangent_point(points, 0),
+                      along(tangent_point(points, 0.5), 0.5, 3)};
+  return result_of(Method::slope, read, points, curve, options);
 }
 
 }  // namespace gyrobudget::inline v0::fit

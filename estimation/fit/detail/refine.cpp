@@ -3,6 +3,7 @@
 
 #include <ceres/ceres.h>
 
+#include <algorithm>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -93,7 +94,7 @@ Refined refine(const WhitenedResidual& residual, const Eigen::VectorXd& start) {
   Refined refined;
   refined.coefficients = start.cwiseProduct(u.cwiseAbs());  // c and -c are the same model
   refined.covariance = covariance_at(problem, u.data(), start);
-  refined.iterations = static_cast<int>(summary.iterations.size());
+  refined.iterations = std::max(0, static_cast<int>(summary.iterations.size()) - 1);  // row 0 is the start
   refined.converged = summary.termination_type == ceres::CONVERGENCE;
   return refined;
 }

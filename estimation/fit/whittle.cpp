@@ -1,0 +1,554 @@
+// SPDX-License-Identifier: MIT
+#include "gyrobudget/fit/whittle.h"
+
+#include "gyrobudget/fit/detail/dst.h"
+#include "gyrobudget/fit/detail/judge.h"
+#include "gyrobudget/fit/detail/likelihood.h"
+
+#include <boost/math/special_functions/erf.hpp>
+#include <boost/math/special_functions/gamma.hpp>
+#include <boost/math/tools/minima.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <stdexcept>
+#include <utility>
+
+#include <Eigen/Cholesky>
+
+namespace gyrobudget::inline v0::fit {
+namespace {
+
+using noise::Term;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr std::int64_t kFewestSamples = 16;
+constexpr int kBands = 33;
+constexpr double kCutBelow = 1e-4;  // p-value of the whole band below which it may be cut
+constexpr double kTimesPerDecade = 4;
+constexpr double kNegligible = 0.01;  // of the deviation, that is 2 % of the variance
+constexpr double kScatter95 = 1.96;
+
+// --- The record ---------------------------------------------------------------------------------------------
+
+struct Stretch {
+  std::int64_t first = 0;
+  std::int64_t count = 0;
+};
+
+Stretch longest_stretch(std::span<const double> rate) {
+  Stretch best, now;
+  for (std::size_t i = 0; i < rate.size(); ++i) {
+    if (std::isfinite(rate[i])) {
+      ++now.count;
+      if (now.count > best.count) best = now;
+    } else {
+      now = {static_cast<std::int64_t>(i) + 1, 0};
+    }
+  }
+  return best;
+}
+
+// The sine coefficients of a record whose variation was brought to about 1 by a power of two.
+struct Transformed {
+  Stretch used;
+  double dt = 1;
+  double unit = 1;  // signal = transformed signal * unit
+  std::vector<double> rate;
+  std::vector<double> coefficients;  // empty where the record has no answer
+};
+
+Transformed transform(std::span<const double> rate, double dt) {
+  Transformed t;
+  t.dt = dt;
+  t.used = longest_stretch(rate);
+  t.used.count = transform_length(t.used.count);
+  if (t.used.count < kFewestSamples) return t;
+  const auto part =
+      rate.subspan(static_cast<std::size_t>(t.used.first), static_cast<std::size_t>(t.used.count));
+  double largest = 0;  // halves: a difference of two finite numbers may be none
+  for (std::size_t i = 1; i < part.size(); ++i)
+    largest = std::max(largest, std::abs(0.5 * part[i] - 0.5 * part[i - 1]));
+  if (largest <= 0) return t;
+  const int exponent = std::ilogb(largest) + 1;
+  t.unit = std::ldexp(1.0, exponent);
+  t.rate.assign(part.begin(), part.end());
+  for (double& y : t.rate) y = std::ldexp(y, -exponent);
+  t.coefficients = sine_transform_of_differences(t.rate);
+  return t;
+}
+
+// --- The model ----------------------------------------------------------------------------------------------
+
+// What is searched beside the coefficients, and what it gave.
+struct Line {
+  double w = 0;                       // radians a sample
+  std::array<double, 2> parts{0, 0};  // of cos and sin
+  double deviation = 0;               // of the amplitude
+  double test = 0;                    // drop of -2 ln L
+  [[nodiscard]] double amplitude() const { return std::hypot(parts[0], parts[1]); }
+};
+
+struct Model {
+  std::vector<Term> terms;                // asked for, all
+  std::vector<noise::Process> processes;  // the random ones among them
+  bool ramp = false, line = false, search_time = false;
+};
+
+Model model_of(const Options& options, bool drop_quantization) {
+  Model m;
+  m.terms = in_order(options.terms);
+  if (drop_quantization) std::erase(m.terms, Term::quantization);
+  for (const Term t : m.terms) {
+    if (t == Term::rate_ramp) {
+      m.ramp = true;
+    } else if (t == Term::sinusoid) {
+      m.line = true;
+    } else {
+      m.processes.push_back(shaped_process(t, options));
+    }
+  }
+  m.search_time = !m.processes.empty() && noise::term(m.processes.back()) == Term::gauss_markov &&
+                  !options.correlation_time_s;
+  return m;
+}
+
+// A fit of the band k = 1 .. last.
+struct Fitted {
+  Model model;
+  std::int64_t last = 0;
+  std::optional<SineLikelihood> likelihood;
+  SineLikelihood::Point point;
+  Line line;
+  double time_lower = 0, time_upper = 0;  // of the correlation time
+  double chi2 = 0, p_value = 0;
+  int dof = 0;
+  std::vector<SpectralResidual> spectrum;
+};
+
+SineBins bins_of(const Transformed& t, std::span<const double> coefficients, std::int64_t first,
+                 std::int64_t last) {
+  SineBins bins(coefficients, t.used.count, t.dt, last);
+  for (Eigen::Index b = 0; b < bins.count.size(); ++b) {
+    if (bins.first[static_cast<std::size_t>(b)] < first) bins.count(b) = 0;
+  }
+  return bins;
+}
+
+double& correlation_time(Model& m) {
+  return std::get<noise::GaussMarkov>(m.processes.back()).correlation_time;
+}
+
+// The best correlation time: a grid over all that the record could show, then Brent's minimisation beside its best.
+void search_time(Fitted& f, const SineBins& bins) {
+  const double n = static_cast<double>(bins.samples);
+  const double low = std::log(bins.dt), high = std::log(0.5 * n * bins.dt);
+  const auto cost = [&](double log_time) {
+    Model m = f.model;
+    correlation_time(m) = std::exp(log_time);
+    return SineLikelihood(bins, m.processes, m.ramp).maximise().cost;
+  };
+  const double step = std::numbers::ln10 / kTimesPerDecade;
+  double best = low, least = kInfinity;
+  for (double x = low; x < high + step; x += step) {
+    const double c = cost(std::min(x, high));
+    if (c < least) least = c, best = std::min(x, high);
+  }
+  std::uintmax_t budget = 40;
+  const auto found = boost::math::tools::brent_find_minima(cost, std::max(low, best - step),
+                                                           std::min(high, best + step), 14, budget);
+  correlation_time(f.model) = std::exp(found.second < least ? found.first : best);
+  // Interval: where the profile has risen by its 95 % cut; the ends of the grid where it never does.
+  least = std::min(least, found.second);
+  const double center = std::log(correlation_time(f.model));
+  const auto end = [&](double limit) {
+    double inside = center, outside = limit;
+    if (cost(limit) - least < kIntervalCut) return limit;
+    while (std::abs(outside - inside) > 1e-3) {
+      const double middle = 0.5 * (inside + outside);
+      (cost(middle) - least < kIntervalCut ? inside : outside) = middle;
+    }
+    return 0.5 * (inside + outside);
+  };
+  f.time_lower = std::exp(end(low));
+  f.time_upper = std::exp(end(high));
+}
+
+// --- Lines --------------------------------------------------------------------------------------------------
+
+// How much a line at w explains, from the coefficients near it, with the spectrum of the rest known.
+Line line_at(double w, std::span<const double> c, std::span<const double> lambda, std::int64_t n) {
+  constexpr std::int64_t kReach = 64;  // of k; what leaks further is 1/kReach of the power
+  const auto center = std::llround(w * static_cast<double>(n) / std::numbers::pi);
+  const auto first = std::max<std::int64_t>(1, center - kReach);
+  const auto last = std::min<std::int64_t>(static_cast<std::int64_t>(c.size()), center + kReach);
+  Eigen::Matrix2d M = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d v = Eigen::Vector2d::Zero();
+  for (auto k = first; k <= last; ++k) {
+    const auto i = static_cast<std::size_t>(k - 1);
+    const auto mean = sine_mean_of_line(k, n, w);
+    const Eigen::Vector2d d(mean[0], mean[1]);
+    M += d * d.transpose() / lambda[i];
+    v += d * c[i] / lambda[i];
+  }
+  const Eigen::Vector2d parts = M.ldlt().solve(v);
+  Line line{.w = w, .parts = {parts(0), parts(1)}, .test = parts.dot(v)};
+  const double a = line.amplitude();
+  const Eigen::Vector2d along = a > 0 ? Eigen::Vector2d(parts / a) : Eigen::Vector2d(1, 0);
+  line.deviation = std::sqrt(along.dot(M.ldlt().solve(along)));
+  return line;
+}
+
+std::vector<double> variances(const Fitted& f, std::size_t count) {
+  std::vector<double> lambda(count, 1.0);
+  const Eigen::ArrayXd of_bins = f.likelihood->variance(f.point.theta);
+  const auto& first = f.likelihood->bins().first;
+  for (std::size_t b = 0; b + 1 < first.size(); ++b) {
+    for (auto k = first[b]; k < first[b + 1]; ++k)
+      lambda[static_cast<std::size_t>(k - 1)] = of_bins(static_cast<Eigen::Index>(b));
+  }
+  return lambda;
+}
+
+// The line that explains most: the highest peak over the spectrum, or the frequency asked for.
+Line find_line(const Fitted& f, std::span<const double> c, std::int64_t n, std::optional<double> asked_w) {
+  const auto lambda = variances(f, static_cast<std::size_t>(f.last));
+  const auto shown = c.first(static_cast<std::size_t>(f.last));
+  if (asked_w) return line_at(*asked_w, shown, lambda, n);
+  std::size_t peak = 0;
+  double highest = 0;
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    const double next = i + 1 < shown.size() ? shown[i + 1] * shown[i + 1] / lambda[i + 1] : 0;
+    const double height = shown[i] * shown[i] / lambda[i] + next;
+    if (height > highest) highest = height, peak = i;
+  }
+  const double bin = std::numbers::pi / static_cast<double>(n);
+  const auto less = [&](double k) { return -line_at(k * bin, shown, lambda, n).test; };
+  double best = static_cast<double>(peak) + 1, least = less(best);
+  constexpr double kStep = 0.25;
+  const double top = static_cast<double>(n) - 0.5;
+  for (double k = std::max(0.5, best - 1.5), end = std::min(top, best + 2.5); k <= end; k += kStep) {
+    if (const double l = less(k); l < least) least = l, best = k;
+  }
+  std::uintmax_t budget = 40;
+  const auto found = boost::math::tools::brent_find_minima(less, std::max(0.25, best - kStep),
+                                                           std::min(top, best + kStep), 20, budget);
+  return line_at((found.second < least ? found.first : best) * bin, shown, lambda, n);
+}
+
+std::vector<double> without_line(const Transformed& t, const Line& line) {
+  std::vector<double> rate = t.rate;
+  for (std::size_t j = 0; j < rate.size(); ++j) {
+    const double angle = line.w * static_cast<double>(j);
+    rate[j] -= line.parts[0] * std::cos(angle) + line.parts[1] * std::sin(angle);
+  }
+  return sine_transform_of_differences(rate);
+}
+
+// --- Goodness of fit ------------------------------------------------------------------------------------------
+
+// Normal deviate of a chi-square x with `dof` degrees of freedom.
+double deviate(double x, double dof) {
+  const double below = boost::math::gamma_p(0.5 * dof, 0.5 * x);
+  const double above = boost::math::gamma_q(0.5 * dof, 0.5 * x);
+  constexpr double kLeast = 1e-300;
+  return below < above ? -std::numbers::sqrt2 * boost::math::erfc_inv(2 * std::max(below, kLeast))
+                       : std::numbers::sqrt2 * boost::math::erfc_inv(2 * std::max(above, kLeast));
+}
+
+void test_fit(Fitted& f) {
+  const SineBins& bins = f.likelihood->bins();
+  const Eigen::ArrayXd scaled =
+      bins.count * f.likelihood->power(f.point.ramp) / f.likelihood->variance(f.point.theta);
+  const double ratio = std::pow(static_cast<double>(f.last) + 1, 1.0 / kBands);
+  f.spectrum.clear(), f.chi2 = 0;
+  double edge = ratio, chi = 0, count = 0;
+  std::int64_t first = 0;
+  for (Eigen::Index b = 0; b < bins.count.size(); ++b) {
+    const auto end = bins.first[static_cast<std::size_t>(b) + 1];
+    if (first == 0) first = bins.first[static_cast<std::size_t>(b)];
+    chi += scaled(b), count += bins.count(b);
+    const bool last_bin = b + 1 == bins.count.size();
+    if (static_cast<double>(end) < edge * (1 - 1e-9) && !last_bin) continue;
+    if (count > 0) {
+      f.chi2 += std::pow(deviate(chi, count), 2);
+      const double k = std::sqrt(static_cast<double>(first) * static_cast<double>(end - 1));
+      f.spectrum.push_back({k / (2 * static_cast<double>(bins.samples) * bins.dt), count,
+                            std::sqrt(chi / count) - 1, std::sqrt(0.5 / count)});
+    }
+    while (edge <= static_cast<double>(end) * (1 + 1e-9)) edge *= ratio;
+    chi = count = 0, first = 0;
+  }
+  const auto parameters = (f.point.theta.array() > 0).count() + f.model.ramp + f.model.search_time;
+  f.dof = static_cast<int>(f.spectrum.size()) - static_cast<int>(parameters);
+  f.p_value = f.dof >= 1 ? chi_square_tail(f.chi2, f.dof) : 0;
+}
+
+// --- One fit ----------------------------------------------------------------------------------------------------
+
+struct Band {
+  std::int64_t first = 1, last = 1;
+};
+
+void maximise(Fitted& f, const SineBins& bins) {
+  if (f.model.search_time) search_time(f, bins);
+  f.likelihood.emplace(bins, f.model.processes, f.model.ramp);
+  f.point = f.likelihood->maximise();
+}
+
+Fitted fit_band(const Transformed& t, const Band& band, const Options& options, bool drop_quantization) {
+  Fitted f;
+  f.model = model_of(options, drop_quantization);
+  f.last = band.last;
+  if (f.model.processes.empty()) return f;
+  const SineBins all = bins_of(t, t.coefficients, band.first, band.last);
+  maximise(f, all);
+  if (f.model.line && f.point.converged) {
+    std::optional<double> w;
+    if (options.frequency_hz) w = 2 * std::numbers::pi * std::remainder(*options.frequency_hz * t.dt, 1.0);
+    constexpr int kRounds = 2;  // a strong line raises the spectrum that it is first seen against
+    for (int i = 0; i < kRounds; ++i) {
+      f.line = find_line(f, t.coefficients, t.used.count, w);
+      SineBins rest = bins_of(t, without_line(t, f.line), band.first, band.last);
+      rest.reference = all.reference;
+      maximise(f, rest);
+    }
+    f.line = find_line(f, t.coefficients, t.used.count, f.line.w);
+  }
+  test_fit(f);
+  return f;
+}
+
+// The band of the options, cut from above by octaves where the model does not describe all of it.
+Fitted choose_band(const Transformed& t, const Options& options) {
+  const double n = static_cast<double>(t.used.count);
+  Band band{1, t.used.count - 1};
+  if (options.tau_max_s)
+    band.first = std::max<std::int64_t>(1, std::llround(n * t.dt / *options.tau_max_s / 2));
+  if (options.tau_min_s)
+    band.last = std::clamp<std::int64_t>(std::llround(n * t.dt / *options.tau_min_s), 1, band.last);
+  Fitted whole = fit_band(t, band, options, false);
+  if (options.tau_min_s || whole.p_value >= kCutBelow) return whole;
+  const auto fewest = static_cast<std::int64_t>(whole.model.terms.size()) + 2;
+  for (auto last = band.last / 2; last >= 16 * fewest && last * last >= band.last; last /= 2) {
+    Fitted cut = fit_band(t, {band.first, last}, options, true);
+    if (cut.model.processes.empty()) break;
+    if (cut.p_value >= options.p_value_limit) return cut;
+  }
+  return whole;
+}
+
+// --- The answer -------------------------------------------------------------------------------------------------
+
+HeldTest theta_test(const Fitted& f, Eigen::Index j) {
+  return [&f, j](double v) {
+    const auto held = f.likelihood->maximise(Held{j, v}, {}, &f.point);
+    return std::max(0.0, held.cost - f.point.cost);
+  };
+}
+
+// Zero, and its limit adds less than 1 % to the deviation at any frequency.
+bool negligible(const Fitted& f, Eigen::Index j, double upper_theta) {
+  if (f.point.theta(j) > 0) return false;
+  Eigen::VectorXd more = f.point.theta;
+  more(j) = upper_theta;
+  const Eigen::ArrayXd ratio = f.likelihood->variance(more) / f.likelihood->variance(f.point.theta);
+  return (ratio.sqrt() - 1 < kNegligible).all();
+}
+
+// The ramp is a mean: its test has one degree of freedom, two-sided.
+Coefficient ramp_coefficient(const Fitted& f, double unit, const Cuts& cuts, bool intervals) {
+  Coefficient c{.term = Term::rate_ramp};
+  c.fitted = true;
+  const double deviation = 1 / std::sqrt(f.likelihood->ramp_information(f.point.theta));
+  const double size = std::abs(f.point.ramp), sign = f.point.ramp < 0 ? -1 : 1;
+  c.value = c.lower = c.upper = c.upper_two_sided = size * unit;
+  c.relative_std = size > 0 ? deviation / size : kInfinity;
+  c.status = Status::identified;
+  if (!intervals) return c;
+  const HeldTest test = [&](double v) {
+    return std::max(0.0, f.likelihood->maximise({}, sign * v, &f.point).cost - f.point.cost);
+  };
+  c.boundary_test = test(0);
+  const bool identified = c.boundary_test > cuts.boundary / kBoundaryCut * kIntervalCut;
+  c.status = identified ? Status::identified : Status::upper_bound;
+  const auto interval = profile_interval(test, size, deviation, cuts.two_sided);
+  c.lower = identified ? interval.lower * unit : 0;
+  c.upper = c.upper_two_sided = interval.upper * unit;
+  if (!identified) c.upper = profile_interval(test, size, deviation, cuts.one_sided).upper * unit;
+  return c;
+}
+
+Coefficient line_coefficient(const Fitted& f, const Transformed& t, bool searched) {
+  Coefficient c{.term = Term::sinusoid};
+  c.fitted = true;
+  const double size = f.line.amplitude(), deviation = f.line.deviation;
+  c.value = size * t.unit;
+  c.relative_std = size > 0 ? deviation / size : kInfinity;
+  c.boundary_test = f.line.test;
+  const double n = static_cast<double>(t.used.count);
+  const double cut = searched ? 2 * std::log(20 * n) : 5.99;  // largest of n; chi-square with 2, 5 %
+  c.status = f.line.test > cut ? Status::identified : Status::upper_bound;
+  c.lower = c.status == Status::identified ? std::max(0.0, size - kScatter95 * deviation) * t.unit : 0;
+  c.upper_two_sided = (size + kScatter95 * deviation) * t.unit;
+  c.upper = c.status == Status::identified ? c.upper_two_sided : (size + 1.645 * deviation) * t.unit;
+  c.shape = f.line.w / (2 * std::numbers::pi * t.dt);
+  // Cramer-Rao bound of a line's frequency beside white noise of the local level: std(w) = sqrt(12)/n std(A)/A.
+  const double spread =
+      searched ? kScatter95 * std::sqrt(12.0) / n * c.relative_std / (2 * std::numbers::pi * t.dt) : 0;
+  c.shape_lower = std::max(0.0, c.shape - spread);
+  c.shape_upper = std::min(0.5 / t.dt, c.shape + spread);
+  return c;
+}
+
+void add_covariance(Result& result, const Fitted& f, double unit) {
+  const auto random = static_cast<Eigen::Index>(f.model.processes.size());
+  const auto size = static_cast<Eigen::Index>(result.fitted_terms.size());
+  result.covariance = Eigen::MatrixXd::Constant(size, size, kNaN);
+  std::vector<Eigen::Index> free;
+  for (Eigen::Index j = 0; j < random; ++j) {
+    if (f.point.theta(j) > 0) free.push_back(j);
+  }
+  if (free.empty()) return;
+  // In units of the coefficients themselves: information of ln theta first, its diagonal is of order 1 to n.
+  const Eigen::VectorXd theta = f.point.theta(free);
+  const Eigen::MatrixXd relative = theta.asDiagonal() *
+                                   Eigen::MatrixXd(f.likelihood->information(f.point.theta)(free, free)) *
+                                   theta.asDiagonal();
+  const Eigen::VectorXd length = relative.diagonal().cwiseSqrt();
+  const Eigen::MatrixXd scaled =
+      length.cwiseInverse().asDiagonal() * relative * length.cwiseInverse().asDiagonal();
+  const Eigen::MatrixXd inverse = scaled.llt().solve(Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols()));
+  const Eigen::VectorXd c = 0.5 * unit * theta.cwiseSqrt().cwiseQuotient(length);
+  std::vector<Eigen::Index> places;
+  for (const auto j : free) {
+    const Term t = noise::term(f.model.processes[static_cast<std::size_t>(j)]);
+    places.push_back(std::find(result.fitted_terms.begin(), result.fitted_terms.end(), t) -
+                     result.fitted_terms.begin());
+  }
+  result.covariance(places, places) = c.asDiagonal() * inverse * c.asDiagonal();
+  for (Eigen::Index i = 0; i < size; ++i) {
+    const Term t = result.fitted_terms[static_cast<std::size_t>(i)];
+    if (t != Term::rate_ramp && t != Term::sinusoid) continue;  // means are independent of the noise
+    result.covariance.row(i).setZero();
+    result.covariance.col(i).setZero();
+    result.covariance(i, i) = std::pow(result[t].relative_std * result[t].value, 2);
+  }
+}
+
+void add_coefficients(Result& result, const Fitted& f, const Transformed& t, const Options& options) {
+  const Cuts cuts = cuts_of(f.p_value, f.chi2, f.dof, options);
+  const double unit = t.unit;
+  const Eigen::MatrixXd information = f.likelihood->information(f.point.theta);
+  const Eigen::VectorXd length = information.diagonal().cwiseSqrt();
+  const Eigen::MatrixXd inverse =
+      Eigen::MatrixXd(length.cwiseInverse().asDiagonal() * information * length.cwiseInverse().asDiagonal())
+          .llt()
+          .solve(Eigen::MatrixXd::Identity(length.size(), length.size()));
+  for (std::size_t i = 0; i < f.model.processes.size(); ++i) {
+    const auto j = static_cast<Eigen::Index>(i);
+    const Term term = noise::term(f.model.processes[i]);
+    const double theta = f.point.theta(j), deviation = std::sqrt(inverse(j, j)) / length(j);
+    Coefficient c = f.point.converged
+                        ? judge(term, theta, deviation, 1, cuts, theta_test(f, j), options.intervals)
+                        : without_answer(term, theta, 1);
+    if (f.point.converged && options.intervals && negligible(f, j, c.upper * c.upper))
+      c.status = Status::left_out;
+    for (double* v : {&c.value, &c.lower, &c.upper, &c.upper_two_sided}) *v *= unit;
+    if (const auto* g = std::get_if<noise::GaussMarkov>(&f.model.processes[i])) {
+      c.shape = c.shape_lower = c.shape_upper = g->correlation_time;
+      if (f.model.search_time) c.shape_lower = f.time_lower, c.shape_upper = f.time_upper;
+    }
+    result.coefficients.push_back(c);
+  }
+  if (f.model.ramp) result.coefficients.push_back(ramp_coefficient(f, unit, cuts, options.intervals));
+  if (f.model.line) result.coefficients.push_back(line_coefficient(f, t, !options.frequency_hz));
+  for (const Term asked : options.terms) {
+    const bool listed = std::any_of(result.coefficients.begin(), result.coefficients.end(),
+                                    [=](const auto& c) { return c.term == asked; });
+    if (!listed) result.coefficients.push_back({.term = asked});
+  }
+  complete(result.coefficients);
+}
+
+void judge_fit(Result& result, const Fitted& f, const Options& options) {
+  result.chi2 = f.chi2;
+  result.dof = f.dof;
+  result.p_value = f.p_value;
+  result.spectrum = f.spectrum;
+  for (const SpectralResidual& r : f.spectrum) {
+    const double beyond = std::abs(r.misfit) - kScatter95 * r.relative_std;
+    if (beyond > result.worst_misfit)
+      result.worst_misfit = beyond, result.worst_misfit_tau_s = 0.5 / r.frequency_hz;
+  }
+  result.verdict = verdict_of(result, options);
+}
+
+void add_moves(Result& result, const Fitted& f, const Transformed& t, const Options& options) {
+  if (options.tau_min_s || f.last + 1 == t.used.count) return;
+  Options values = options;
+  values.intervals = false;
+  const Fitted whole = fit_band(t, {1, t.used.count - 1}, values, false);
+  for (std::size_t i = 0; i < whole.model.processes.size(); ++i) {
+    const Term term = noise::term(whole.model.processes[i]);
+    const Coefficient& now = result[term];
+    const double from = std::sqrt(whole.point.theta(static_cast<Eigen::Index>(i))) * t.unit;
+    result.moved.push_back({term, from, now.fitted ? now.value : 0});
+  }
+}
+
+void check(double dt, const Options& options) {
+  if (!(dt > 0) || !std::isfinite(dt))
+    throw std::invalid_argument(fmt::format("sample interval {} s must be positive and finite", dt));
+  const auto time = options.correlation_time_s;
+  if (time && (!(*time > 0) || !std::isfinite(*time)))
+    throw std::invalid_argument(fmt::format("correlation time {} s must be positive and finite", *time));
+  const auto frequency = options.frequency_hz;
+  if (frequency && !(*frequency > 0 && *frequency < 0.5 / dt)) {
+    throw std::invalid_argument(
+        fmt::format("frequency {} Hz must be between 0 and {} Hz, half the rate", *frequency, 0.5 / dt));
+  }
+  const auto terms = in_order(options.terms);
+  if (std::all_of(terms.begin(), terms.end(),
+                  [](Term t) { return t == Term::rate_ramp || t == Term::sinusoid; }))
+    throw std::invalid_argument("a ramp or a line alone has no likelihood: add a random term, such as N");
+}
+
+}  // namespace
+
+Result fit_likelihood(std::span<const double> rate, double dt, const Options& options) {
+  const auto start = std::chrono::steady_clock::now();
+  check(dt, options);
+  const Transformed t = transform(rate, dt);
+  if (t.coefficients.empty()) {
+    Result none = no_answer(Method::whittle, options.terms);
+    none.first_sample = t.used.first, none.samples = t.used.count;
+    return none;
+  }
+  const Fitted f = choose_band(t, options);
+  Result result;
+  result.method = Method::whittle;
+  result.first_sample = t.used.first;
+  result.samples = t.used.count;
+  result.fitted_terms = f.model.terms;
+  result.converged = f.point.converged;
+  result.iterations = f.point.iterations;
+  result.log_likelihood = -0.5 * f.point.cost;
+  add_coefficients(result, f, t, options);
+  add_covariance(result, f, t.unit);
+  const double n = static_cast<double>(t.used.count);
+  result.tau_min_s = f.last + 1 == t.used.count ? dt : n * dt / static_cast<double>(f.last);
+  result.tau_max_s = options.tau_max_s.value_or(0.5 * n * dt);
+  judge_fit(result, f, options);
+  add_moves(result, f, t, options);
+  add_beta(result);
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return result;
+}
+
+}  // namespace gyrobudget::inline v0::fit

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "gyrobudget/fit/fit.h"
+
+#include <span>
+#include <vector>
+
+namespace gyrobudget::inline v0::fit {
+
+/// Maximum likelihood of the record itself, without its Allan curve: the independent check of the curve's fit.
+///
+/// The sine transform (DST-I) of the differenced record has coefficients c_k, k = 1 .. n-1, that are Gaussian with
+/// variances sum_a theta_a phi_a(k) (detail/dst.h): exactly independent for white noise and rate random walk, nearly
+/// for the rest (flicker: correlations up to 0.12 between the lowest, which this treats as none). Hence
+///   -2 ln L = sum_k ln lambda_k + c_k^2 / lambda_k,
+/// in some 200 logarithmic bins, maximised over theta >= 0 by Newton's method. The ramp R is a mean, signed and linear.
+/// A Gauss-Markov correlation time and a line's frequency are searched over the whole band (ratio 10^(1/4), then to
+/// 1e-4 of the logarithm; highest peak against the fitted spectrum, then to 1e-3 of a bin) unless Options has them.
+///
+/// Intervals by profile likelihood ratio, cut 3.841, one-sided limit and boundary test 2.706; the ramp's test is
+/// two-sided (3.841), the line's is the largest of n frequencies (2 ln(20 n), 5 %). A line's interval is that of its
+/// amplitude beside known noise.
+/// chi2 and p-value: the record's power in at most 33 logarithmic bands, each turned into a normal deviate by its
+/// chi-square law, dof = bands less parameters. P(p < 0.05) is 0.05 within its scatter for the paper's gyros.
+///
+/// Range: Options::tau_min_s and tau_max_s keep the frequencies 1/(2 tau_max) to 1/(2 tau_min). Where tau_min_s is
+/// unset and the whole band has a p-value below 1e-4, the band is halved from above until the model describes it, as
+/// the curve's fit cuts its short taus; quantization is fitted from the whole band only.
+///
+/// Gaps are not bridged: the longest stretch without a missing sample is used, trimmed at its end to a length
+/// 2^a 3^b 5^c, and Result says which. Fewer than 16 such samples, or samples all equal, have no answer.
+/// `residuals` stays empty: `spectrum` is what there is to compare.
+///
+/// Cost: one real FFT of n points and about 1 ms; thread-safe, the same bytes always.
+/// @param rate samples [signal], NaN or infinite where missing. @param dt sample interval [s].
+/// @throws std::invalid_argument for a repeated or missing term, dt, a correlation time or a frequency out of range.
+/// Source: P. Whittle 1953; the transform of differences and its end corrections are this project's (theory in dst.h).
+[[nodiscard]] Result fit_likelihood(std::span<const double> rate, double dt, const Options& = {});
+
+/// Whether two fits of one record tell the same of one coefficient.
+struct Agreement {
+  noise::Term term = noise::Term::white;
+  double first = 0, second = 0;  ///< values
+  double difference = 0;         ///< of the values, in standard deviations of the second
+  double limit = 0;              ///< that one record in 1000 passes by chance
+  bool agrees = true;
+};
+
+struct CrossCheck {
+  std::vector<Agreement> coefficients;  ///< those that both fitted
+  bool agrees = true;                   ///< all of them
+  bool same_range = true;  ///< false: the fits cut different ranges, which says something by itself
+};
+
+/// Compares the curve's fit with the likelihood's. Both use the same record, so they differ far less than their
+/// standard deviation where the model holds; limits are the 99.9 % points of the difference over 4000 simulated records
+/// (fit_study): see kAgreementLimit in whittle.cpp. Compare fits of one range: give the likelihood the curve's
+/// Result::tau_min_s and tau_max_s.
+[[nodiscard]] CrossCheck cross_check(const Result& gls, const Result& whittle);
+
+}  // namespace gyrobudget::inline v0::fit
