@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 #include <numeric>
@@ -48,15 +49,17 @@ double rate(const std::string& option, const std::string& text) {
   return positive(option, quantity(option, bare ? text + " Hz" : text, noise::dimension::kFrequency), text);
 }
 
-std::uint64_t seed(const std::string& text) {
+std::uint64_t whole_number(const std::string& option, const std::string& text) {
   std::uint64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc() || end != text.data() + text.size()) {
     throw std::invalid_argument(
-        fmt::format("--seed {}: must be a whole number from 0 to 18446744073709551615", text));
+        fmt::format("{} {}: must be a whole number from 0 to 18446744073709551615", option, text));
   }
   return value;
 }
+
+std::uint64_t seed(const std::string& text) { return whole_number("--seed", text); }
 
 const std::map<std::string, Term> kTermNames{
     {"Q", Term::quantization},
@@ -109,7 +112,7 @@ PlanArguments::Wish wish(const std::string& text) {
 // Options as text, before they become values with units.
 struct Texts {
   std::string rate, duration, terms, tau_min, tau_max, input = "rate", method = "gls", axes = "x,y,z";
-  std::string seed = "1";
+  std::string seed = "1", skip, taps, noise_type, variant, rrw, correlation_time;
   std::vector<std::string> wishes;
 };
 
@@ -178,25 +181,85 @@ void finish_log(CurveArguments& curve, const Texts& texts) {
 
 // --- The verbs ----------------------------------------------------------------------------------------------------
 
+// What --model knows, and which options go with it.
+struct ModelName {
+  SimulateArguments::Model model;
+  std::vector<std::string> options;
+};
+
+const std::map<std::string, ModelName> kModels{
+    {"spectral", {SimulateArguments::Model::spectral, {}}},
+    {"gauss-markov", {SimulateArguments::Model::gauss_markov, {}}},
+    {"1", {SimulateArguments::Model::jerath, {"--taps"}}},
+    {"2", {SimulateArguments::Model::imu_sensor, {"--taps", "--noise-type"}}},
+    {"3", {SimulateArguments::Model::bielas, {"--variant", "--rrw", "--correlation-time"}}},
+};
+
+const std::map<std::string, noise::Bielas::Bias> kVariants{
+    {"integrated_legacy", noise::Bielas::Bias::integrated_legacy},
+    {"plain_white", noise::Bielas::Bias::plain_white},
+    {"gauss_markov", noise::Bielas::Bias::gauss_markov},
+    {"flicker", noise::Bielas::Bias::flicker},
+};
+
+template <class Value>
+std::vector<std::string> names(const std::map<std::string, Value>& map) {
+  std::vector<std::string> list;
+  for (const auto& [name, value] : map) list.push_back(name);
+  return list;
+}
+
+void add_model(CLI::App& app, SimulateArguments& a, Texts& texts) {
+  auto* group = app.add_option_group("Model");
+  group
+      ->add_option("--model", a.model_name,
+                   "spectral: exact, the whole record in memory; gauss-markov: 1/f as a sum of Gauss-Markov "
+                   "processes; 1: Jerath's filter; 2: MATLAB's imuSensor; 3: Bielas. All but spectral stream "
+                   "in constant memory")
+      ->check(CLI::IsMember(names(kModels)))
+      ->capture_default_str();
+  group
+      ->add_option(
+          "--taps", texts.taps,
+          "models 1 and 2: past samples that the 1/f filter remembers; its floor holds to 5 taps/rate "
+          "[1: 10000; 2: 1, as imuSensor]")
+      ->type_name("N");
+  group
+      ->add_option("--noise-type", texts.noise_type,
+                   "model 2: double-sided makes N smaller and K larger by 1.414, as imuSensor does "
+                   "[double-sided]")
+      ->check(CLI::IsMember({"double-sided", "single-sided"}));
+  group
+      ->add_option(
+          "--variant", texts.variant,
+          "model 3: what bias instability is; integrated_legacy is what the paper did, a random walk "
+          "of 60 B sqrt(dt) deg/h/sqrt(h) [integrated_legacy]")
+      ->check(CLI::IsMember(names(kVariants)));
+  group
+      ->add_option("--rrw", texts.rrw,
+                   "model 3: the sensor's rate random walk besides [off for integrated_legacy, else on]")
+      ->check(CLI::IsMember({"on", "off"}));
+  group->add_option("--correlation-time", texts.correlation_time, "model 3, gauss_markov [100 s]")
+      ->type_name("TIME");
+}
+
 CLI::App* add_simulate(CLI::App& app, SimulateArguments& a, Texts& texts) {
   auto* verb = app.add_subcommand(
       "simulate",
       "Simulates the log of a sensor at rest.\n\n"
       "  gyrobudget simulate examples/sensors/ifog.yaml --duration 10h --rate 100 -o ifog.csv\n"
-      "  gyrobudget simulate mems.yaml --duration 1h --axes x --unit deg/s --seed 7 | head\n");
+      "  gyrobudget simulate mems.yaml --duration 1h --model 2 --noise-type single-sided | head\n");
   verb->add_option("sensor", a.sensor, "sensor file (YAML), or a Kalibr imu.yaml")
       ->required()
       ->type_name("SENSOR");
-  verb->add_option("--duration", texts.duration, "length of the log, e.g. 10h, 90 min, 3600 s")
+  verb->add_option("--duration", texts.duration,
+                   "length of the log, e.g. 10h, 90 min, 3600 s; endless: until the reader closes the pipe")
       ->required()
       ->type_name("TIME");
   verb->add_option("--rate", texts.rate, "sample rate [100 Hz]")->type_name("HZ");
-  verb->add_option(
-          "--model", a.model,
-          "spectral: exact, needs the whole record in memory; gauss-markov: 1/f as a sum of Gauss-Markov "
-          "processes, a constant-memory stream")
-      ->check(CLI::IsMember({"spectral", "gauss-markov"}))
-      ->capture_default_str();
+  verb->add_option("--skip", texts.skip,
+                   "leave out the start, a time (9h) or a number of samples; the rest is the same bytes")
+      ->type_name("TIME|SAMPLES");
   verb->add_option("--seed", texts.seed, "of the random numbers; printed into the log")
       ->capture_default_str();
   verb->add_option("--axes", texts.axes, "axes to simulate")->capture_default_str();
@@ -204,13 +267,75 @@ CLI::App* add_simulate(CLI::App& app, SimulateArguments& a, Texts& texts) {
   verb->add_option("-o,--output", a.output, "log to write; .gz compresses; - is stdout")
       ->type_name("FILE")
       ->capture_default_str();
+  add_model(*verb, a, texts);
   add_common(*verb, a.common, false);
   return verb;
 }
 
-void finish(SimulateArguments& a, const Texts& texts) {
-  a.duration_s = duration("--duration", texts.duration);
+void finish_model(SimulateArguments& a, const Texts& texts) {
+  const ModelName& chosen = kModels.at(a.model_name);
+  a.model = chosen.model;
+  const std::vector<std::pair<std::string, std::string>> given{
+      {"--taps", texts.taps},
+      {"--noise-type", texts.noise_type},
+      {"--variant", texts.variant},
+      {"--rrw", texts.rrw},
+      {"--correlation-time", texts.correlation_time}};
+  for (const auto& [option, value] : given) {
+    if (value.empty() || std::ranges::find(chosen.options, option) != chosen.options.end()) continue;
+    throw std::invalid_argument(
+        fmt::format("{} {}: --model {} has no such option", option, value, a.model_name));
+  }
+  if (!texts.taps.empty()) a.taps = static_cast<std::int64_t>(whole_number("--taps", texts.taps));
+  a.single_sided = texts.noise_type == "single-sided";
+  if (!texts.variant.empty()) a.variant = kVariants.at(texts.variant);
+  if (!texts.rrw.empty()) a.rate_random_walk = texts.rrw == "on";
+  if (texts.correlation_time.empty()) return;
+  if (a.variant != noise::Bielas::Bias::gauss_markov) {
+    throw std::invalid_argument("--correlation-time belongs to --variant gauss_markov");
+  }
+  a.correlation_time_s = duration("--correlation-time", texts.correlation_time);
+}
+
+// "9h", or "1000" samples
+std::uint64_t skipped_samples(const std::string& text, double rate_hz) {
+  if (text.find_first_not_of("0123456789") == std::string::npos) return whole_number("--skip", text);
+  const double samples = std::round(quantity("--skip", text, noise::dimension::kTime) * rate_hz);
+  constexpr double kMost = 9e18;
+  if (samples >= 0 && samples <= kMost) return static_cast<std::uint64_t>(samples);
+  throw std::invalid_argument(fmt::format("--skip {}: must be from 0 to 9e18 samples", text));
+}
+
+void finish_extent(SimulateArguments& a, const Texts& texts) {
+  const bool endless = texts.duration == "endless";
+  a.duration_s = endless ? std::numeric_limits<double>::infinity() : duration("--duration", texts.duration);
+  if (endless && a.output != "-") {
+    throw std::invalid_argument(
+        fmt::format("--duration endless: {} would never be whole; write to standard output", a.output));
+  }
   if (!texts.rate.empty()) a.rate_hz = rate("--rate", texts.rate);
+  const double samples = a.duration_s * a.rate_hz;
+  if (samples < 2) {
+    throw std::invalid_argument(
+        fmt::format("{} s at {} Hz is less than two samples", a.duration_s, a.rate_hz));
+  }
+  constexpr double kMostSamples = 1e15;
+  if (!endless && samples > kMostSamples) {
+    throw std::invalid_argument(
+        fmt::format("{:.3g} samples are more than the {:.0e} that simulate makes; lower --rate or "
+                    "--duration",
+                    samples, kMostSamples));
+  }
+  if (!texts.skip.empty()) a.skipped = skipped_samples(texts.skip, a.rate_hz);
+  if (static_cast<double>(a.skipped) >= std::round(samples)) {
+    throw std::invalid_argument(
+        fmt::format("--skip {}: the log of {} has no samples beyond that", texts.skip, texts.duration));
+  }
+}
+
+void finish(SimulateArguments& a, const Texts& texts) {
+  finish_extent(a, texts);
+  finish_model(a, texts);
   a.seed = seed(texts.seed);
   a.axes = split(texts.axes, ',');
   for (const auto& axis : a.axes) {
@@ -222,17 +347,6 @@ void finish(SimulateArguments& a, const Texts& texts) {
   if (!a.unit.empty() && noise::parse_unit(a.unit).dimension != noise::dimension::kAngularRate) {
     throw std::invalid_argument(
         fmt::format("--unit {}: not a unit of angular rate; try deg/s, deg/h or rad/s", a.unit));
-  }
-  if (a.duration_s * a.rate_hz < 2) {
-    throw std::invalid_argument(
-        fmt::format("{} s at {} Hz is less than two samples", a.duration_s, a.rate_hz));
-  }
-  constexpr double kMostSamples = 4e9;
-  if (a.duration_s * a.rate_hz > kMostSamples) {
-    throw std::invalid_argument(
-        fmt::format("{:.3g} samples are more than the {:.0e} that simulate makes; lower --rate or "
-                    "--duration",
-                    a.duration_s * a.rate_hz, kMostSamples));
   }
 }
 
@@ -332,6 +446,20 @@ void finish(PlanArguments& a, const Texts& texts) {
   if (!texts.rate.empty()) a.rate_hz = rate("--rate", texts.rate);
   if (!texts.duration.empty()) a.duration_s = duration("--duration", texts.duration);
   for (const auto& text : texts.wishes) a.wishes.push_back(wish(text));
+}
+
+CLI::App* add_paper(CLI::App& app, PaperArguments& a, Texts& texts) {
+  auto* verb =
+      app.add_subcommand("paper",
+                         "The tables and figures of Nunes et al. beside ours, and why they differ.\n\n"
+                         "  gyrobudget paper --report paper.html\n"
+                         "  gyrobudget paper --seed 7 --json\n");
+  verb->add_option("--seed", texts.seed, "of the random numbers; printed into every output")
+      ->capture_default_str();
+  verb->add_option("--report", a.report, "write a self-contained HTML page with the figures")
+      ->type_name("FILE.html");
+  add_common(*verb, a.common);
+  return verb;
 }
 
 // --- Help -----------------------------------------------------------------------------------------------------------
@@ -441,11 +569,13 @@ Arguments parse_arguments(int argc, const char* const* argv) {
   AllanArguments allan;
   CalibrateArguments calibrate;
   PlanArguments plan;
+  PaperArguments paper;
   Texts texts;
   const auto* calibrate_verb = add_calibrate(app, calibrate, texts);
   const auto* allan_verb = add_allan(app, allan, texts);
   const auto* simulate_verb = add_simulate(app, simulate, texts);
   const auto* plan_verb = add_plan(app, plan, texts);
+  const auto* paper_verb = add_paper(app, paper, texts);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -471,6 +601,11 @@ Arguments parse_arguments(int argc, const char* const* argv) {
     finish(plan, texts);
     plan.common.command_line = line;
     return plan;
+  }
+  if (paper_verb->parsed()) {
+    paper.seed = seed(texts.seed);
+    paper.common.command_line = line;
+    return paper;
   }
   fmt::print(stderr, "{}", app.help());
   return Answered{exit_usage};

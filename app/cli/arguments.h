@@ -3,6 +3,7 @@
 
 #include "gyrobudget/fit/fit.h"
 #include "gyrobudget/io/log.h"
+#include "gyrobudget/noise/bielas.h"
 
 #include <cstdint>
 #include <optional>
@@ -28,11 +29,20 @@ struct Pictures {
 };
 
 struct SimulateArguments {
+  enum class Model { spectral, gauss_markov, jerath, imu_sensor, bielas };
+
   Common common;
   std::string sensor;
-  double duration_s = 0;
+  double duration_s = 0;  ///< infinite: until the reader has enough
   double rate_hz = 100;
-  std::string model = "spectral";
+  Model model = Model::spectral;
+  std::string model_name = "spectral";   ///< as typed
+  std::optional<std::int64_t> taps;      ///< of the 1/f filter; unset: the model's own
+  bool single_sided = false;             ///< model 2
+  noise::Bielas::Bias variant = {};      ///< model 3
+  std::optional<bool> rate_random_walk;  ///< model 3; unset: as the variant has it
+  double correlation_time_s = 100;       ///< model 3, gauss_markov
+  std::uint64_t skipped = 0;             ///< samples left out at the start
   std::uint64_t seed = 1;
   std::vector<std::string> axes;  ///< x, y, z
   std::string unit;               ///< of the gyro columns; empty: rad/s
@@ -79,13 +89,19 @@ struct PlanArguments {
   std::vector<Wish> wishes;
 };
 
+struct PaperArguments {
+  Common common;
+  std::string report;  ///< path of the HTML page; empty: none
+  std::uint64_t seed = 1;
+};
+
 /// The command line was answered already (--help, --version) or is wrong.
 struct Answered {
   int exit_code = 0;
 };
 
-using Arguments =
-    std::variant<Answered, SimulateArguments, AllanArguments, CalibrateArguments, PlanArguments>;
+using Arguments = std::variant<Answered, SimulateArguments, AllanArguments, CalibrateArguments, PlanArguments,
+                               PaperArguments>;
 
 /// Reads the command line; prints help, version and usage errors itself.
 [[nodiscard]] Arguments parse_arguments(int argc, const char* const* argv);

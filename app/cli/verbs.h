@@ -20,5 +20,6 @@ enum Exit : int {
 [[nodiscard]] int run(const AllanArguments&);      ///< log -> deviations
 [[nodiscard]] int run(const CalibrateArguments&);  ///< log -> datasheet
 [[nodiscard]] int run(const PlanArguments&);       ///< sensor file -> recording time or accuracy
+[[nodiscard]] int run(const PaperArguments&);      ///< the source paper's tables and figures beside ours
 
 }  // namespace gyrobudget::inline v0::cli

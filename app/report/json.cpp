@@ -349,20 +349,6 @@ Json words(const AxisResult& axis, double rate_hz) {
           {"cut", cut_text(axis)}};
 }
 
-/// A "<" could close the script element the data stand in; as an escape it is the same text to every JSON reader.
-std::string without_markup(const std::string& json) {
-  std::string out;
-  out.reserve(json.size());
-  for (const char c : json) {
-    if (c == '<') {
-      out += "\\u003c";
-    } else {
-      out += c;
-    }
-  }
-  return out;
-}
-
 }  // namespace
 
 std::string allan_json(const LogResult& result) { return document(allan_document(result)); }

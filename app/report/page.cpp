@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/report/page_parts.h"
+#include "gyrobudget/report/paper.h"
 #include "gyrobudget/report/report.h"
 #include "gyrobudget/report/words.h"
 
 #include <algorithm>
-#include <array>
+#include <initializer_list>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -48,16 +49,14 @@ bool is_fitted(const LogResult& result) {
 using Slot = std::pair<std::string_view, std::string_view>;
 
 /// The template with every {{name}} replaced, in one pass: what is put in is not looked at again.
-template <std::size_t kSlots>
-std::string filled(std::string_view page, const std::array<Slot, kSlots>& slots) {
+std::string filled(std::string_view page, std::initializer_list<Slot> slots) {
   std::string out;
   for (std::size_t open = page.find("{{"); open != std::string_view::npos; open = page.find("{{")) {
     const std::size_t close = page.find("}}", open);
     const std::string_view name = page.substr(open + 2, close - open - 2);
-    const auto slot =
-        std::find_if(slots.begin(), slots.end(), [name](const Slot& s) { return s.first == name; });
+    const auto* slot = std::ranges::find(slots, name, &Slot::first);
     if (slot == slots.end())
-      throw std::logic_error("page.html has a slot that nothing fills: " + std::string(name));
+      throw std::logic_error("a page has a slot that nothing fills: " + std::string(name));
     out += page.substr(0, open);
     out += slot->second;
     page.remove_prefix(close + 2);
@@ -65,20 +64,44 @@ std::string filled(std::string_view page, const std::array<Slot, kSlots>& slots)
   return out += page;
 }
 
+/// @param plain_text the same without scripts; title and plain text are escaped here.
+std::string whole(std::string_view title, std::string_view body, std::string_view plain_text,
+                  std::string_view data, std::string_view script) {
+  const std::string escaped = html_escaped(title), text = html_escaped(plain_text);
+  return filled(kShellHtml, {{"title", escaped},
+                             {"style", kPageCss},
+                             {"body", filled(body, {{"title", escaped}, {"text", text}})},
+                             {"data", data},
+                             {"chart", kChartJs},
+                             {"plot", kPlotJs},
+                             {"script", script}});
+}
+
 }  // namespace
+
+/// A "<" could close the script element the data stand in; as an escape it is the same text to every JSON reader.
+std::string without_markup(const std::string& json) {
+  std::string out;
+  out.reserve(json.size());
+  for (const char c : json) {
+    if (c == '<') {
+      out += "\\u003c";
+    } else {
+      out += c;
+    }
+  }
+  return out;
+}
 
 std::string page(const LogResult& result) {
   const bool fitted = is_fitted(result);
-  const std::string title =
-      html_escaped((fitted ? "Datasheet of " : "Allan deviation of ") + file_name(result.source));
-  const std::string text = html_escaped(fitted ? datasheet(result) : allan_table(result));
-  const std::string data = page_data(result);
-  return filled(kPageHtml, std::array<Slot, 6>{{{"title", title},
-                                                {"style", kPageCss},
-                                                {"text", text},
-                                                {"data", data},
-                                                {"chart", kChartJs},
-                                                {"script", kPageJs}}});
+  return whole((fitted ? "Datasheet of " : "Allan deviation of ") + file_name(result.source), kPageHtml,
+               fitted ? datasheet(result) : allan_table(result), page_data(result), kPageJs);
+}
+
+std::string paper_page(const Paper& paper) {
+  return whole("A paper's gyro noise, published and simulated again", kPaperHtml, paper_table(paper),
+               paper_data(paper), kPaperJs);
 }
 
 }  // namespace gyrobudget::inline v0::report

@@ -1,18 +1,29 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "gyrobudget/report/paper.h"
 #include "gyrobudget/report/result.h"
 
 #include <string>
 #include <string_view>
 
+// What pages are put together from: shell.html around a body, plot.js before the page's own script.
 namespace gyrobudget::inline v0::report {
 
-/// What page.js draws: allan_json and calibration_json, model curves, and every sentence, as one JSON text in which
-/// no "<" occurs, so that it can stand inside a script element.
-[[nodiscard]] std::string page_data(const LogResult&);
+/// A JSON text in which every "<" is an escape: it could close the script element the data stand in, and is the same
+/// text to every JSON reader.
+[[nodiscard]] std::string without_markup(const std::string& json);
 
-// The files of the page, embedded by embed.cmake.
-extern const std::string_view kPageHtml, kPageCss, kPageJs, kChartJs;
+/// What page.js draws: allan_json and calibration_json, model curves, and every sentence, as one JSON text without
+/// "<".
+[[nodiscard]] std::string page_data(const LogResult&);
+/// What paper.js draws: page_data of the four records, with the exact curves and the readings by eye, the rows of
+/// paper_json as "paper", and the figures in time as "drifts" and "traces".
+[[nodiscard]] std::string paper_data(const Paper&);
+
+// The files of the pages, embedded by embed.cmake.
+extern const std::string_view kShellHtml, kPageCss, kPlotJs, kChartJs;
+extern const std::string_view kPageHtml, kPageJs;    ///< datasheet
+extern const std::string_view kPaperHtml, kPaperJs;  ///< paper
 
 }  // namespace gyrobudget::inline v0::report

@@ -3,10 +3,12 @@
 
 #include "gyrobudget/io/log.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <random>
+#include <span>
 #include <stdexcept>
 
 #include "temporary.h"
@@ -77,6 +79,36 @@ TEST_F(LogWriter, SameBytesEachTime) {
     io::write_log(path(name), {&column, 1}, 100);
     EXPECT_TRUE(first == content(path(name)));
   }
+}
+
+TEST_F(LogWriter, RowsMadeOnTheWayAreTheSameBytes) {
+  const std::size_t n = 40'003, skipped = 12'345;
+  const std::vector<LogColumn> columns = {{"gyro_x", "deg/h", some_values(n, 7)},
+                                          {"gyro_y", "rad/s", some_values(n, 8)}};
+  io::write_log(path("whole.csv"), columns, 100, "c");
+  const io::LogHead head{{{"gyro_x", "deg/h"}, {"gyro_y", "rad/s"}}, 100, "c", skipped};
+  std::size_t at = skipped, longest = 0;
+  io::write_log(path("rest.csv"), head, n - skipped, [&](std::span<const std::span<double>> out) {
+    ASSERT_EQ(out.size(), 2U);
+    longest = std::max(longest, out[0].size());
+    for (std::size_t k = 0; k < out[0].size(); ++k, ++at) {
+      for (std::size_t i = 0; i < 2; ++i) out[i][k] = columns[i].values[at];
+    }
+  });
+  EXPECT_EQ(at, n);
+  EXPECT_LE(longest, 16'384U);
+  const std::string whole = content(path("whole.csv")), rest = content(path("rest.csv"));
+  const std::size_t rows = rest.find('\n', rest.find('\n') + 1) + 1;  // behind comment and header
+  EXPECT_EQ(rest.substr(0, rows), whole.substr(0, rows));
+  EXPECT_TRUE(whole.ends_with("\n" + rest.substr(rows)));
+}
+
+TEST_F(LogWriter, FailsWithItsProducer) {
+  const io::LogHead head{{{"gyro_x", "rad/s"}}, 100, "", 0};
+  EXPECT_THROW(
+      io::write_log(path("log.csv"), head, 100'000, [](auto) { throw std::runtime_error("no more"); }),
+      std::runtime_error);
+  EXPECT_EQ(files(), 0U);
 }
 
 TEST_F(LogWriter, FailsAsAWhole) {

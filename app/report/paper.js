@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: MIT
+// Draws the source paper's tables and figures from the JSON in #data (paper_data in paper_json.cpp), with plot.js.
+"use strict";
+
+(() => {
+  const {
+    data, axes, redraws, byId, element, list, number, compact, count, signed, colour, duration, table, curveLine,
+    bandLines, measuredPoints, marks, overlayDatasets, union, addPlot, plotFigure, padded, followSettings,
+  } = plotting;
+  const { rows, words, seed, record, command, version } = data.paper;
+
+  // --- Tables -------------------------------------------------------------------------------------------------------
+
+  const cell = (x, unit) => (unit === "%" ? signed(x, 2) : number(x, 3));
+  const known = (x, unit) => (x === null || x === undefined ? "" : cell(x, unit));
+
+  function fitText(row) {
+    if (row.fitted === undefined) return "";
+    if (row.status !== "identified") return `below ${cell(row.upper, row.unit)}`;
+    return `${cell(row.fitted, row.unit)}  (${cell(row.lower, row.unit)} to ${cell(row.upper, row.unit)})`;
+  }
+
+  const scatterText = (row) =>
+    (row.scatter_low === undefined ? "" : `${cell(row.scatter_low, row.unit)} to ${cell(row.scatter_high, row.unit)}`);
+
+  function rowTable(caption, wanted) {
+    const fits = wanted.some((row) => row.fitted !== undefined);
+    const numeric = (text) => [text, "number"];
+    const head = [[""], numeric("published"), numeric("ours"), numeric("95 % of such"), numeric("theory")];
+    if (fits) head.push(numeric("our fit, 95 %"), numeric("truth"));
+    head.push(["unit"]);
+    const body = wanted.map((row) => {
+      const cells = [[row.what, "", "row"], [known(row.published, row.unit), "number published"], [cell(row.ours, row.unit), "number ours"],
+        numeric(scatterText(row)), numeric(cell(row.theory, row.unit))];
+      if (fits) cells.push(numeric(fitText(row)), numeric(known(row.actual, row.unit)));
+      cells.push([row.unit === "1" ? "" : row.unit]);
+      return { cells };
+    });
+    const node = table(caption, head, body);
+    node.querySelectorAll("tbody tr").forEach((line, i) => { line.title = wanted[i].why; });
+    return node;
+  }
+
+  const rowsOf = (...prefixes) => rows.filter((row) => prefixes.some((prefix) => row.id.startsWith(prefix)));
+
+  function addTables() {
+    byId("words").append(list(words));
+    byId("table1").append(rowTable("Table I: values recovered from simulations", rowsOf("table1.")));
+    byId("table2").append(rowTable("Table II: errors of these values against those fed in", rowsOf("table2.")));
+    byId("drift-table").append(rowTable("Numbers of figures 3 and 4", rowsOf("fig3.", "fig4.")));
+    byId("other-table").append(rowTable("Numbers of figures 6 and 7", rowsOf("fig6.", "fig7.")));
+    const explained = rows.filter((row) => !row.id.startsWith("table2."));
+    byId("reasons").append(...explained.flatMap((row) => [element("dt", "", row.what), element("dd", "", row.why)]));
+  }
+
+  // --- Figure 7 -----------------------------------------------------------------------------------------------------
+
+  function exactLine(axis, ink, name) {
+    return curveLine(axis, name, axis.points.map((p) => p.tau_s), axis.curves.exact, { borderColor: ink, borderWidth: 1.2 });
+  }
+
+  /** Measured points, exact curve, fit and readings of one record. */
+  function recordDatasets(axis) {
+    return [
+      ...bandLines(axis, colour("band"), "95 % interval"),
+      exactLine(axis, colour("term-N"), "exact, of the model"),
+      curveLine(axis, "our fit", axis.curves.tau_s, axis.curves.model, { borderColor: colour("model"), borderDash: [7, 5] }),
+      measuredPoints(axis, colour("measured"), "measured", false),
+      { ...marks(axis), label: "readings by eye" },
+    ];
+  }
+
+  function deviationRange(group) {
+    const all = group.flatMap((axis) => axis.points.map((p) => p.deviation));
+    return [Math.min(...all) / 2, Math.max(...all) * 2];
+  }
+
+  function addRecords() {
+    const overview = plotFigure();
+    byId("all-records").append(overview);
+    const ranges = (group) => ({ tau: padded(union(group.map((axis) => axis.curves.tau_range_s))), deviation: deviationRange(group) });
+    addPlot(overview, axes[0], ranges(axes), () => overlayDatasets(axes), "Allan deviations of the four records", 0);
+    axes.forEach((axis) => {
+      const figure = plotFigure();
+      figure.querySelector(".tall").classList.replace("tall", "middle");
+      figure.querySelector("figcaption").remove();
+      byId("each-record").append(element("div", "", element("h3", "", axis.name), figure));
+      addPlot(figure, axis, ranges([axis]), () => recordDatasets(axis), `${axis.name}: measured, exact, fitted and read`, 0);
+    });
+  }
+
+  // --- Figures in time ------------------------------------------------------------------------------------------------
+
+  function linearScale(title, more) {
+    return {
+      type: "linear", title: { display: true, text: title, color: colour("text") },
+      grid: { color: colour("grid"), borderColor: colour("quiet") }, ticks: { color: colour("quiet"), maxRotation: 0 }, ...more,
+    };
+  }
+
+  /** Draws now and whenever colours change. */
+  function addChart(canvas, configuration) {
+    let chart = null;
+    const draw = () => {
+      if (chart) chart.destroy();
+      chart = new Chart(canvas, configuration());
+    };
+    draw();
+    redraws.push(draw);
+  }
+
+  const plain = (scales, legend) => ({
+    animation: false, maintainAspectRatio: false, normalized: true, scales,
+    plugins: { legend: { display: legend, labels: { color: colour("text"), filter: (item) => item.text, boxWidth: 24, boxHeight: 1 } }, tooltip: { enabled: false } },
+  });
+
+  const sensorInk = { mems: "measured", ifog: "term-N" };
+
+  function driftDatasets() {
+    const points = (times, values) => [{ x: 0, y: 0 }, ...times.map((t, i) => ({ x: t / 3600, y: values[i] }))];
+    const line = (label, xy, ink, width) => ({
+      label, data: xy, showLine: true, pointRadius: 0, borderWidth: width, borderColor: ink, backgroundColor: ink,
+    });
+    const envelopes = data.drifts.flatMap((d) => [1, -1].map((sign) => line(sign > 0 ? `\u00b1 ARW \u221at of the ${d.name}` : "",
+      points(d.time_s, d.time_s.map((t) => sign * d.arw * Math.sqrt(t / 3600))), colour("model"), 2)));
+    const runs = data.drifts.flatMap((d) => d.runs.map((run, i) => line(i === 0 ? `${d.name}, ${d.runs.length} of ${count(d.final.length)} runs` : "",
+      points(d.time_s, run), `${colour(sensorInk[d.id])}${d.id === "mems" ? "70" : ""}`, d.id === "mems" ? 0.8 : 1.6)));
+    return [...envelopes.slice(0, 2), ...runs.reverse()];
+  }
+
+  function addDrift() {
+    addChart(byId("drift"), () => ({
+      type: "scatter",
+      data: { datasets: driftDatasets() },
+      options: plain({ x: linearScale("time [h]", { min: 0, max: 1 }), y: linearScale("angle [deg]") }, true),
+    }));
+  }
+
+  /** Counts in bins of a quarter of the expected standard deviation, and the normal law beside them. */
+  function histogram(d) {
+    const kWidth = 0.25, kReach = 3.5;
+    const edges = Array.from({ length: 2 * kReach / kWidth + 1 }, (_, i) => (-kReach + i * kWidth) * d.arw);
+    const centres = edges.slice(1).map((edge, i) => (edge + edges[i]) / 2);
+    const counts = centres.map((_, i) => d.final.filter((x) => x >= edges[i] && x < edges[i + 1]).length);
+    const law = centres.map((x) => d.final.length * kWidth / Math.sqrt(2 * Math.PI) * Math.exp(-0.5 * (x / d.arw) ** 2));
+    return { centres, counts, law };
+  }
+
+  function addHistogram(d) {
+    const canvas = element("canvas", "");
+    canvas.setAttribute("role", "img");
+    canvas.setAttribute("aria-label", `Histogram of the angle after 1 h, ${d.name}`);
+    const std = d.std[d.std.length - 1];
+    byId("histograms").append(element("div", "",
+      element("h3", "", `${d.name}: standard deviation ${number(std, 3)} deg, ARW \u221a(1 h) = ${number(d.arw, 3)} deg`),
+      element("div", "canvas-box", canvas)));
+    const { centres, counts, law } = histogram(d);
+    const xy = (ys) => centres.map((x, i) => ({ x, y: ys[i] }));
+    addChart(canvas, () => ({
+      data: {
+        datasets: [
+          { type: "line", label: "normal law of ARW \u221at", data: xy(law), borderColor: colour("model"), backgroundColor: colour("model"), borderWidth: 2, pointRadius: 0, tension: 0.3 },
+          { type: "bar", label: "runs", data: xy(counts), backgroundColor: `${colour(sensorInk[d.id])}66`, borderColor: colour(sensorInk[d.id]), borderWidth: 1, barPercentage: 1, categoryPercentage: 1 },
+        ],
+      },
+      options: plain({ x: linearScale("angle after 1 h [deg]", { offset: false }), y: linearScale("runs", { min: 0 }) }, true),
+    }));
+  }
+
+  function addTrace(trace, span) {
+    const canvas = element("canvas", "");
+    canvas.setAttribute("role", "img");
+    canvas.setAttribute("aria-label", `${trace.name}: the record over time`);
+    byId("traces").append(element("div", "", element("h3", "", trace.name), element("div", "canvas-box", canvas)));
+    const line = (values, fill) => ({
+      data: values.map((y, i) => ({ x: (i + 0.5) * trace.step_s / 3600, y })), showLine: true, pointRadius: 0, borderWidth: 0.8,
+      borderColor: colour("term-N"), backgroundColor: colour("term-N"), fill,
+    });
+    addChart(canvas, () => ({
+      type: "scatter",
+      data: { datasets: [line(trace.high, "+1"), line(trace.low, false)] },
+      options: plain({ x: linearScale("time [h]", { min: 0, max: record.duration_s / 3600 }), y: linearScale("rate [deg/h]", { min: -span, max: span }) }, false),
+    }));
+  }
+
+  function addTraces() {
+    const ifog = data.traces.filter((trace) => trace.name.includes("IFOG"));
+    const largest = Math.max(...ifog.flatMap((trace) => [...trace.high, ...trace.low].map(Math.abs)));
+    ifog.forEach((trace) => addTrace(trace, Math.ceil(largest * 2) / 2));
+  }
+
+  // --- The page -------------------------------------------------------------------------------------------------------
+
+  function addFacts() {
+    const facts = [["Command", element("code", "", command)], ["Seed", String(seed)], ["Samples of a record", count(record.samples)],
+      ["Rate", `${compact(record.rate_hz)} Hz`], ["Duration", duration(record.duration_s)], ["Made by", `gyrobudget ${version}`]];
+    byId("facts").append(...facts.flatMap(([name, value]) => [element("dt", "", name), element("dd", "", value)]));
+    byId("record").textContent = `Records of ${duration(record.duration_s)} at ${compact(record.rate_hz)} Hz, seed ${seed}.`;
+    const links = [["#words", "meaning"], ["#tables", "tables I and II"], ["#figure7", "figure 7"], ["#figure3", "figures 3 and 4"], ["#figure6", "figure 6"]];
+    byId("contents").append(...links.map(([href, text]) => {
+      const link = element("a", "", text);
+      link.href = href;
+      return link;
+    }));
+  }
+
+  addFacts();
+  addTables();
+  addRecords();
+  addDrift();
+  data.drifts.forEach(addHistogram);
+  addTraces();
+  followSettings();
+})();

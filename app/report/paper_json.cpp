@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: MIT
+// The paper's rows for programs, and the data that paper.js draws.
+#include "gyrobudget/noise/units.h"
+#include "gyrobudget/report/page_parts.h"
+#include "gyrobudget/report/paper.h"
+#include "gyrobudget/report/words.h"
+#include "gyrobudget/version.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+namespace gyrobudget::inline v0::report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using noise::Term;
+
+Json row_json(const PaperRow& row) {
+  Json out = {{"id", row.id},
+              {"what", row.group + ", " + row.what},
+              {"published", row.published ? Json(*row.published) : Json(nullptr)},
+              {"ours", row.ours},
+              {"theory", row.theory}};
+  if (row.scatter) {
+    out["scatter_low"] = row.scatter->low;
+    out["scatter_high"] = row.scatter->high;
+  }
+  if (row.fitted) {
+    out["fitted"] = row.fitted->value;
+    out["lower"] = row.fitted->lower;
+    out["upper"] = row.fitted->upper;
+    out["actual"] = row.fitted->actual;
+    out["status"] = row.fitted->status == fit::Status::identified    ? "identified"
+                    : row.fitted->status == fit::Status::upper_bound ? "upper_bound"
+                                                                     : "left_out";
+  }
+  out["unit"] = row.unit;
+  out["why"] = row.why;
+  return out;
+}
+
+Json document(const Paper& paper) {
+  Json rows = Json::array();
+  for (const PaperRow& row : paper.rows) rows.push_back(row_json(row));
+  return {{"schema", "gyrobudget.paper/1"},
+          {"version", kVersion},
+          {"command", paper.command},
+          {"seed", paper.seed},
+          {"record",
+           {{"samples", std::llround(paper.duration_s * paper.rate_hz)},
+            {"rate_hz", paper.rate_hz},
+            {"duration_s", paper.duration_s}}},
+          {"rows", rows},
+          {"words", paper_words(paper)}};
+}
+
+// --- The page ---------------------------------------------------------------------------------------------------------
+
+Json scaled(const std::vector<double>& si, double unit) {
+  Json out = Json::array();
+  constexpr int kDigits = 6;  // of a picture
+  for (const double v : si) out.push_back(std::stod(fmt::format("{:.{}g}", v / unit, kDigits)));
+  return out;
+}
+
+double degree() { return noise::parse_unit("deg").to_si; }
+double degree_per_hour() { return noise::parse_unit("deg/h").to_si; }
+
+/// The three points that the paper reads off the curve.
+Json reading_marks(const PaperRecord& record) {
+  const fit::Result& r = record.reading;
+  const auto unit = [](Term term) { return noise::datasheet_unit(noise::Signal::angular_rate, term); };
+  const auto mark = [&](const char* name, Term term, double tau, double deviation) {
+    return Json{{"name", name},
+                {"tau_s", tau},
+                {"deviation", deviation / degree_per_hour()},
+                {"text", fmt::format("read: {} = {}", static_cast<char>(term),
+                                     in_unit(r[term].value, unit(term), 3))}};
+  };
+  constexpr double kWalkTau = 3;
+  const double n = r[Term::white].value, k = r[Term::rate_random_walk].value;
+  Json marks = {mark("N", Term::white, 1, n),
+                mark("min", Term::flicker, r.minimum_tau_s, r.minimum_deviation)};
+  // K's point at 3 s lies far below the curve; its line is drawn through where it was read.
+  const double tau = record.axis.points.back().tau_s / 4;
+  marks.push_back(mark("K", Term::rate_random_walk, tau, k * std::sqrt(tau / kWalkTau)));
+  return marks;
+}
+
+Json drift_json(const PaperDrift& d) {
+  Json runs = Json::array();
+  for (const auto& run : d.runs) runs.push_back(scaled(run, degree()));
+  return {{"id", d.id},
+          {"name", d.name},
+          {"arw", noise::from_si(d.arw, "deg/sqrt(h)")},
+          {"time_s", d.time_s},
+          {"std", scaled(d.std, degree())},
+          {"runs", runs},
+          {"final", scaled(d.final, degree())}};
+}
+
+Json trace_json(const PaperRecord& record) {
+  return {{"name", record.axis.name},
+          {"step_s", record.trace_step_s},
+          {"low", scaled(record.trace_low, degree_per_hour())},
+          {"high", scaled(record.trace_high, degree_per_hour())}};
+}
+
+LogResult as_log(const Paper& paper) {
+  LogResult log;
+  log.source = "simulated";
+  log.command = paper.command;
+  log.rate_hz = paper.rate_hz;
+  log.samples = std::llround(paper.duration_s * paper.rate_hz);
+  for (const PaperRecord& record : paper.records) log.axes.push_back(record.axis);
+  return log;
+}
+
+}  // namespace
+
+std::string paper_json(const Paper& paper) { return document(paper).dump(2) + "\n"; }
+
+std::string paper_data(const Paper& paper) {
+  Json data = Json::parse(page_data(as_log(paper)));
+  data["paper"] = document(paper);
+  Json drifts = Json::array(), traces = Json::array();
+  for (const PaperDrift& d : paper.drifts) drifts.push_back(drift_json(d));
+  for (std::size_t i = 0; i < paper.records.size(); ++i) {
+    const PaperRecord& record = paper.records[i];
+    Json& curves = data["axes"][i]["curves"];
+    curves["marks"] = reading_marks(record);
+    curves["exact"] = scaled(record.exact, degree_per_hour());
+    traces.push_back(trace_json(record));
+  }
+  data["drifts"] = drifts;
+  data["traces"] = traces;
+  return without_markup(data.dump());
+}
+
+}  // namespace gyrobudget::inline v0::report
