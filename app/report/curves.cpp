@@ -36,10 +36,12 @@ std::vector<std::int64_t> curve_factors(const std::vector<DeviationPoint>& point
   return factors;
 }
 
+bool is_limit(const Coefficient& c) { return c.status == Status::upper_bound && std::isfinite(c.upper); }
+
 /// The coefficient whose line is drawn: the value, or the limit of one that is only bounded; 0 for none.
 double drawn_value(const Coefficient& c) {
   if (!c.fitted) return 0;
-  return c.status == Status::upper_bound ? c.upper : c.value;
+  return is_limit(c) ? c.upper : c.value;
 }
 
 std::vector<double> deviations(Term term, double coefficient, const std::vector<std::int64_t>& factors,
@@ -58,8 +60,7 @@ void add_model(AxisCurves& curves, const AxisResult& axis, const std::vector<std
     const Coefficient* c = find(*axis.fit, term);
     if (c == nullptr || !(drawn_value(*c) > 0)) continue;
     const double drawn = drawn_value(*c);
-    curves.terms.push_back(
-        {term, c->status == Status::upper_bound, drawn, deviations(term, drawn, factors, dt)});
+    curves.terms.push_back({term, is_limit(*c), drawn, deviations(term, drawn, factors, dt)});
     const auto own = deviations(term, c->value, factors, dt);
     for (std::size_t i = 0; i < own.size(); ++i) variance[i] += own[i] * own[i];
   }

@@ -27,8 +27,9 @@ namespace gyrobudget::inline v0::report {
 
 /// Schema gyrobudget.calibration/1: the head of allan_json, and per axis "parameters" by key (arw, bias_instability,
 /// rrw, quantization, rate_ramp; vrw and accel_rw for accelerometers), "minimum", "beta" (0 where N or K is 0), "fit"
-/// and "advice". Of a parameter that was fitted, value, lower and upper are always numbers (0 allowed; an interval
-/// without end is written as the widest double); they are null where it was not. `fit` is null without a fit.
+/// and "advice". Of a parameter that was fitted, value and lower are always numbers (0 allowed), and so is upper but
+/// where no limit was found (a fit that never settles): then it is null. All three are null where nothing was fitted.
+/// `fit` is null without a fit.
 [[nodiscard]] std::string calibration_json(const LogResult&);
 
 /// One HTML page that opens offline and fetches nothing: plots with hover and zoom, datasheet, residuals, verdicts,

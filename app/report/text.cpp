@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -184,6 +185,8 @@ std::string summary_of(const LogResult& result, Signal signal) {
         cells.emplace_back("-");
       } else if (c->status == fit::Status::identified || axis.fit->method == fit::Method::visual) {
         cells.push_back(datasheet_text(signal, *c).value);
+      } else if (!std::isfinite(c->upper)) {
+        cells.emplace_back("no limit");
       } else {
         cells.push_back("< " + number(noise::from_si(c->upper, noise::datasheet_unit(signal, term)), 2));
       }

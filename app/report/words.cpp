@@ -92,8 +92,19 @@ bool is_tested(const fit::Result& fit) { return fit.method == Method::gls && fit
 /// Whether the coefficients say something of the sensor.
 bool is_usable(const fit::Result& fit) { return fit.method == Method::gls && is_quotable(fit); }
 
+/// The one-sided limit of a coefficient, or that the record sets none.
+std::string limit_text(Signal signal, Term term, double upper) {
+  if (!std::isfinite(upper)) return "no limit found";
+  return fmt::format("at most {} (95 %)", quantity(signal, term, upper));
+}
+
 std::string signed_percent(double fraction) {
   return fmt::format("{}{}", fraction < 0 ? '-' : '+', percent(std::abs(fraction)));
+}
+
+/// An interval that the record does not close above.
+std::string open_interval(double lower) {
+  return lower > 0 ? fmt::format("above {}, no limit", number(lower, 2)) : "no limit";
 }
 
 std::string join(const std::vector<std::string>& parts, std::string_view last_separator) {
@@ -216,8 +227,9 @@ CoefficientText coefficient_text(const Coefficient& c, double si_per_unit, std::
   const double value = c.value / si_per_unit, lower = c.lower / si_per_unit, upper = c.upper / si_per_unit;
   const double std_dev = c.relative_std * value;
   const bool has_std = std::isfinite(std_dev) && std_dev > 0;
+  if (!std::isfinite(upper)) return {number(value), open_interval(lower), std::move(unit)};
   const double size = value > 0 ? value : upper;
-  if (!(size > 0) || !std::isfinite(size)) return {number(value), "-", std::move(unit)};
+  if (!(size > 0)) return {number(value), "-", std::move(unit)};
   const Resolution r = resolution(size, has_std ? std_dev : size / 10);
   const std::string value_text =
       has_std ? fmt::format("{} ± {}", fixed(value, r), fixed(std_dev, r)) : fixed(value, r);
@@ -260,7 +272,7 @@ std::string status_text(Signal signal, const Coefficient& c, const fit::Result& 
   if (!c.fitted) return "left out: not fitted";
   if (fit.method == Method::visual) return "read off the curve";
   if (!is_quotable(fit)) return "do not quote";
-  const std::string limit = fmt::format("at most {} (95 %)", quantity(signal, c.term, c.upper));
+  const std::string limit = limit_text(signal, c.term, c.upper);
   switch (c.status) {
     case Status::identified:
       return "identified";
@@ -392,6 +404,7 @@ std::string minimum_text(const AxisResult& axis, double rate_hz) {
     return text + fmt::format(" The flicker floor alone, 0.664 B, is {}.",
                               rate_text(axis.signal, flicker->value * kFlickerFloor));
   }
+  if (!std::isfinite(flicker->upper)) return text + " The record sets no limit to the flicker floor alone.";
   return text + fmt::format(" The flicker floor alone, 0.664 B, is at most {} (95 %).",
                             rate_text(axis.signal, flicker->upper * kFlickerFloor));
 }

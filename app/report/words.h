@@ -31,7 +31,7 @@ namespace gyrobudget::inline v0::report {
 /// A coefficient's numbers in one unit, all at the resolution its standard deviation deserves (two digits of it).
 struct CoefficientText {
   std::string value;     ///< "0.70 ± 0.12"; "0"; "-" where not fitted
-  std::string interval;  ///< "0.44 to 0.93"; "0 to 1.4"; "-"
+  std::string interval;  ///< "0.44 to 0.93"; "0 to 1.4"; "no limit" where the record sets none above; "-"
   std::string unit;
 };
 /// @param si_per_unit how many SI units one `unit` is.

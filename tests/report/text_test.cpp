@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -51,6 +52,19 @@ TEST(Datasheet, SaysWhatAPersonWantsFirst) {
       text,
       "What follows: Values and intervals can be used as they stand, for averaging times from 0.01 s on.");
   EXPECT_SAYS(text, "For 10 %, record 27.4 h");
+}
+
+TEST(Datasheet, AnUpperLimitThatWasNotFoundIsSaidEverywhere) {
+  LogResult result = fixtures::bounded();
+  for (fit::Coefficient& c : result.axes.front().fit->coefficients) {
+    c.upper = std::numeric_limits<double>::infinity();
+  }
+  result.axes.push_back(result.axes.front());
+  for (const std::string& text : {datasheet(result), page(result)}) {
+    EXPECT_SAYS(text, "no limit");
+    EXPECT_EQ(text.find("infinit"), std::string::npos);
+    EXPECT_EQ(text.find("e+3"), std::string::npos);
+  }
 }
 
 TEST(Datasheet, ExplainsTheMakersBiasInstability) {
