@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -169,17 +168,15 @@ Json allan_document(const LogResult& result) {
   return document;
 }
 
-/// A reader may rely on numbers for what was fitted: an open interval is written as the widest one.
+/// Null where nothing was fitted, and as `upper` of what was where the record sets no limit.
 Json parameter(Signal signal, const Coefficient& c) {
   const Scale scale(signal, c.term);
-  const double widest = std::numeric_limits<double>::max() * std::min(1.0, scale.to_si());
   const auto known = [&](double value) { return c.fitted ? Json(value) : Json(nullptr); };
   const double lower = std::isfinite(c.lower) ? c.lower : 0;
-  const double upper = std::isfinite(c.upper) ? c.upper : widest;
   return {{"value", known(scale(c.value))},
           {"unit", scale.unit()},
           {"lower", known(scale(lower))},
-          {"upper", known(scale(upper))},
+          {"upper", known(scale(c.upper))},
           {"relative_std", known(c.relative_std)},
           {"status", text(c.status)},
           {"symbol", std::string(1, static_cast<char>(c.term))},
@@ -190,7 +187,7 @@ Json parameter(Signal signal, const Coefficient& c) {
           {"si",
            {{"value", known(c.value)},
             {"lower", known(lower)},
-            {"upper", known(upper)},
+            {"upper", known(c.upper)},
             {"unit", si_unit(noise::dimension_of(signal, c.term))}}}};
 }
 
