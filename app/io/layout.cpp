@@ -103,11 +103,14 @@ Score score(Dialect dialect, const NumberedLine& above, const std::vector<Number
   Score result;
   const std::size_t cells_expected = split(rows[0].text, dialect.delimiter).size();
   result.header_fits = split_header(above.text, dialect.delimiter).size() == cells_expected;
+  const bool one_name = split_header(above.text, ',').size() == 1 &&
+                        count_numbers(split(above.text, dialect.delimiter), dialect.decimal_comma) == 0;
   for (const NumberedLine& row : rows) {
     const auto cells = split(row.text, dialect.delimiter);
     const std::size_t numbers = count_numbers(cells, dialect.decimal_comma);
     const auto missing = static_cast<std::size_t>(std::ranges::count_if(cells, is_missing));
-    if (dialect.decimal_comma && cells.size() < 2) continue;  // "1,5" alone may be two columns
+    // "1,5" alone may be two columns; under one name it is one.
+    if (dialect.decimal_comma && cells.size() < 2 && !(one_name && result.header_fits)) continue;
     const bool clean = numbers > 0 && numbers + missing == cells.size() && cells.size() == cells_expected;
     result.numbers += numbers;
     result.clean_rows += clean ? 1 : 0;
@@ -129,6 +132,14 @@ bool commas_may_be_decimal(const std::vector<NumberedLine>& rows) {
   return leading_zero;
 }
 
+/// Cells like "0,5" in quotes.
+bool commas_stand_in_quotes(std::string_view row) {
+  return std::ranges::any_of(split(row, ','), [](std::string_view cell) {
+    return cell.size() > 1 && cell.front() == '"' && is_digit(cell.back()) &&
+           cell.find('"', 1) == std::string_view::npos;
+  });
+}
+
 Dialect find_dialect(const Source& source, const NumberedLine& above, std::vector<NumberedLine> rows) {
   rows.resize(std::min(rows.size(), kDialectRows));
   // In the order of preference where several explain the rows equally well.
@@ -144,11 +155,20 @@ Dialect find_dialect(const Source& source, const NumberedLine& above, std::vecto
     }
   }
   if (best.delimiter == ',' && commas_may_be_decimal(rows)) {
-    fail_at(source.name(), rows[0].number, 1,
-            fmt::format(
-                "found {}, where the commas may be decimal marks or part the columns; write decimal points, "
-                "or part the columns by semicolons",
-                quoted(rows[0].text)));
+    fail_at(
+        source.name(), rows[0].number, 1,
+        fmt::format(
+            "found {}, where the commas may be decimal marks or part the columns; write decimal points, "
+            "part the columns by semicolons, or name the columns in a header line, as in \"gyro_x (deg/s)\"",
+            quoted(rows[0].text)));
+  }
+  if (best_score.clean_rows == 0 && commas_stand_in_quotes(rows[0].text)) {
+    fail_at(
+        source.name(), rows[0].number, 1,
+        fmt::format(
+            "found {}, decimal commas in quotes between commas; write decimal points, or part the columns "
+            "by semicolons and leave the quotes out",
+            quoted(rows[0].text)));
   }
   return best;
 }

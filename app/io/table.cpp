@@ -170,18 +170,29 @@ class RowParser {
 
   Fault bad_cell(const Role& role, const char* begin, const char* at, const char* end) const {
     const std::string_view cell = trim({at, static_cast<std::size_t>(cell_end(at, end) - at)});
-    double ignored = 0;
-    const bool text = parse_number(cell, dialect_.decimal_comma, ignored) == Cell::text;
-    const std::string expected = text                        ? "a number"
-                                 : role.kind == Role::number ? "a number within the range of double (1.8e308)"
-                                                             : "a time within 292 years of its zero";
+    const bool named = role.kind == Role::number && !role.name->starts_with("column ");
     return {0, static_cast<std::size_t>(at - begin),
-            fmt::format("found {} in {}, expected {}; correct it, or write nan where a sample is missing",
-                        quoted(cell),
-                        role.kind == Role::number && !role.name->starts_with("column ")
-                            ? "column " + quoted(*role.name)
-                            : *role.name,
-                        expected)};
+            fmt::format("found {} in {}, expected {}", quoted(cell),
+                        named ? "column " + quoted(*role.name) : *role.name, expectation(role, cell))};
+  }
+
+  /// What should stand instead of a bad cell, and how to mend it.
+  std::string expectation(const Role& role, std::string_view cell) const {
+    constexpr std::string_view kMend = "correct it, or write nan where a sample is missing";
+    double ignored = 0;
+    if (parse_number(cell, dialect_.decimal_comma, ignored) != Cell::text) {
+      return fmt::format("{}; {}",
+                         role.kind == Role::number ? "a number within the range of double (1.8e308)"
+                                                   : "a time within 292 years of its zero",
+                         kMend);
+    }
+    if (parse_number(cell, !dialect_.decimal_comma, ignored) == Cell::number) {
+      return fmt::format(
+          "a number with a decimal {} as in the first rows; write all numbers alike, without "
+          "marks between thousands",
+          dialect_.decimal_comma ? "comma" : "point");
+    }
+    return fmt::format("a number; {}", kMend);
   }
 
   Fault too_few(const char* begin, const char* end, std::size_t found) const {

@@ -213,7 +213,15 @@ TEST_F(BadLog, CommasThatMayBeDecimalMarks) {
   EXPECT_CONTAINS(message("0,125\n0,031\n-0,250\n", {.rate_hz = 1, .unit = "1"}),
                   ":2:1: found '0,031', where the commas may be decimal marks or part the columns");
   EXPECT_CONTAINS(message("t (s);w (1)\n0;1,5\n1;1.234,5\n2;1,5\n"), ":3:3: found '1.234,5' in column 'w'");
-  EXPECT_CONTAINS(message("t (s);w (1)\n0;1,5\n1;1.234\n2;1,5\n"), ":3:3: found '1.234' in column 'w'");
+  EXPECT_CONTAINS(message("t (s);w (1)\n0;1,5\n1;1.234\n2;1,5\n"),
+                  ":3:3: found '1.234' in column 'w', expected a number with a decimal comma as in the first "
+                  "rows; write all numbers alike, without marks between thousands");
+  EXPECT_CONTAINS(message("t (s);w (1)\n0;1.5\n1;2.5\n2;1,5\n"), "expected a number with a decimal point");
+  EXPECT_CONTAINS(message("0,125\n0,031\n-0,250\n", {.rate_hz = 1, .unit = "1"}),
+                  "part the columns by semicolons, or name the columns in a header line");
+  EXPECT_CONTAINS(
+      message("\"t (s)\",\"w (1)\"\n\"0,0\",\"1,5\"\n\"0,1\",\"2,5\"\n"),
+      ":2:1: found '\"0,0\",\"1,5\"', decimal commas in quotes between commas; write decimal points");
 }
 
 // --- Columns, units, rate ------------------------------------------------------------------------------------------

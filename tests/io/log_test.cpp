@@ -174,6 +174,21 @@ TEST_F(Log, DecimalCommasWhereTheyAreNoDelimiters) {
   }
 }
 
+TEST_F(Log, DecimalCommasWithoutAHeader) {
+  const Record r = read("0,1;0,2\n-0,3;0,4\n0,5;1e-1\n", {.rate_hz = 100, .unit = "1"});
+  ASSERT_EQ(r.axes.size(), 2U);
+  expect_values(r.axes[0].rate, {0.1, -0.3, 0.5});
+  expect_values(r.axes[1].rate, {0.2, 0.4, 0.1});
+  expect_note(r, "commas are read as decimal marks");
+}
+
+TEST_F(Log, DecimalCommasUnderOneName) {
+  const Record r = read("gyro_x (1)\n0,125\n-0,031\n0,25\n", {.rate_hz = 100});
+  ASSERT_EQ(r.axes.size(), 1U);
+  expect_values(r.axes[0].rate, {0.125, -0.031, 0.25});
+  expect_note(r, "commas are read as decimal marks");
+}
+
 TEST_F(Log, MissingValuesOfEveryProgram) {
   const Record r = read(
       "w (rad/s),v (rad/s)\n1,1\nnan,1\nNaN,1\n-nan,1\n,1\n "
