@@ -166,6 +166,7 @@ struct SineLikelihood::Curvature {
     const Eigen::VectorXd target = factor.matrixL().solve(M * u + g);
     step = nonnegative_least_squares(factor.matrixU(), target, held) - u;
     promise = 2 * g.dot(step) - step.dot(M * step);
+    if (std::abs(promise) < kTrusted * kTrusted) promise = std::abs(promise);  // rounding
     return step.allFinite() && promise >= 0;
   }
 };

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 // The 200-record version of fit_study, with limits from the binomial and chi-square laws.
-#include "study.h"
-
 #include <gtest/gtest.h>
 
 #include <boost/math/distributions/binomial.hpp>
 #include <boost/math/distributions/chi_squared.hpp>
 
 #include <cmath>
+
+#include "study.h"
 
 namespace gyrobudget::tests {
 namespace {
