@@ -218,6 +218,13 @@ std::int64_t family_positions(Estimator estimator, std::int64_t samples, std::in
   return 0;
 }
 
+std::int64_t rescaled_samples(Estimator estimator, std::int64_t samples, std::int64_t m, std::int64_t coarse) {
+  const double positions = static_cast<double>(family_positions(estimator, samples, m)) * static_cast<double>(coarse) /
+                           static_cast<double>(m);
+  const std::int64_t beyond = -family_positions(estimator, 0, coarse);  // samples that are no positions
+  return std::max<std::int64_t>(1, std::llround(positions)) + beyond;
+}
+
 std::int64_t steps_per_term(Estimator estimator, std::int64_t m) {
   switch (estimator) {
     case Estimator::mtotdev:

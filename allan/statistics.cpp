@@ -1,0 +1,276 @@
+// SPDX-License-Identifier: MIT
+#include "gyrobudget/allan/statistics.h"
+
+#include "gyrobudget/allan/detail/family_sum.h"
+#include "gyrobudget/allan/detail/lag_moments.h"
+#include "gyrobudget/allan/detail/quadratic_form.h"
+
+#include <fmt/core.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <stdexcept>
+
+namespace gyrobudget::inline v0::allan {
+namespace {
+
+using detail::Moments;
+using Mix = std::span<const noise::Process>;
+
+void check(const Estimation& of) {
+  const FactorRange range = factor_range(of.estimator, of.samples);
+  if (of.m < range.least || of.m > range.most || of.m % range.step != 0) {
+    throw std::invalid_argument(fmt::format(
+        "averaging factor is {}; for {} of a record of {} samples it must be {}from {} to {}", of.m,
+        name(of.estimator), of.samples, range.step == 2 ? "even, " : "", range.least, range.most));
+  }
+  if (of.stride < 1)
+    throw std::invalid_argument(fmt::format("stride is {} samples; it must be at least 1", of.stride));
+  if (!(of.dt > 0) || !std::isfinite(of.dt))
+    throw std::invalid_argument(
+        fmt::format("sample interval dt is {}; it must be positive and finite (s)", of.dt));
+}
+
+/// The mix relative to its largest coefficient: degrees of freedom and biases know no scale.
+std::vector<noise::Process> normalized(Mix mix) {
+  double largest = 0;
+  for (const noise::Process& process : mix)
+    largest = std::max(largest, std::abs(noise::coefficient(process)));
+  if (!(largest > 0))
+    throw std::invalid_argument("statistics of no noise: all coefficients of the mix are 0");
+  std::vector<noise::Process> result;
+  for (const noise::Process& process : mix)
+    result.push_back(noise::with_coefficient(process, noise::coefficient(process) / largest));
+  return result;
+}
+
+// ---- the dense form, of a record that is short enough ----
+
+struct Resolution {
+  std::int64_t samples_per_cluster;  ///< at least, where the record has them
+  double low, high;  ///< clusters in a record: from `high` on statistics are straight lines through these
+};
+Resolution resolution(Estimator estimator) {
+  if (estimator == Estimator::theo1) return {48, 3.5, 5};
+  return {16, 8, 13};
+}
+
+/// The same with fewer samples a cluster and a given number of clusters in the record.
+Estimation reduced(const Estimation& of, double clusters) {
+  const Resolution limits = resolution(of.estimator);
+  const double finest = static_cast<double>(limits.samples_per_cluster) * limits.high / clusters;
+  Estimation result = of;
+  result.m = std::min(of.m, static_cast<std::int64_t>(finest) / 4 * 4);  // 0.75 m of Theo1 stays whole
+  const double coarser = static_cast<double>(result.m) / static_cast<double>(of.m);
+  const auto samples = static_cast<std::int64_t>(std::ceil(clusters * static_cast<double>(of.m)));
+  result.samples = detail::rescaled_samples(of.estimator, samples, of.m, result.m);
+  result.stride = std::max<std::int64_t>(1, std::llround(static_cast<double>(of.stride) * coarser));
+  result.dt = of.dt / coarser;
+  return result;
+}
+
+Moments dense_moments(const Estimation& of, Mix mix) {
+  return detail::moments(detail::estimator_matrix(of.estimator, of.samples, of.m, of.stride), mix, of.dt);
+}
+
+double dense_dof(const Estimation& of, Mix mix) {
+  const Resolution limits = resolution(of.estimator);
+  const double clusters = static_cast<double>(of.samples) / static_cast<double>(of.m);
+  if (clusters <= limits.high) return dense_moments(reduced(of, clusters), mix).edf();
+  const Estimation high = reduced(of, limits.high);
+  Estimation low = high;
+  low.samples = static_cast<std::int64_t>(limits.low * static_cast<double>(high.m));
+  const double at_low = dense_moments(low, mix).edf(), at_high = dense_moments(high, mix).edf();
+  const double slope =
+      (at_high - at_low) / static_cast<double>(high.samples - low.samples);  // per sample of theirs
+  const std::int64_t samples = detail::rescaled_samples(of.estimator, of.samples, of.m, high.m);
+  return at_high + slope * static_cast<double>(samples - high.samples);
+}
+
+// ---- biases ----
+
+/// Total: the terms in the middle have the Allan variance, those whose neighbours are reflected one of their own each.
+double total_ratio(const Estimation& of, Mix mix) {
+  constexpr std::int64_t kFinest = 512;
+  Estimation small = of;
+  if (of.m > kFinest) {
+    small.m = kFinest;
+    small.samples = detail::rescaled_samples(of.estimator, of.samples, of.m, kFinest);
+    small.dt = of.dt * static_cast<double>(of.m) / static_cast<double>(kFinest);
+  }
+  // The record's form without its middle, which is as long as the record but for the two ends of m.
+  const std::int64_t n = small.samples, m = small.m;
+  const double allan = noise::allan_variance(mix, m, small.dt);
+  const std::int64_t inside = std::max<std::int64_t>(0, n - 2 * m + 1);
+  double sum = static_cast<double>(inside) * allan;
+  for (std::int64_t i = 1; i < n; ++i) {
+    if (i == m && inside > 0) i += inside;
+    if (i < n) sum += detail::reflected_expectation(mix, n, m, i, small.dt);
+  }
+  return sum / static_cast<double>(n - 1) / allan;
+}
+
+/// Modified and Hadamard total: every stretch of 3m has the same expectation, so the shortest record serves.
+double stretch_ratio(const Estimation& of, Mix mix, Estimator plain) {
+  Estimation small = reduced(of, 3);
+  small.stride = small.samples;
+  const Moments of_plain = detail::lag_moments(plain, small.samples, small.m, small.samples, small.dt, mix);
+  return dense_moments(small, mix).expectation / of_plain.expectation;
+}
+
+/// Theo1: the sum over its m/2 differences, each of four phases.
+double theo1_ratio(const Estimation& of, Mix mix) {
+  constexpr std::int64_t kFinest = 2048;
+  const std::int64_t m = std::min(of.m, kFinest);
+  const double dt = of.dt * static_cast<double>(of.m) / static_cast<double>(m);
+  double expectation = 0;
+  for (const noise::Process& process : mix) {
+    const auto R = [&](std::int64_t lag) {
+      return noise::phase_covariance(process, static_cast<double>(lag), dt);
+    };
+    const double ends = R(0) + R(m);
+    for (std::int64_t j = 1; j <= m / 2; ++j) {
+      // x_0 + x_m - x_j - x_{m-j}
+      const double square = 2 * ends + 2 * (R(0) + R(m - 2 * j)) - 4 * (R(j) + R(m - j));
+      expectation += square / static_cast<double>(j);
+    }
+    if (const auto* ramp = std::get_if<noise::RateRamp>(&process)) {
+      for (std::int64_t j = 1; j <= m / 2; ++j) {
+        const double d = ramp->r * dt * dt * static_cast<double>(j) * static_cast<double>(m - j);
+        expectation += d * d / static_cast<double>(j);
+      }
+    }
+  }
+  const double M = static_cast<double>(m);
+  expectation /= 0.75 * M * M * dt * dt;
+  // The Allan variance at 0.75 m, between whole factors in proportion.
+  const std::int64_t below = 3 * m / 4;
+  const double share = 0.75 * M - static_cast<double>(below);
+  const double allan =
+      (1 - share) * noise::allan_variance(mix, below, dt) + share * noise::allan_variance(mix, below + 1, dt);
+  return expectation / allan;
+}
+
+PointStatistics nothing() {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  return {1, kNaN, kNaN, {kNaN, kNaN}};
+}
+
+PointStatistics point_statistics(const Curve& curve, const Point& point, Mix mix, double confidence) {
+  if (point.terms == 0) return nothing();
+  const Estimation of{curve.estimator, curve.samples, point.m, curve.dt, point.stride};
+  PointStatistics result;
+  result.bias = expectation_ratio(of, mix);
+  if (curve.estimator == Estimator::oadev && point.stride == 1) {
+    result.edf = equivalent_dof(curve.samples, point.m, curve.dt, mix, curve.form, curve.mask.get());
+  } else {
+    result.edf = equivalent_dof(of, mix);
+    if (curve.mask) {
+      const std::int64_t positions = detail::family_positions(curve.estimator, curve.samples, point.m);
+      const double complete = std::ceil(static_cast<double>(positions) / static_cast<double>(point.stride));
+      result.edf =
+          std::max(std::min(1., result.edf), result.edf * static_cast<double>(point.terms) / complete);
+    }
+  }
+  result.variance = point.variance / result.bias;
+  result.interval = chi_square_interval(result.variance, result.edf, confidence);
+  return result;
+}
+
+/// @param mix_of gives the mix of a point by its index.
+template <typename MixOf>
+std::vector<PointStatistics> each_point(const Curve& curve, double confidence, MixOf mix_of) {
+  std::vector<PointStatistics> result(curve.points.size());
+  tbb::parallel_for(std::size_t{0}, result.size(), [&](std::size_t i) {
+    result[i] = point_statistics(curve, curve.points[i], mix_of(i), confidence);
+  });
+  return result;
+}
+
+}  // namespace
+
+double equivalent_dof(const Estimation& of, Mix mix) {
+  check(of);
+  const std::vector<noise::Process> scaled = normalized(mix);
+  if (!detail::is_stationary(of.estimator)) return dense_dof(of, scaled);
+  return detail::lag_moments(of.estimator, of.samples, of.m, of.stride, of.dt, scaled).edf();
+}
+
+double expectation_ratio(const Estimation& of, Mix mix) {
+  check(of);
+  if (detail::is_stationary(of.estimator)) return 1;
+  const std::vector<noise::Process> scaled = normalized(mix);
+  switch (of.estimator) {
+    case Estimator::totdev:
+      return total_ratio(of, scaled);
+    case Estimator::mtotdev:
+    case Estimator::ttotdev:
+      return stretch_ratio(of, scaled, Estimator::mdev);
+    case Estimator::htotdev:
+      return of.m == 1 ? 1 : stretch_ratio(of, scaled, Estimator::ohdev);
+    default:
+      return theo1_ratio(of, scaled);
+  }
+}
+
+std::vector<PointStatistics> statistics(const Curve& curve, Mix mix, double confidence) {
+  return each_point(curve, confidence, [&](std::size_t) { return mix; });
+}
+
+std::vector<PointStatistics> statistics(const Curve& curve, std::span<const Identified> noises,
+                                        double confidence) {
+  if (noises.size() != curve.points.size()) {
+    throw std::invalid_argument(fmt::format("noise was identified at {} points; the curve has {}",
+                                            noises.size(), curve.points.size()));
+  }
+  std::vector<noise::Process> processes;
+  for (const Identified& found : noises) processes.push_back(noise::unit_process(found.term));
+  return each_point(curve, confidence, [&](std::size_t i) { return Mix(&processes[i], 1); });
+}
+
+std::vector<Identified> identify_noise(const RateRecord& record, const Curve& curve) {
+  std::vector<std::int64_t> factors;
+  for (std::size_t i = 0; i < curve.points.size(); ++i) {
+    const auto m = static_cast<std::int64_t>(std::llround(curve.tau(i) / curve.dt));
+    factors.push_back(std::clamp<std::int64_t>(m, 1, std::max<std::int64_t>(1, record.samples() / 2)));
+  }
+  return identify_noise(record, factors);
+}
+
+std::vector<PooledPoint> pool(std::span<const Segment> segments, double confidence) {
+  std::map<std::int64_t, PooledPoint> by_factor;
+  for (const Segment& segment : segments) {
+    const Curve &curve = *segment.curve, &first = *segments.front().curve;
+    if (curve.estimator != first.estimator || curve.dt != first.dt) {
+      throw std::invalid_argument(
+          fmt::format("segments to pool are {} every {} s and {} every {} s; they must be alike",
+                      name(first.estimator), first.dt, name(curve.estimator), curve.dt));
+    }
+    if (segment.statistics.size() != curve.points.size()) {
+      throw std::invalid_argument(fmt::format("a segment has {} points and statistics of {}",
+                                              curve.points.size(), segment.statistics.size()));
+    }
+    for (std::size_t i = 0; i < curve.points.size(); ++i) {
+      if (curve.points[i].terms == 0) continue;
+      PooledPoint& pooled = by_factor[curve.points[i].m];
+      const PointStatistics& one = segment.statistics[i];
+      pooled.tau = curve.tau(i);
+      pooled.variance += one.edf * one.variance;
+      pooled.edf += one.edf;
+      pooled.terms += curve.points[i].terms;
+      ++pooled.segments;
+    }
+  }
+  std::vector<PooledPoint> points;
+  for (auto& [m, pooled] : by_factor) {
+    pooled.variance /= pooled.edf;
+    pooled.interval = chi_square_interval(pooled.variance, pooled.edf, confidence);
+    points.push_back(pooled);
+  }
+  return points;
+}
+
+}  // namespace gyrobudget::inline v0::allan

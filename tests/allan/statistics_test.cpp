@@ -1,0 +1,387 @@
+// SPDX-License-Identifier: MIT
+#include "gyrobudget/allan/statistics.h"
+
+#include "gyrobudget/allan/detail/family_sum.h"
+#include "gyrobudget/allan/detail/lag_moments.h"
+#include "gyrobudget/allan/detail/quadratic_form.h"
+#include "gyrobudget/allan/family.h"
+#include "gyrobudget/noise/generate.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "family_reference.h"
+#include "reference.h"
+
+namespace gyrobudget::allan {
+namespace {
+
+const noise::Process kKinds[] = {noise::Quantization{1}, noise::White{1}, noise::Flicker{1},
+                                 noise::RateRandomWalk{1}};
+char letter(const noise::Process& process) { return static_cast<char>(noise::term(process)); }
+std::span<const noise::Process> only(const noise::Process& process) { return {&process, 1}; }
+
+detail::Moments full_form(const Estimation& s, std::span<const noise::Process> mix) {
+  return detail::moments(detail::estimator_matrix(s.estimator, s.samples, s.m, s.stride), mix, s.dt);
+}
+
+// ---- the quadratic form, against the estimates themselves ------------------------------------------------------
+
+TEST(QuadraticForm, IsTheEstimate) {
+  const std::vector<double> rate = reference::normal(60, 31);
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(61);
+  for (Eigen::Index k = 0; k < 60; ++k) x[k + 1] = x[k] + rate[static_cast<std::size_t>(k)];
+  for (const Estimator estimator : kEstimators) {
+    if (estimator == Estimator::tdev || estimator == Estimator::ttotdev)
+      continue;  // the modified ones by another unit
+    for (const std::int64_t m : {1L, 2L, 5L, 10L, 14L, 20L, 40L, 59L, 60L}) {
+      const FactorRange range = factor_range(estimator, 60);
+      if (m < range.least || m > range.most || m % range.step != 0) continue;
+      for (const std::int64_t overlap : {0, 2}) {
+        const std::int64_t stride = stride_of(estimator, 60, m, {.overlap = overlap});
+        const auto A = detail::estimator_matrix(estimator, 60, m, stride);
+        const auto truth = static_cast<double>(reference::family_variance(estimator, rate, 1, m, stride));
+        EXPECT_NEAR(x.dot(A * x) / truth, 1, 1e-11) << name(estimator) << " m " << m << " stride " << stride;
+      }
+    }
+  }
+}
+
+TEST(QuadraticForm, MomentsOfTheAllanVarianceAreThoseOfTheLagSums) {
+  for (const noise::Process& kind : kKinds) {
+    for (const std::int64_t m : {1, 7, 40}) {
+      const detail::Moments dense = full_form({Estimator::oadev, 100, m}, only(kind));
+      EXPECT_NEAR(dense.expectation / noise::allan_variance(kind, m, 1), 1, 1e-10);
+      EXPECT_NEAR(dense.edf() / equivalent_dof(100, m, 1, only(kind)), 1, 1e-8);
+    }
+  }
+  // A ramp is a mean: it raises the expectation and multiplies the scatter of the noise.
+  const noise::Process mix[] = {noise::White{1}, noise::RateRamp{0.05}};
+  EXPECT_NEAR(full_form({Estimator::oadev, 100, 10, 0.5}, mix).edf() / equivalent_dof(100, 10, 0.5, mix), 1,
+              1e-9);
+}
+
+// ---- degrees of freedom ------------------------------------------------------------------------------------------
+
+TEST(FamilyDof, LagSumsAreTheFullForm) {
+  constexpr double kTail = 1e-5;  // of flicker's lags that the modified ones leave out
+  const noise::Process with_ramp[] = {noise::White{1}, noise::RateRandomWalk{0.1}, noise::RateRamp{0.02}};
+  std::vector<std::span<const noise::Process>> mixes{with_ramp};
+  for (const noise::Process& kind : kKinds) mixes.push_back(only(kind));
+  for (const auto& mix : mixes) {
+    for (const Estimator estimator : {Estimator::adev, Estimator::oadev, Estimator::hdev, Estimator::ohdev,
+                                      Estimator::mdev, Estimator::tdev}) {
+      for (const std::int64_t m : {1, 3, 8, 40}) {
+        for (const std::int64_t overlap : {0, 1, 3}) {
+          Estimation of{estimator, 160, m, 0.25};
+          of.stride = stride_of(estimator, 160, m, {.overlap = overlap});
+          EXPECT_NEAR(equivalent_dof(of, mix) / full_form(of, mix).edf(), 1, kTail)
+              << name(estimator) << " m " << m << " stride " << of.stride << " " << letter(mix[0]);
+        }
+      }
+    }
+  }
+}
+
+TEST(FamilyDof, CoarserLooksStayWithinTheirBounds) {
+  // The full form at twice and four times the resolution that the library looks with.
+  const struct {
+    Estimator estimator;
+    std::int64_t m;
+    double tolerance;
+  } cases[] = {{Estimator::mdev, 96, 0.005},
+               {Estimator::totdev, 40, 0.02},
+               {Estimator::mtotdev, 40, 0.02},
+               {Estimator::htotdev, 40, 0.02},
+               {Estimator::theo1, 96, 0.03}};
+  for (const auto& [estimator, m, tolerance] : cases) {
+    for (const double clusters : {1.05, 1.5, 3.3, 4.7}) {
+      const Estimation of{estimator, static_cast<std::int64_t>(clusters * static_cast<double>(m)), m, 1};
+      if (m > factor_range(estimator, of.samples).most) continue;
+      for (std::size_t k = 1; k < std::size(kKinds); ++k) {
+        EXPECT_NEAR(equivalent_dof(of, only(kKinds[k])) / full_form(of, only(kKinds[k])).edf(), 1, tolerance)
+            << name(estimator) << " n/m " << clusters << " " << letter(kKinds[k]);
+      }
+    }
+  }
+}
+
+TEST(FamilyDof, LongRecordsFollowTheLine) {
+  // Thirty clusters of few samples can still be had from the full form.
+  for (const Estimator estimator :
+       {Estimator::totdev, Estimator::mtotdev, Estimator::htotdev, Estimator::theo1}) {
+    const std::int64_t m = 12;
+    const Estimation of{estimator, 30 * m, m, 1};
+    for (const noise::Process& kind : kKinds) {
+      EXPECT_NEAR(equivalent_dof(of, only(kind)) / full_form(of, only(kind)).edf(), 1,
+                  letter(kind) == 'Q' ? 0.07 : 0.02)
+          << name(estimator) << " " << letter(kind);
+    }
+  }
+}
+
+TEST(FamilyDof, PublishedApproximations) {
+  // Total: Greenhall, Howe, Percival 1999, edf = b T/tau - c, exact in the limit of long clusters; SP 1065 table 8.
+  const struct {
+    noise::Process kind;
+    double b, c;
+  } total[] = {{kKinds[1], 1.5, 0}, {kKinds[2], 1.17, 0.22}, {kKinds[3], 0.93, 0.36}};
+  for (const auto& [kind, b, c] : total) {
+    for (const double clusters : {2., 5., 50.}) {
+      const Estimation of{Estimator::totdev, static_cast<std::int64_t>(clusters * 4000), 4000, 1};
+      EXPECT_NEAR(equivalent_dof(of, only(kind)) / (b * clusters - c), 1, 0.05) << letter(kind) << clusters;
+    }
+  }
+  // Theo1 of white noise: Howe 2003; SP 1065 table 13. N phases, r = 0.75 m.
+  const double N = 1001, r = 75;
+  const double howe =
+      ((4.1 * N + 0.8) / r - (3.1 * N + 6.5) / N) * std::pow(r, 1.5) / (std::pow(r, 1.5) + 5.2);
+  EXPECT_NEAR(equivalent_dof({Estimator::theo1, 1000, 100, 1}, only(kKinds[1])) / howe, 1, 0.05);
+}
+
+TEST(FamilyDof, LossByStride) {
+  // Loss of degrees of freedom in per cent against full overlap at n/m = 512: theory (exact lag sums in another program).
+  const struct {
+    std::int64_t per_cluster;
+    double white, flicker, walk;
+  } rows[] = {{32, 0.11, 0, 0},     {16, 0.48, -0.01, -0.01}, {8, 1.9, 0.02, -0.02},
+              {4, 7.8, 0.3, -0.04}, {2, 31, 2.9, 0.05},       {1, 125, 32, 4.2}};
+  for (const auto& row : rows) {
+    const double wanted[] = {row.white, row.flicker, row.walk};
+    for (std::size_t k = 0; k < 3; ++k) {
+      Estimation of{Estimator::oadev, 512 * 1024, 1024, 1};
+      const double full = equivalent_dof(of, only(kKinds[k + 1]));
+      of.stride = 1024 / row.per_cluster;
+      const double loss = 100 * (full / equivalent_dof(of, only(kKinds[k + 1])) - 1);
+      EXPECT_NEAR(loss, wanted[k], 0.025 + 0.02 * std::abs(wanted[k]))
+          << row.per_cluster << letter(kKinds[k + 1]);
+    }
+  }
+}
+
+// ---- biases ------------------------------------------------------------------------------------------------------
+
+TEST(FamilyBias, PublishedValues) {
+  const auto ratio = [](Estimator estimator, std::size_t kind, std::int64_t samples = 100'000,
+                        std::int64_t m = 4000) {
+    return expectation_ratio({estimator, samples, m, 1}, only(kKinds[kind]));
+  };
+  // Total: 1 - a tau/T, a = 0, 1/(3 ln 2), 3/4 (Greenhall, Howe, Percival 1999).
+  const double a[] = {0, 1 / (3 * std::log(2)), 0.75};
+  for (std::size_t k = 1; k < 4; ++k) {
+    for (const std::int64_t samples : {8000L, 20'000L, 400'000L}) {
+      const double share = 4000 / static_cast<double>(samples);
+      EXPECT_NEAR(ratio(Estimator::totdev, k, samples), 1 - a[k - 1] * share, 0.003 * share);
+    }
+  }
+  // Hadamard total: 1 - 0.005, 0.149, 0.229 (Howe et al. 2005; SP 1065 table 12).
+  EXPECT_NEAR(ratio(Estimator::htotdev, 1), 1 - 0.005, 0.002);
+  EXPECT_NEAR(ratio(Estimator::htotdev, 2), 1 - 0.149, 0.004);
+  EXPECT_NEAR(ratio(Estimator::htotdev, 3), 1 - 0.229, 0.002);
+  // Theo1: Allan over Theo1 = a + b / tau^c (Howe and Tasset 2004; SP 1065 table 13).
+  EXPECT_NEAR(ratio(Estimator::theo1, 1), 1, 1e-9);
+  EXPECT_NEAR(1 / ratio(Estimator::theo1, 2), 1.87 - 1.05 / std::pow(3000, 0.79), 0.02);
+  EXPECT_NEAR(1 / ratio(Estimator::theo1, 3), 2.70 - 1.53 / std::pow(3000, 0.85), 0.05);
+  // Modified total, published from simulation: 0.73, 0.70, 0.69 (SP 1065 table 11). The exact ones lie apart by 5 %.
+  EXPECT_NEAR(ratio(Estimator::mtotdev, 1), 0.73, 0.05);
+  EXPECT_NEAR(ratio(Estimator::mtotdev, 2), 0.70, 0.02);
+  EXPECT_NEAR(ratio(Estimator::mtotdev, 3), 0.69, 0.02);
+  EXPECT_EQ(ratio(Estimator::htotdev, 3, 100, 1), 1);
+  EXPECT_EQ(ratio(Estimator::mdev, 3), 1);
+}
+
+TEST(FamilyBias, CoarserLooksAreTheFullForm) {
+  for (std::size_t k = 1; k < 4; ++k) {
+    const Estimation total{Estimator::totdev, 300, 40, 1}, theo{Estimator::theo1, 130, 60, 0.5};
+    EXPECT_NEAR(expectation_ratio(total, only(kKinds[k])) * noise::allan_variance(kKinds[k], 40, 1) /
+                    full_form(total, only(kKinds[k])).expectation,
+                1, 0.01);
+    EXPECT_NEAR(expectation_ratio(theo, only(kKinds[k])) * noise::allan_variance(kKinds[k], 45, 0.5) /
+                    full_form(theo, only(kKinds[k])).expectation,
+                1, 1e-9);
+  }
+}
+
+// ---- Monte Carlo: the mean, the scatter and the intervals ------------------------------------------------------
+
+/// The variance that an estimator is named for, at its averaging time.
+double named_variance(Estimator estimator, std::int64_t samples, std::int64_t m, const noise::Process& kind) {
+  const auto of_lags = [&](Estimator plain) {
+    return detail::lag_moments(plain, samples, m, 1, 1, only(kind)).expectation;
+  };
+  switch (estimator) {
+    case Estimator::mdev:
+    case Estimator::mtotdev:
+      return of_lags(Estimator::mdev);
+    case Estimator::tdev:
+    case Estimator::ttotdev:
+      return of_lags(Estimator::mdev) * static_cast<double>(m * m) / 3;
+    case Estimator::hdev:
+    case Estimator::ohdev:
+    case Estimator::htotdev:
+      return of_lags(Estimator::ohdev);
+    case Estimator::theo1:
+      return (noise::allan_variance(kind, 3 * m / 4, 1) + noise::allan_variance(kind, (3 * m + 3) / 4, 1)) /
+             2;
+    default:
+      return noise::allan_variance(kind, m, 1);
+  }
+}
+
+TEST(FamilyMonteCarlo, MeanScatterAndCoverage) {
+  constexpr int kRecords = 1500;
+  constexpr std::int64_t kSamples = 256;
+  constexpr double kSigmas = 4.5;  // 300 checks: false alarm 2e-3
+  for (std::size_t k = 1; k < std::size(kKinds); ++k) {
+    const noise::RecordGenerator generate(only(kKinds[k]), kSamples, 1);
+    std::vector<std::vector<double>> records;
+    for (int r = 0; r < kRecords; ++r)
+      records.push_back(generate({.seed = 41, .stream = static_cast<std::uint64_t>(r)}));
+    for (const Estimator estimator : kEstimators) {
+      const auto factors = usable_factors(estimator, kSamples, std::vector<std::int64_t>{4, 24, 72, 170});
+      const auto facts = statistics(deviation(records[0], 1, estimator, factors), only(kKinds[k]));
+      std::vector<Curve> curves;
+      for (const auto& record : records) curves.push_back(deviation(record, 1, estimator, factors));
+      for (std::size_t i = 0; i < factors.size(); ++i) {
+        const double truth = named_variance(estimator, kSamples, factors[i], kKinds[k]), edf = facts[i].edf;
+        double mean = 0, square = 0, coverage = 0;
+        for (const Curve& curve : curves) {
+          const double value = curve.points[i].variance / facts[i].bias / truth;
+          const Interval interval = chi_square_interval(value, edf);
+          mean += value / kRecords;
+          square += value * value / kRecords;
+          coverage += (1 >= interval.lower && 1 <= interval.upper ? 1. : 0.) / kRecords;
+        }
+        const auto where =
+            std::string(name(estimator)) + " m " + std::to_string(factors[i]) + " " + letter(kKinds[k]);
+        EXPECT_NEAR(mean, 1, kSigmas * std::sqrt(2 / edf / kRecords) + 0.01) << where;
+        // The chi-square law covers 95 % at large edf and up to 98 % at 1 (see chi_square_interval).
+        EXPECT_GT(coverage, 0.95 - kSigmas * std::sqrt(0.05 * 0.95 / kRecords)) << where;
+        EXPECT_LT(coverage, 0.985) << where;
+        // Scatter of a sample variance of chi-square numbers: kurtosis 3 + 12/edf.
+        EXPECT_NEAR((square - mean * mean) * edf / 2, 1,
+                    kSigmas * std::sqrt((2 + 12 / edf) / kRecords) + 0.03)
+            << where;
+      }
+    }
+  }
+}
+
+// ---- whole curves --------------------------------------------------------------------------------------------------
+
+TEST(CurveStatistics, EveryEstimatorAndItsIdentifiedNoise) {
+  const std::vector<double> rate = reference::normal(5000, 42);
+  const RateRecord record(rate);
+  for (const Estimator estimator : kEstimators) {
+    const auto factors = octave_factors(estimator, 5000);
+    const Curve curve = deviation(record, estimator, factors);
+    const auto noises = identify_noise(record, curve);
+    const auto facts = statistics(curve, noises);
+    ASSERT_EQ(facts.size(), factors.size());
+    double before = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < facts.size(); ++i) {
+      EXPECT_LT(facts[i].interval.lower, facts[i].variance);
+      EXPECT_GT(facts[i].interval.upper, facts[i].variance);
+      EXPECT_EQ(facts[i].variance, curve.points[i].variance / facts[i].bias);
+      // Later points stand for fewer independent clusters (the identified noise may change along the way).
+      if (noises[i].alpha == 0 && factors[i] > 8) {
+        EXPECT_LT(facts[i].edf, before);
+        before = facts[i].edf;
+      }
+    }
+    EXPECT_THROW((void)statistics(curve, std::span(noises).first(1)), std::invalid_argument);
+  }
+}
+
+TEST(CurveStatistics, OfGaps) {
+  std::vector<double> rate = reference::normal(4000, 43);
+  for (std::size_t k = 1000; k < 2000; ++k) rate[k] = std::numeric_limits<double>::quiet_NaN();
+  const noise::Process white[] = {noise::White{1}};
+  for (const Estimator estimator : kEstimators) {
+    const std::vector<std::int64_t> factors =
+        usable_factors(estimator, 4000, std::vector<std::int64_t>{10, 1200});
+    const Curve curve = deviation(rate, 1, estimator, factors);
+    const auto facts = statistics(curve, white);
+    // Three quarters are left; at tau longer than any part nothing is, but where terms may span the gap's edge.
+    const double whole = equivalent_dof({estimator, 4000, factors[0], 1, curve.points[0].stride}, white);
+    EXPECT_NEAR(facts[0].edf / whole, 0.75, 0.02) << name(estimator);
+    if (curve.points.back().terms == 0) {
+      EXPECT_TRUE(std::isnan(facts.back().edf));
+      EXPECT_TRUE(std::isnan(facts.back().interval.upper));
+    }
+  }
+}
+
+TEST(CurveStatistics, MisuseThrows) {
+  const noise::Process none[] = {noise::White{0}}, white[] = {noise::White{1}};
+  EXPECT_THROW((void)equivalent_dof({Estimator::mdev, 100, 10, 1}, none), std::invalid_argument);
+  EXPECT_THROW((void)equivalent_dof({Estimator::mdev, 100, 35, 1}, white), std::invalid_argument);
+  EXPECT_THROW((void)equivalent_dof({Estimator::mdev, 100, 10, 0}, white), std::invalid_argument);
+  EXPECT_THROW((void)equivalent_dof({Estimator::mdev, 100, 10, 1, 0}, white), std::invalid_argument);
+  EXPECT_THROW((void)expectation_ratio({Estimator::theo1, 100, 11, 1}, white), std::invalid_argument);
+}
+
+// ---- pooling -------------------------------------------------------------------------------------------------------
+
+TEST(Pool, IndependentSegmentsAddTheirDegreesOfFreedom) {
+  // 400 logs of three segments of unequal length: the pooled estimate scatters as its degrees of freedom say.
+  constexpr int kLogs = 2000;
+  constexpr std::int64_t kLengths[] = {300, 90, 150}, kFactors[] = {4, 40, 70};
+  const noise::Process white[] = {noise::White{1}};
+  std::vector<double> mean(3), square(3);
+  std::vector<PooledPoint> pooled;
+  for (unsigned log = 0; log < kLogs; ++log) {
+    std::vector<Curve> curves;
+    std::vector<std::vector<PointStatistics>> facts;
+    for (const std::int64_t length : kLengths) {
+      const auto factors = usable_factors(Estimator::oadev, length, kFactors);
+      curves.push_back(deviation(reference::normal(static_cast<std::size_t>(length),
+                                                   1000 + 3 * log + static_cast<unsigned>(curves.size())),
+                                 1, Estimator::oadev, factors));
+      facts.push_back(statistics(curves.back(), white));
+    }
+    std::vector<Segment> segments;
+    for (std::size_t i = 0; i < curves.size(); ++i) segments.push_back({&curves[i], facts[i]});
+    pooled = pool(segments);
+    ASSERT_EQ(pooled.size(), 3u);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double value = pooled[i].variance * static_cast<double>(kFactors[i]);
+      mean[i] += value / kLogs, square[i] += value * value / kLogs;
+    }
+  }
+  constexpr double kSigmas = 4.5;  // six checks: false alarm 4e-5
+  EXPECT_EQ(pooled[0].segments, 3);
+  EXPECT_EQ(pooled[2].segments, 2);  // 90 samples have no term at 70
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double edf = pooled[i].edf;
+    EXPECT_EQ(pooled[i].tau, static_cast<double>(kFactors[i]));
+    EXPECT_NEAR(mean[i], 1, kSigmas * std::sqrt(2 / edf / kLogs));
+    EXPECT_NEAR((square[i] - mean[i] * mean[i]) * edf / 2, 1,
+                kSigmas * std::sqrt((2 + 12 / edf) / kLogs) + 0.02);
+  }
+}
+
+TEST(Pool, OneSegmentIsItself) {
+  const noise::Process white[] = {noise::White{1}};
+  const std::vector<std::int64_t> factors{1, 10};
+  const Curve curve = deviation(reference::normal(200, 44), 1, Estimator::mdev, factors);
+  const auto facts = statistics(curve, white);
+  const Segment segment{&curve, facts};
+  const auto pooled = pool(std::span(&segment, 1));
+  for (std::size_t i = 0; i < 2; ++i) {
+    EXPECT_NEAR(pooled[i].variance / curve.points[i].variance, 1, 1e-15);
+    EXPECT_EQ(pooled[i].edf, facts[i].edf);
+    EXPECT_NEAR(pooled[i].interval.upper / facts[i].interval.upper, 1, 1e-14);
+  }
+  Curve other = curve;
+  other.dt = 2;
+  const Segment unlike[] = {segment, {&other, facts}};
+  EXPECT_THROW((void)pool(unlike), std::invalid_argument);
+  EXPECT_TRUE(pool({}).empty());
+}
+
+}  // namespace
+}  // namespace gyrobudget::allan
