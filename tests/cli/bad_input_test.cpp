@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -168,16 +169,28 @@ TEST_F(BadInput, NothingButQuantization) {
 
 TEST_F(BadInput, DiskFull) {
   const std::string log = scratch_.file("log.csv", good_log(1000));
-  Outcome run = shell("%P allan '" + log + "' > /dev/full");
-  EXPECT_EQ(run.exit_code, kBadOutput);
-  EXPECT_NE(run.err.find("space"), std::string::npos) << run.err;
-  for (const std::string option : {"--report", "-o", "--kalibr"}) {
-    run = gyrobudget_run("calibrate '" + log + "' " + option + " /dev/full");
-    EXPECT_EQ(run.exit_code, kBadOutput) << option;
-    EXPECT_NE(run.err.find("/dev/full"), std::string::npos) << run.err;
+  const std::string sensor = GYROBUDGET_EXAMPLES "/sensors/mems.yaml";
+  // Names with the endings that the options want, all of them the full disk.
+  const Scratch full;
+  for (const char* name : {"page.html", "plot.svg", "plot.png", "log.csv", "log.csv.gz", "sensor.yaml"}) {
+    std::filesystem::create_symlink("/dev/full", full.path(name));
   }
-  run = gyrobudget_run("simulate " GYROBUDGET_EXAMPLES "/sensors/mems.yaml --duration 100s -o /dev/full");
-  EXPECT_EQ(run.exit_code, kBadOutput);
+  const std::string calibrate = "%P calibrate '" + log + "' ",
+                    simulate = "%P simulate " + sensor + " --duration 100s ";
+  for (const std::string& line :
+       {calibrate + "> /dev/full", calibrate + "--json > /dev/full", "%P allan '" + log + "' > /dev/full",
+        "%P allan '" + log + "' --json > /dev/full", "%P plan " + sensor + " > /dev/full",
+        simulate + "> /dev/full", calibrate + "-o /dev/full", calibrate + "--kalibr /dev/full",
+        calibrate + "--report /dev/full", calibrate + "-o " + full.path("sensor.yaml"),
+        calibrate + "--report " + full.path("page.html"), calibrate + "--plot " + full.path("plot.svg"),
+        calibrate + "--plot " + full.path("plot.png"),
+        "%P allan '" + log + "' --report " + full.path("page.html"), simulate + "-o " + full.path("log.csv"),
+        simulate + "-o " + full.path("log.csv.gz")}) {
+    const Outcome run = shell(line);
+    EXPECT_EQ(run.exit_code, kBadOutput) << line << '\n' << run.err;
+    EXPECT_NE(run.err.find("space"), std::string::npos) << line << '\n' << run.err;
+  }
+  EXPECT_EQ(full.files(), 6U) << "a device was replaced, or something left beside it";
 }
 
 TEST_F(BadInput, OutputFolderMissing) {
@@ -189,12 +202,27 @@ TEST_F(BadInput, OutputFolderMissing) {
 }
 
 // An interrupt in the middle of writing leaves nothing behind and ends with 130.
-TEST_F(BadInput, Interrupt) {
+TEST_F(BadInput, InterruptWhileWriting) {
   const std::string path = scratch_.path("big.csv");
   const Outcome run =
-      shell("%P simulate " GYROBUDGET_EXAMPLES "/sensors/mems.yaml --duration 20h --quiet -o '" + path +
-            "' & pid=$!; sleep 0.7; kill -INT $pid; wait $pid");
+      shell("%P simulate " GYROBUDGET_EXAMPLES
+            "/sensors/mems.yaml --duration 1000h --model gauss-markov --quiet -o '" +
+            path + "' & pid=$!; until [ -n \"$(find '" + scratch_.path("") +
+            "' -type f -size +0)\" ] || ! kill -0 $pid; do sleep 0.01; done; kill -INT $pid; wait $pid");
   EXPECT_EQ(run.exit_code, kInterrupted) << run.err;
+  EXPECT_EQ(scratch_.files(), 0U);
+}
+
+// The log comes from a pipe that never ends; a shell can open it for writing only once the program reads.
+TEST_F(BadInput, InterruptWhileReading) {
+  const Scratch inputs;
+  const std::string pipe = inputs.path("log.csv");
+  const Outcome run =
+      shell("mkfifo '" + pipe + "'; %P calibrate '" + pipe + "' -o '" + scratch_.path("sensor.yaml") +
+            "' --report '" + scratch_.path("page.html") + "' & pid=$!; exec 3>'" + pipe +
+            "'; echo 'time (s),gyro_x (deg/h)' >&3; kill -INT $pid; wait $pid");
+  EXPECT_EQ(run.exit_code, kInterrupted) << run.err;
+  EXPECT_EQ(run.out, "");
   EXPECT_EQ(scratch_.files(), 0U);
 }
 
