@@ -180,8 +180,9 @@ void write_stream(const SimulateArguments& a, const std::vector<Channel>& list, 
 }
 
 std::string comment(const SimulateArguments& a, const noise::SensorModel& sensor) {
-  return fmt::format("gyrobudget simulate: sensor {}, model {}, seed {}, {} Hz, {} s{}", sensor.name,
-                     a.model_name, a.seed, a.rate_hz, a.duration_s,
+  const std::string length = std::isinf(a.duration_s) ? "endless" : fmt::format("{} s", a.duration_s);
+  return fmt::format("gyrobudget simulate: sensor {}, model {}, seed {}, {} Hz, {}{}", sensor.name,
+                     a.model_name, a.seed, a.rate_hz, length,
                      a.skipped > 0 ? fmt::format(", without the first {} samples", a.skipped) : "");
 }
 

@@ -26,7 +26,7 @@ struct PaperRow {
   };
 
   std::string id;     ///< "table1.model2.arw"
-  std::string group;  ///< "model 2, IFOG": what several rows are of; may be empty
+  std::string group;  ///< "model 2, IFOG": what several rows are of
   std::string what;   ///< "ARW"
   std::string unit;
   std::optional<double> published;  ///< empty where the paper shows a curve and no number
@@ -81,7 +81,7 @@ struct Paper {
 /// Tables and words for the terminal.
 [[nodiscard]] std::string paper_table(const Paper&);
 /// Schema gyrobudget.paper/1: {"schema","version","command","seed","record":{"samples","rate_hz","duration_s"},
-/// "rows":[{"id","what","published","ours","theory","scatter_low","scatter_high","fitted","lower","upper","actual",
+/// "rows":[{"id","group","what","published","ours","theory","scatter_low","scatter_high","fitted","lower","upper","actual",
 /// "status","unit","why"}],"words":[…]}. `published` is null where the paper prints no number; the fit's keys are there
 /// only where a fit stands beside the reading, the scatter's where it is known.
 [[nodiscard]] std::string paper_json(const Paper&);

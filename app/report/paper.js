@@ -14,30 +14,42 @@
   const cell = (x, unit) => (unit === "%" ? signed(x, 2) : number(x, 3));
   const known = (x, unit) => (x === null || x === undefined ? "" : cell(x, unit));
 
+  /** Enough digits to tell the ends of the interval from the value. */
   function fitText(row) {
     if (row.fitted === undefined) return "";
     if (row.status !== "identified") return `below ${cell(row.upper, row.unit)}`;
-    return `${cell(row.fitted, row.unit)}  (${cell(row.lower, row.unit)} to ${cell(row.upper, row.unit)})`;
+    const narrow = row.unit !== "%" && (row.upper - row.lower) / row.fitted < 0.01;
+    const text = (x) => (narrow ? number(x, 4) : cell(x, row.unit));
+    return `${text(row.fitted)} (${text(row.lower)} to ${text(row.upper)})`;
   }
 
   const scatterText = (row) =>
     (row.scatter_low === undefined ? "" : `${cell(row.scatter_low, row.unit)} to ${cell(row.scatter_high, row.unit)}`);
 
+  function rowCells(row, fits) {
+    const unit = row.unit === "1" ? "" : row.unit;
+    const cells = [[row.what, "", "row"], [known(row.published, row.unit), "number published"], [cell(row.ours, row.unit), "number ours"],
+      [scatterText(row), "number"], [cell(row.theory, row.unit), "number"]];
+    if (fits) cells.push([fitText(row), "number"], [known(row.actual, row.unit), "number"]);
+    return [...cells, [unit]];
+  }
+
+  /** Rows under the name of what they are of; why they differ shows on hover. */
   function rowTable(caption, wanted) {
     const fits = wanted.some((row) => row.fitted !== undefined);
     const numeric = (text) => [text, "number"];
     const head = [[""], numeric("published"), numeric("ours"), numeric("95 % of such"), numeric("theory")];
     if (fits) head.push(numeric("our fit, 95 %"), numeric("truth"));
     head.push(["unit"]);
-    const body = wanted.map((row) => {
-      const cells = [[row.what, "", "row"], [known(row.published, row.unit), "number published"], [cell(row.ours, row.unit), "number ours"],
-        numeric(scatterText(row)), numeric(cell(row.theory, row.unit))];
-      if (fits) cells.push(numeric(fitText(row)), numeric(known(row.actual, row.unit)));
-      cells.push([row.unit === "1" ? "" : row.unit]);
-      return { cells };
+    const lines = wanted.flatMap((row, i) => {
+      const line = { row, cells: rowCells(row, fits) };
+      return row.group === wanted[i - 1]?.group ? [line] : [{ className: "group", cells: [[row.group, "", "row"]] }, line];
     });
-    const node = table(caption, head, body);
-    node.querySelectorAll("tbody tr").forEach((line, i) => { line.title = wanted[i].why; });
+    const node = table(caption, head, lines);
+    node.querySelectorAll("tbody tr").forEach((line, i) => {
+      if (lines[i].row) line.title = lines[i].row.why;
+      else line.firstElementChild.colSpan = head.length;
+    });
     return node;
   }
 
@@ -50,7 +62,7 @@
     byId("drift-table").append(rowTable("Numbers of figures 3 and 4", rowsOf("fig3.", "fig4.")));
     byId("other-table").append(rowTable("Numbers of figures 6 and 7", rowsOf("fig6.", "fig7.")));
     const explained = rows.filter((row) => !row.id.startsWith("table2."));
-    byId("reasons").append(...explained.flatMap((row) => [element("dt", "", row.what), element("dd", "", row.why)]));
+    byId("reasons").append(...explained.flatMap((row) => [element("dt", "", `${row.group}, ${row.what}`), element("dd", "", row.why)]));
   }
 
   // --- Figure 7 -----------------------------------------------------------------------------------------------------

@@ -20,11 +20,9 @@ using Json = nlohmann::ordered_json;
 using noise::Term;
 
 Json row_json(const PaperRow& row) {
-  Json out = {{"id", row.id},
-              {"what", row.group + ", " + row.what},
-              {"published", row.published ? Json(*row.published) : Json(nullptr)},
-              {"ours", row.ours},
-              {"theory", row.theory}};
+  Json out = {{"id", row.id},     {"group", row.group},
+              {"what", row.what}, {"published", row.published ? Json(*row.published) : Json(nullptr)},
+              {"ours", row.ours}, {"theory", row.theory}};
   if (row.scatter) {
     out["scatter_low"] = row.scatter->low;
     out["scatter_high"] = row.scatter->high;

@@ -258,6 +258,50 @@ TEST(Models, LegacyBielasInSamples) {
   EXPECT_NEAR(k_eff / unit / (60 * 1.7e-3 * std::sqrt(kDt)), 1, kBound);
 }
 
+TEST(Models, MeanOfManyRecordsIsTheTheoryOfTableOne) {
+  // Four records of table I at 100 Hz, 100 seeds, 40 min; at 1 s, near the minimum and on the slope of the walk, the
+  // mean is N^2/tau + (2 ln2/pi) B^2 + K^2 tau/3 within 3 standard errors: 12 comparisons, by chance one seed of 30
+  // would fail.
+  constexpr double kDt = 0.01, kStandardErrors = 3;
+  constexpr std::size_t kLong = 240'000, kSeeds = 100;
+  const double arw = kDegree / 60, bias = kDegree / kHour, rrw = bias / 60;
+  struct Row {
+    Model model;
+    double n, b, k;      // what it reads as
+    double minimum_tau;  // s
+  };
+  const double n = 5.4e-4 * arw, b = 1.7e-3 * bias, k = 4.32e-2 * rrw;
+  const Row rows[] = {
+      {Jerath{.arw = n, .bias_instability = b, .rrw = k}.model(kDt), n, b, k, 80},
+      {ImuSensor{.noise_density = {n, 0, 0}, .bias_instability = {b, 0, 0}, .random_walk = {k, 0, 0}}.model(
+           0, kDt),
+       n / sqrt2, 0, k * sqrt2, 40},
+      {Bielas{.arw = n, .bias_instability = b}.model(kDt), n, 0, 60 * 1.7e-3 * std::sqrt(kDt) * rrw, 300},
+      {Bielas{.arw = 0.15 * arw, .bias_instability = 0.7 * bias}.model(kDt), 0.15 * arw, 0, 4.2 * rrw, 200}};
+  for (const Row& row : rows) {
+    const std::array<double, 3> taus = {1, row.minimum_tau, 400};
+    std::array<double, 3> sum{}, squares{};
+    for (std::size_t seed = 1; seed <= kSeeds; ++seed) {
+      std::vector<double> angle = {0};
+      for (const double y : record(row.model, kLong, kDt, {seed, 3})) angle.push_back(angle.back() + y);
+      for (std::size_t i = 0; i < taus.size(); ++i) {
+        const double theory = row.n * row.n / taus[i] +
+                              2 * std::numbers::ln2 / std::numbers::pi * row.b * row.b +
+                              row.k * row.k * taus[i] / 3;
+        const double ratio = overlapped(angle, std::llround(taus[i] / kDt)) / theory;
+        sum[i] += ratio;
+        squares[i] += ratio * ratio;
+      }
+    }
+    for (std::size_t i = 0; i < taus.size(); ++i) {
+      const double mean = sum[i] / kSeeds;
+      const double error = std::sqrt((squares[i] / kSeeds - mean * mean) / (kSeeds - 1));
+      EXPECT_NEAR(mean, 1, kStandardErrors * error) << &row - rows << " at " << taus[i] << " s";
+      EXPECT_LT(error, 0.07) << "too few records to tell";
+    }
+  }
+}
+
 TEST(Models, OtherReadingsOfBielas) {
   constexpr double kDt = 0.01;
   const auto allan = [](Bielas::Bias bias, std::int64_t m) {
