@@ -96,8 +96,12 @@ struct Move {
   double to = 0;    ///< fitted from Result::tau_min_s on
 };
 
+/// N, B and K: what datasheets give and most records hold.
+inline constexpr std::array kDefaultTerms{noise::Term::white, noise::Term::flicker,
+                                          noise::Term::rate_random_walk};
+
 struct Options {
-  std::vector<noise::Term> terms = {noise::Term::white, noise::Term::flicker, noise::Term::rate_random_walk};
+  std::vector<noise::Term> terms{kDefaultTerms.begin(), kDefaultTerms.end()};
   Method method = Method::gls;
   std::optional<double>
       tau_min_s;  ///< start of the fit; unset: start of the longest run that the model describes

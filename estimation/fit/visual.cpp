@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -15,6 +16,7 @@ namespace gyrobudget::inline v0::fit {
 namespace {
 
 using noise::Term;
+using Clock = std::chrono::steady_clock;
 
 struct Reading {
   std::int64_t m = 1;
@@ -125,7 +127,7 @@ struct Readings {
 };
 
 Result result_of(Method method, const Readings& read, const std::vector<Reading>& points,
-                 const allan::Curve& curve, const Options& options) {
+                 const allan::Curve& curve, const Options& options, Clock::time_point start) {
   const double flat_of_one = std::sqrt(2 * std::numbers::ln2 / std::numbers::pi);
   Result result;
   result.method = method;
@@ -148,23 +150,26 @@ Result result_of(Method method, const Readings& read, const std::vector<Reading>
   add_beta(result);
   result.converged = true;
   compare_with_model(result, points, curve, options);
+  result.seconds = std::chrono::duration<double>(Clock::now() - start).count();
   return result;
 }
 
 }  // namespace
 
 Result read_visually(const allan::Curve& curve, const Options& options) {
+  const auto start = Clock::now();
   const auto points = readable_points(curve);
   const std::size_t minimum = minimum_index(points, curve.samples);
   const Readings read{read_white(points), points[minimum], read_walk(points, minimum)};
-  return result_of(Method::visual, read, points, curve, options);
+  return result_of(Method::visual, read, points, curve, options, start);
 }
 
 Result read_slopes(const allan::Curve& curve, const Options& options) {
+  const auto start = Clock::now();
   const auto points = readable_points(curve);
   const Readings read{along(tangent_point(points, -0.5), -0.5, 1), tangent_point(points, 0),
                       along(tangent_point(points, 0.5), 0.5, 3)};
-  return result_of(Method::slope, read, points, curve, options);
+  return result_of(Method::slope, read, points, curve, options, start);
 }
 
 }  // namespace gyrobudget::inline v0::fit

@@ -551,4 +551,38 @@ Result fit_likelihood(std::span<const double> rate, double dt, const Options& op
   return result;
 }
 
+namespace {
+
+double agreement_limit(Term term, const Result& gls) {
+  const Coefficient& K = gls[Term::rate_random_walk];
+  constexpr double kWellSeen = 0.13, kMost = 4;
+  const double scale = K.fitted ? std::clamp(K.relative_std / kWellSeen, 1.0, kMost) : 1;
+  return scale * (term == Term::white ? 0.35 : term == Term::flicker ? 0.6 : 0.8);
+}
+
+}  // namespace
+
+CrossCheck cross_check(const Result& gls, const Result& whittle) {
+  constexpr double kWidth95 = 2 * kScatter95;
+  CrossCheck result;
+  const double octaves = std::abs(std::log2(gls.tau_min_s / whittle.tau_min_s));
+  result.same_range = octaves < 0.5;
+  for (const Coefficient& a : gls.coefficients) {
+    const auto b = std::find_if(whittle.coefficients.begin(), whittle.coefficients.end(),
+                                [&](const auto& c) { return c.term == a.term; });
+    if (b == whittle.coefficients.end() || !a.fitted || !b->fitted) continue;
+    // Ratios to the larger limit: squares of the coefficients may leave double.
+    const double unit = std::max(a.upper_two_sided, b->upper_two_sided);
+    const auto square = [=](double c) { return (c / unit) * (c / unit); };
+    const auto width = [&](const Coefficient& c) { return square(c.upper_two_sided) - square(c.lower); };
+    Agreement x{.term = a.term, .first = a.value, .second = b->value};
+    x.difference = std::abs(square(a.value) - square(b->value)) * kWidth95 / std::max(width(a), width(*b));
+    x.limit = agreement_limit(a.term, gls);
+    x.agrees = x.difference <= x.limit;
+    result.agrees = result.agrees && x.agrees;
+    result.coefficients.push_back(x);
+  }
+  return result;
+}
+
 }  // namespace gyrobudget::inline v0::fit
