@@ -164,16 +164,15 @@ PointStatistics point_statistics(const Curve& curve, const Point& point, Mix mix
   const Estimation of{curve.estimator, curve.samples, point.m, curve.dt, point.stride};
   PointStatistics result;
   result.bias = expectation_ratio(of, mix);
-  if (curve.estimator == Estimator::oadev && point.stride == 1) {
+  if (curve.estimator == Estimator::oadev && point.stride == 1 && (curve.mask || curve.form != Form::full)) {
     result.edf = equivalent_dof(curve.samples, point.m, curve.dt, mix, curve.form, curve.mask.get());
   } else {
-    result.edf = equivalent_dof(of, mix);
-    if (curve.mask) {
-      const std::int64_t positions = detail::family_positions(curve.estimator, curve.samples, point.m);
-      const double complete = std::ceil(static_cast<double>(positions) / static_cast<double>(point.stride));
-      result.edf =
-          std::max(std::min(1., result.edf), result.edf * static_cast<double>(point.terms) / complete);
-    }
+    const std::int64_t positions = detail::family_positions(curve.estimator, curve.samples, point.m);
+    const double complete = std::ceil(static_cast<double>(positions) / static_cast<double>(point.stride));
+    const double left =
+        std::min(1., static_cast<double>(point.terms) / complete);  // of the terms, after gaps
+    const double whole = equivalent_dof(of, mix);
+    result.edf = std::max(whole * left, std::min(1., whole));
   }
   result.variance = point.variance / result.bias;
   result.interval = chi_square_interval(result.variance, result.edf, confidence);
