@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: MIT
+#include "entries.h"
+
+#include "gyrobudget/io/curve_table.h"
+#include "gyrobudget/io/log.h"
+#include "gyrobudget/io/sensor_file.h"
+#include "gyrobudget/noise/units.h"
+
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+
+namespace gyrobudget::fuzz {
+namespace {
+
+/// Bytes as a file in memory: readers map it like any other.
+class MemoryFile {
+ public:
+  explicit MemoryFile(std::string_view bytes) : descriptor_(::memfd_create("fuzz", MFD_CLOEXEC)) {
+    if (descriptor_ < 0 || ::write(descriptor_, bytes.data(), bytes.size()) != ssize_t(bytes.size())) {
+      throw std::runtime_error("no file in memory");
+    }
+  }
+  ~MemoryFile() { ::close(descriptor_); }
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+  [[nodiscard]] std::string path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
+
+ private:
+  int descriptor_;
+};
+
+void promise(bool kept, const char* what) {
+  if (!kept) throw std::logic_error(what);
+}
+
+// --- Logs ---------------------------------------------------------------------------------------------------------------
+
+/// The first byte chooses the options, so that a fuzzer reaches them.
+io::LogOptions options_of(std::uint8_t choice) {
+  constexpr io::Input kInputs[] = {io::Input::rate, io::Input::increment, io::Input::angle};
+  io::LogOptions options;
+  if (choice & 1) options.rate_hz = 100;
+  if (choice & 2) options.unit = "deg/s";
+  if (choice & 4) options.columns = {"2"};
+  if (choice & 8) options.scale = 0.01;
+  options.input = kInputs[(choice >> 4) % 3];
+  if (options.input == io::Input::angle && options.unit) options.unit = "rad";
+  return options;
+}
+
+struct Reading {
+  std::optional<io::Record> record;
+  std::string message;  ///< where there is none
+};
+
+Reading read(io::LogOptions options, std::size_t chunk_bytes) {
+  options.chunk_bytes = chunk_bytes;
+  try {
+    return {io::read_log(options), {}};
+  } catch (const io::InputError& error) {
+    return {std::nullopt, error.what()};
+  }
+}
+
+void check(const io::Record& record) {
+  promise(std::isfinite(record.rate_hz) && record.rate_hz > 0, "the rate is no rate");
+  promise(!record.axes.empty(), "there is no axis");
+  promise(record.missing_samples >= 0 && record.missing_samples <= record.samples, "missing samples");
+  for (const io::Axis& axis : record.axes) {
+    promise(static_cast<std::int64_t>(axis.rate.size()) == record.samples, "an axis has another length");
+  }
+}
+
+bool same(const io::Record& a, const io::Record& b) {
+  if (a.axes.size() != b.axes.size() || a.samples != b.samples || a.notes != b.notes) return false;
+  for (std::size_t i = 0; i < a.axes.size(); ++i) {
+    for (std::size_t k = 0; k < a.axes[i].rate.size(); ++k) {
+      const double x = a.axes[i].rate[k], y = b.axes[i].rate[k];
+      if (!(std::isnan(x) && std::isnan(y)) &&
+          std::bit_cast<std::uint64_t>(x) != std::bit_cast<std::uint64_t>(y)) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
+
+void read_log(std::string_view bytes) {
+  if (bytes.empty()) return;
+  io::LogOptions options = options_of(static_cast<std::uint8_t>(bytes.front()));
+  const MemoryFile file(bytes.substr(1));
+  options.path = file.path();
+  constexpr std::size_t kUsual = std::size_t{1} << 20, kTiny = 37;
+  const Reading whole = read(options, kUsual), cut = read(options, kTiny);
+  promise(whole.message == cut.message, "the message depends on the chunks");
+  promise(whole.record.has_value() || !whole.message.empty(), "an error without a message");
+  if (!whole.record) return;
+  check(*whole.record);
+  promise(same(*whole.record, *cut.record), "the record depends on the chunks");
+}
+
+// --- The others -----------------------------------------------------------------------------------------------------------
+
+void read_sensor(std::string_view bytes) {
+  const MemoryFile file(bytes);
+  noise::SensorModel sensor;
+  try {
+    sensor = io::read_sensor(file.path());
+  } catch (const io::InputError&) {
+    return;
+  }
+  // What was read can be written, and what is written can be read.
+  const std::string text = io::sensor_yaml(sensor);
+  const MemoryFile written(text);
+  promise(io::sensor_yaml(io::read_sensor(written.path())) == text, "a sensor file does not come back");
+}
+
+void read_curve(std::string_view bytes) {
+  if (bytes.empty()) return;
+  const MemoryFile file(bytes.substr(1));
+  io::CurveOptions options{.path = file.path()};
+  if (bytes.front() & 1) options.unit = "deg/h";
+  if (bytes.front() & 2) options.columns = {"2"};
+  try {
+    const io::CurveTable table = io::read_curve(options);
+    promise(!table.columns.empty(), "a table without columns");
+    for (std::size_t i = 0; i < table.tau_s.size(); ++i) {
+      promise(table.tau_s[i] > (i == 0 ? 0 : table.tau_s[i - 1]), "taus do not ascend");
+    }
+    for (const auto& column : table.columns) {
+      promise(column.deviation.size() == table.tau_s.size(), "a column has another length");
+    }
+  } catch (const io::InputError&) {
+  }
+}
+
+void parse_unit(std::string_view bytes) {
+  try {
+    const noise::Unit unit = noise::parse_unit(bytes);
+    promise(std::isfinite(unit.to_si) && unit.to_si > 0, "the factor of a unit is none");
+  } catch (const std::invalid_argument&) {
+  }
+  try {
+    promise(std::isfinite(noise::parse_quantity(bytes, noise::dimension::kTime)), "a quantity is not finite");
+  } catch (const std::invalid_argument&) {
+  }
+}
+
+std::string with_options(int choice, std::string_view text) {
+  return static_cast<char>(choice) + std::string(text);
+}
+
+}  // namespace
+
+const std::vector<Entry>& entries() {
+  static const std::vector<Entry> kEntries = {
+      {"log",
+       read_log,
+       {with_options(0,
+                     "time (s),gyro_x (deg/s),acc_x "
+                     "(m/s^2)\n0.00,0.25,-9.81\n0.01,-1.5e-3,nan\n0.02,3,9.8\n0.03,4,1\n"),
+        with_options(0,
+                     "#timestamp [ns],w_RS_S_x [rad s^-1]\n1403636579758555392,-0.099134701513277898\n"
+                     "1403636579763555584,0.1\n1403636579768555520,0.2\n1403636579773555456,0.3\n"),
+        with_options(3, "# a comment\r\n1 2  3\r\n4\t5 6\r\n\r\n7 8 9\r\n"),
+        with_options(3, "0,1;0,2\n-0,3;0,4\n0,5;0,1\n"),
+        with_options(0, "\xef\xbb\xbft;w (rad/s)\n0;1,5\n0,1;-2,5e1\n0,2;3\n0,2;4\n0,5;4\n"),
+        with_options(17, "\"x (deg)\",\"y (rad)\"\n\"1\",\"4\"\n\"2\",\"5\"\n\"3\",\"6\"\n"),
+        with_options(35, "x\n0.1\n6.2\n0.3\n\n0.2\n12345678901234567890\n1e308\n"),
+        with_options(0, "secs,nsecs,gyro_x (deg/s)\n1,0,1\n1,500000000,2\n2,0,3\n2,500000000,4\n"),
+        with_options(2, "\x1f\x8b\x08")}},
+      {"sensor",
+       read_sensor,
+       {"name: IFOG\ngyro:\n  arw: 5.4e-4 deg/sqrt(h)\n  bias_instability: 1.7e-3 deg/h\n  rrw: 4.32e-2 "
+        "deg/h/sqrt(h)\n"
+        "  gauss_markov: [{sigma: 0.1 deg/h, correlation_time: 300 s}]\n"
+        "  sinusoid: [{amplitude: 2 deg/h, frequency: 50 mHz, phase: 0 deg}]\naccelerometer:\n  vrw: 0.05 "
+        "m/s/sqrt(h)\n",
+        "%YAML:1.0\n---\nimu0:\n  accelerometer_noise_density: 2.0e-3\n  gyroscope_noise_density: 1.7e-4\n"
+        "  accelerometer_random_walk: 3e-3\n  gyroscope_random_walk: 1.9e-5\n  update_rate: 200.0\n",
+        "gyr_n: 0.004\ngyr_w: 2.0e-6\nacc_n: 0.08\nacc_w: 0.00004\n",
+        "type: IMU\nGyr:\n  unit: \" rad/s\"\n  avg-axis:\n    gyr_n: 1.8e-3\n    gyr_w: 2.5e-5\n"}},
+      {"curve",
+       read_curve,
+       {with_options(0, "tau (s),adev (deg/h),lower (deg/h)\n0.01,90,80\n0.02,64.5,60\n0.04,45,40\n"),
+        with_options(1, "tau adev\n1 2e-3\n2 1.5e-3\n4 1e-3\n"),
+        with_options(3, "tau_s;x;y\n0,1;1,5;2\n0,2;1,25;3\n")}},
+      {"unit",
+       parse_unit,
+       {"deg/sqrt(h)", "rad s^-1", "m/s^2/sqrt(Hz)", "\xc2\xb0/h/\xe2\x88\x9ah", "ug*s^(1/2)",
+        "5.4e-4 deg/sqrt(h)", "300 s", "1.5 h^1/2", "(((m)))", "mrad/s", "1", "%"}}};
+  return kEntries;
+}
+
+}  // namespace gyrobudget::fuzz
