@@ -209,7 +209,9 @@ TEST(FitLikelihood, FindsALineAndWhatIsUnderIt) {
   options.frequency_hz = kFrequency;
   EXPECT_NEAR(fit_likelihood(rate, kDt, options)[Term::sinusoid].value / r[Term::sinusoid].value, 1, 0.02);
   // What the line explains: half of A^2 n/(2 variance) in ln L, less what the fit without it makes of it.
-  const double gain = r.log_likelihood - fit_likelihood(rate, kDt).log_likelihood;
+  Options bare;
+  bare.tau_min_s = kDt;  // the whole band, described or not
+  const double gain = r.log_likelihood - fit_likelihood(rate, kDt, bare).log_likelihood;
   EXPECT_NEAR(2 * gain / r[Term::sinusoid].boundary_test, 1, 0.01);
   EXPECT_GT(gain, 500);
 }
