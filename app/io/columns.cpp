@@ -157,6 +157,7 @@ class Chooser {
 
   [[noreturn]] void fail_unknown_column(std::string_view wanted) const {
     std::vector<std::string> names;
+    names.reserve(columns_.size());
     for (const Column& c : columns_) names.push_back(c.name);
     const std::string numbers = columns_.size() == 1
                                     ? "there is column 1"
