@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/fit/whittle.h"
 
-#include "gyrobudget/fit/detail/dst.h"
 #include "gyrobudget/fit/detail/judge.h"
 #include "gyrobudget/fit/detail/likelihood.h"
+#include "gyrobudget/fit/detail/line.h"
+#include "gyrobudget/fit/detail/transformed.h"
 
 #include <boost/math/special_functions/erf.hpp>
 #include <boost/math/special_functions/gamma.hpp>
@@ -27,72 +28,13 @@ namespace {
 using noise::Term;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr std::int64_t kFewestSamples = 16;
 constexpr int kBands = 33;
 constexpr double kCutBelow = 1e-4;  // p-value of the whole band below which it may be cut
 constexpr double kTimesPerDecade = 4;
 constexpr double kNegligible = 0.01;  // of the deviation, that is 2 % of the variance
 constexpr double kScatter95 = 1.96;
 
-// --- The record ---------------------------------------------------------------------------------------------
-
-struct Stretch {
-  std::int64_t first = 0;
-  std::int64_t count = 0;
-};
-
-Stretch longest_stretch(std::span<const double> rate) {
-  Stretch best, now;
-  for (std::size_t i = 0; i < rate.size(); ++i) {
-    if (std::isfinite(rate[i])) {
-      ++now.count;
-      if (now.count > best.count) best = now;
-    } else {
-      now = {static_cast<std::int64_t>(i) + 1, 0};
-    }
-  }
-  return best;
-}
-
-// The sine coefficients of a record whose variation was brought to about 1 by a power of two.
-struct Transformed {
-  Stretch used;
-  double dt = 1;
-  double unit = 1;  // signal = transformed signal * unit
-  std::vector<double> rate;
-  std::vector<double> coefficients;  // empty where the record has no answer
-};
-
-Transformed transform(std::span<const double> rate, double dt) {
-  Transformed t;
-  t.dt = dt;
-  t.used = longest_stretch(rate);
-  t.used.count = transform_length(t.used.count);
-  if (t.used.count < kFewestSamples) return t;
-  const auto part =
-      rate.subspan(static_cast<std::size_t>(t.used.first), static_cast<std::size_t>(t.used.count));
-  double largest = 0;  // halves: a difference of two finite numbers may be none
-  for (std::size_t i = 1; i < part.size(); ++i)
-    largest = std::max(largest, std::abs(0.5 * part[i] - 0.5 * part[i - 1]));
-  if (largest <= 0) return t;
-  const int exponent = std::ilogb(largest) + 1;
-  t.unit = std::ldexp(1.0, exponent);
-  t.rate.assign(part.begin(), part.end());
-  for (double& y : t.rate) y = std::ldexp(y, -exponent);
-  t.coefficients = sine_transform_of_differences(t.rate);
-  return t;
-}
-
 // --- The model ----------------------------------------------------------------------------------------------
-
-// What is searched beside the coefficients, and what it gave.
-struct Line {
-  double w = 0;                       // radians a sample
-  std::array<double, 2> parts{0, 0};  // of cos and sin
-  double deviation = 0;               // of the amplitude
-  double test = 0;                    // drop of -2 ln L
-  [[nodiscard]] double amplitude() const { return std::hypot(parts[0], parts[1]); }
-};
 
 struct Model {
   std::vector<Term> terms;                // asked for, all
@@ -179,77 +121,6 @@ void search_time(Fitted& f, const SineBins& bins) {
   f.time_upper = std::exp(end(high));
 }
 
-// --- Lines --------------------------------------------------------------------------------------------------
-
-// How much a line at w explains, from the coefficients near it, with the spectrum of the rest known.
-Line line_at(double w, std::span<const double> c, std::span<const double> lambda, std::int64_t n) {
-  constexpr std::int64_t kReach = 64;  // of k; what leaks further is 1/kReach of the power
-  const auto center = std::llround(w * static_cast<double>(n) / std::numbers::pi);
-  const auto first = std::max<std::int64_t>(1, center - kReach);
-  const auto last = std::min<std::int64_t>(static_cast<std::int64_t>(c.size()), center + kReach);
-  Eigen::Matrix2d M = Eigen::Matrix2d::Zero();
-  Eigen::Vector2d v = Eigen::Vector2d::Zero();
-  for (auto k = first; k <= last; ++k) {
-    const auto i = static_cast<std::size_t>(k - 1);
-    const auto mean = sine_mean_of_line(k, n, w);
-    const Eigen::Vector2d d(mean[0], mean[1]);
-    M += d * d.transpose() / lambda[i];
-    v += d * c[i] / lambda[i];
-  }
-  const Eigen::Vector2d parts = M.ldlt().solve(v);
-  Line line{.w = w, .parts = {parts(0), parts(1)}, .test = parts.dot(v)};
-  const double a = line.amplitude();
-  const Eigen::Vector2d along = a > 0 ? Eigen::Vector2d(parts / a) : Eigen::Vector2d(1, 0);
-  line.deviation = std::sqrt(along.dot(M.ldlt().solve(along)));
-  return line;
-}
-
-std::vector<double> variances(const Fitted& f, std::size_t count) {
-  std::vector<double> lambda(count, 1.0);
-  const Eigen::ArrayXd of_bins = f.likelihood->variance(f.point.theta);
-  const auto& first = f.likelihood->bins().first;
-  for (std::size_t b = 0; b + 1 < first.size(); ++b) {
-    for (auto k = first[b]; k < first[b + 1]; ++k)
-      lambda[static_cast<std::size_t>(k - 1)] = of_bins(static_cast<Eigen::Index>(b));
-  }
-  return lambda;
-}
-
-// The line that explains most: the highest peak over the spectrum, or the frequency asked for.
-Line find_line(const Fitted& f, std::span<const double> c, std::int64_t n, std::optional<double> asked_w) {
-  const auto lambda = variances(f, static_cast<std::size_t>(f.last));
-  const auto shown = c.first(static_cast<std::size_t>(f.last));
-  if (asked_w) return line_at(*asked_w, shown, lambda, n);
-  std::size_t peak = 0;
-  double highest = 0;
-  for (std::size_t i = 0; i < shown.size(); ++i) {
-    const double next = i + 1 < shown.size() ? shown[i + 1] * shown[i + 1] / lambda[i + 1] : 0;
-    const double height = shown[i] * shown[i] / lambda[i] + next;
-    if (height > highest) highest = height, peak = i;
-  }
-  const double bin = std::numbers::pi / static_cast<double>(n);
-  const auto less = [&](double k) { return -line_at(k * bin, shown, lambda, n).test; };
-  double best = static_cast<double>(peak) + 1, least = less(best);
-  constexpr double kStep = 0.25;
-  const double top = static_cast<double>(n) - 0.5;
-  for (double k = std::max(0.5, best - 1.5), end = std::min(top, best + 2.5); k <= end; k += kStep) {
-    if (const double l = less(k); l < least) least = l, best = k;
-  }
-  std::uintmax_t budget = 40;
-  const auto found = boost::math::tools::brent_find_minima(less, std::max(0.25, best - kStep),
-                                                           std::min(top, best + kStep), 20, budget);
-  return line_at((found.second < least ? found.first : best) * bin, shown, lambda, n);
-}
-
-std::vector<double> without_line(const Transformed& t, const Line& line) {
-  std::vector<double> rate = t.rate;
-  for (std::size_t j = 0; j < rate.size(); ++j) {
-    const double angle = line.w * static_cast<double>(j);
-    rate[j] -= line.parts[0] * std::cos(angle) + line.parts[1] * std::sin(angle);
-  }
-  return sine_transform_of_differences(rate);
-}
-
 // --- Goodness of fit ------------------------------------------------------------------------------------------
 
 // Normal deviate of a chi-square x with `dof` degrees of freedom.
@@ -313,12 +184,12 @@ Fitted fit_band(const Transformed& t, const Band& band, const Options& options, 
     if (options.frequency_hz) w = 2 * std::numbers::pi * std::remainder(*options.frequency_hz * t.dt, 1.0);
     constexpr int kRounds = 2;  // a strong line raises the spectrum that it is first seen against
     for (int i = 0; i < kRounds; ++i) {
-      f.line = find_line(f, t.coefficients, t.used.count, w);
+      f.line = find_line(*f.likelihood, f.point, t.coefficients, w);
       SineBins rest = bins_of(t, without_line(t, f.line), band.first, band.last);
       rest.reference = all.reference;
       maximise(f, rest);
     }
-    f.line = find_line(f, t.coefficients, t.used.count, f.line.w);
+    f.line = find_line(*f.likelihood, f.point, t.coefficients, f.line.w);
   }
   test_fit(f);
   return f;
@@ -524,7 +395,7 @@ void check(double dt, const Options& options) {
 Result fit_likelihood(std::span<const double> rate, double dt, const Options& options) {
   const auto start = std::chrono::steady_clock::now();
   check(dt, options);
-  const Transformed t = transform(rate, dt);
+  const Transformed t = transform_record(rate, dt);
   if (t.coefficients.empty()) {
     Result none = no_answer(Method::whittle, options.terms);
     none.first_sample = t.used.first, none.samples = t.used.count;

@@ -16,7 +16,7 @@ namespace gyrobudget::inline v0::fit {
 ///   -2 ln L = sum_k ln lambda_k + c_k^2 / lambda_k,
 /// in some 200 logarithmic bins, maximised over theta >= 0 by Newton's method. The ramp R is a mean, signed and linear.
 /// A Gauss-Markov correlation time and a line's frequency are searched over the whole band (ratio 10^(1/4), then to
-/// 1e-4 of the logarithm; highest peak against the fitted spectrum, then to 1e-3 of a bin) unless Options has them.
+/// 1e-4 of the logarithm; highest peak against the fitted spectrum from 8 cycles in the record on, then to 1e-3 of a bin) unless Options has them.
 ///
 /// Intervals by profile likelihood ratio, cut 3.841, one-sided limit and boundary test 2.706; the ramp's test is
 /// two-sided (3.841), the line's is the largest of n frequencies (2 ln(20 n), 5 %). A line's interval is that of its

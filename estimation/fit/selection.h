@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "gyrobudget/noise/process.h"
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace gyrobudget::inline v0::fit {
+
+struct SelectionOptions {
+  /// Weighed beside white noise, which is always fitted.
+  std::vector<noise::Term> candidates{noise::Term::quantization,     noise::Term::flicker,
+                                      noise::Term::rate_random_walk, noise::Term::rate_ramp,
+                                      noise::Term::gauss_markov,     noise::Term::sinusoid};
+  double false_rate = 0.05;  ///< share of records that get any term they do not have
+  int replicas = 300;        ///< simulated spectra that each cut is the quantile of; at least 50
+  std::uint64_t seed = 1;
+  std::optional<double> tau_min_s;  ///< frequencies up to 1/(2 tau_min) only; unset: all
+};
+
+/// One candidate beside the terms that were in the model at the time.
+struct Weighed {
+  std::vector<noise::Term> beside;
+  noise::Term candidate = noise::Term::white;
+  double gain = 0;  ///< what it adds to ln L
+  double cut = 0;   ///< what it had to
+  bool kept = false;
+};
+
+/// Another set of terms that the record cannot tell from the chosen one: difference in ln L within 2.
+struct Alternative {
+  std::vector<noise::Term> terms;
+  double log_likelihood_difference = 0;  ///< of the chosen less the alternative; may be negative
+};
+
+struct Selection {
+  std::vector<noise::Term>
+      terms;                     ///< chosen, in the order Q N B K R G S; empty where the record has no answer
+  std::vector<Weighed> weighed;  ///< in the order in which they were
+  std::vector<noise::Term> dropped;        ///< kept at first and made needless by a later one
+  std::optional<Alternative> alternative;  ///< flicker for a Gauss-Markov process, or the reverse
+};
+
+/// Which terms a record holds, by likelihood ratios (see whittle.h).
+///
+/// From white noise on, all candidates are weighed at each step, and that with the largest gain over its cut is kept,
+/// until none passes. A Gauss-Markov process, which with its free correlation time can imitate any of the others, is
+/// kept only when none of the others comes within 5 of its gain; terms that it makes needless (gain below 1.353, half of
+/// 2.706) are dropped, and where flicker, walk or both would do in its place within 2, they take it. A line counts from
+/// 8 cycles in the record on: slower ones cannot be told from walks and ramps.
+///
+/// Cuts hold the family together: of records that have the terms of the step and no more, a share `false_rate` gets any
+/// candidate. Ramp and line take theirs from their laws (chi-square with 1 degree of freedom; largest of n frequencies)
+/// at an equal share of the rate each. The others' are quantiles of their gains in `replicas` spectra simulated from
+/// the step's model (parametric bootstrap), all at one level that their joint rate fixes. On boundaries no table holds:
+/// beside white noise alone flicker and walk need about 3.4 rather than 1.35, all candidates together.
+///
+/// Deterministic for a seed at any thread count. Cost: about 0.5 s a step on two cores, whatever the length.
+/// @throws std::invalid_argument for dt, a repeated candidate or white noise among them, a rate outside (0, 0.5], or
+/// fewer than 50 replicas.
+[[nodiscard]] Selection choose_terms(std::span<const double> rate, double dt, const SelectionOptions& = {});
+
+}  // namespace gyrobudget::inline v0::fit
