@@ -44,7 +44,8 @@ TripleSum sum_between(const RateRecord& record, std::int64_t m, std::int64_t fir
   return {kernel.complete(x, end - first, m) / scale, end - first};
 }
 
-/// One column of the surface: the terms between neighbouring ends of windows, then each window from its stretches.
+/// One column of the surface: the terms between neighbouring ends of windows, then each window from its
+/// stretches.
 void fill_column(const RateRecord& record, DynamicSurface& surface, std::size_t column) {
   const std::int64_t m = surface.factors[column], count = surface.window - 2 * m + 1;
   std::vector<std::int64_t> cuts;

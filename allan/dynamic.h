@@ -17,8 +17,9 @@ struct DynamicOptions {
   std::int64_t hop = 0;     ///< samples from one window to the next; 0: a quarter of the window
 };
 
-/// Allan variance as a function of time and averaging time (dynamic Allan variance; L. Galleani, P. Tavella, IEEE Trans.
-/// UFFC 56 (2009) 450): warm-up, temperature, turn-on and other effects that one curve of a whole record hides.
+/// Allan variance as a function of time and averaging time (dynamic Allan variance; L. Galleani, P. Tavella,
+/// IEEE Trans. UFFC 56 (2009) 450): warm-up, temperature, turn-on and other effects that one curve of a whole
+/// record hides.
 struct DynamicSurface {
   double dt = 1;             ///< sample interval [s]
   std::int64_t window = 0;   ///< samples of each window
@@ -32,15 +33,16 @@ struct DynamicSurface {
   [[nodiscard]] Curve curve(std::size_t window_index) const;
 };
 
-/// Fully overlapped Allan variance of windows of a record at m = 1 .. window/2. The windows share their terms: the record is
-/// gone through once per factor, in stretches between the ends of windows, so overlapping windows cost almost nothing.
+/// Fully overlapped Allan variance of windows of a record at m = 1 .. window/2. The windows share their
+/// terms: the record is gone through once per factor, in stretches between the ends of windows, so
+/// overlapping windows cost almost nothing.
 ///
-/// A complete window has the value that overlapped_variance has for it, to 1e-12 where the windows' variances are alike and
-/// drifts are small (see there). Samples behind the last whole window are left out.
+/// A complete window has the value that overlapped_variance has for it, to 1e-12 where the windows' variances
+/// are alike and drifts are small (see there). Samples behind the last whole window are left out.
 /// @param factors 1 <= m <= window/2, in any order; see factors.h.
-/// @throws std::invalid_argument for a window shorter than 2 or longer than the record, a hop below 1, or a factor out of
-/// range.
-/// Cost: O(n) per factor; the result has windows x factors numbers. Same bytes at any number of threads.
+/// @throws std::invalid_argument for a window shorter than 2 or longer than the record, a hop below 1, or a
+/// factor out of range. Cost: O(n) per factor; the result has windows x factors numbers. Same bytes at any
+/// number of threads.
 [[nodiscard]] DynamicSurface dynamic_variance(const RateRecord&, std::span<const std::int64_t> factors,
                                               const DynamicOptions& = {});
 

@@ -9,8 +9,9 @@
 
 namespace gyrobudget::inline v0::allan {
 
-/// The estimators of frequency (here: rate) stability, by the names that Stable32 and AllanTools use. Equations: see
-/// family.h. All but the time deviations are in the unit of the signal, those in signal x s (rad for a gyro).
+/// The estimators of frequency (here: rate) stability, by the names that Stable32 and AllanTools use.
+/// Equations: see family.h. All but the time deviations are in the unit of the signal, those in signal x s
+/// (rad for a gyro).
 enum class Estimator {
   adev,     ///< Allan deviation of adjacent clusters
   oadev,    ///< overlapped Allan deviation
@@ -38,19 +39,20 @@ inline constexpr Estimator kEstimators[] = {Estimator::adev,    Estimator::oadev
   return (estimator == Estimator::theo1 ? 0.75 : 1.0) * static_cast<double>(m) * dt;
 }
 
-/// The factors that an estimator has at least one term for: from `least` to `most` in steps of `step`. None where most <
-/// least.
+/// The factors that an estimator has at least one term for: from `least` to `most` in steps of `step`. None
+/// where most < least.
 struct FactorRange {
   std::int64_t least, most, step;
 };
-/// For a record of n samples: 1 .. n/2 (Allan), (n+1)/3 (modified), n/3 (Hadamard), n-1 (total); even numbers 10 .. n for
-/// Theo1.
+/// For a record of n samples: 1 .. n/2 (Allan), (n+1)/3 (modified), n/3 (Hadamard), n-1 (total); even numbers
+/// 10 .. n for Theo1.
 [[nodiscard]] FactorRange factor_range(Estimator, std::int64_t samples);
 
-/// 1, 2, 4, ... within the range; for Theo1 the m of averaging times 0.75 m nearest to those: 10, 22, 42, 86, ...
+/// 1, 2, 4, ... within the range; for Theo1 the m of averaging times 0.75 m nearest to those: 10, 22, 42, 86,
+/// ...
 [[nodiscard]] std::vector<std::int64_t> octave_factors(Estimator, std::int64_t samples);
-/// What an estimator can do of a list of factors made for `tau = m dt`: those in range; for Theo1 4m/3 to the nearest even
-/// number. Ascending, without repeats.
+/// What an estimator can do of a list of factors made for `tau = m dt`: those in range; for Theo1 4m/3 to the
+/// nearest even number. Ascending, without repeats.
 [[nodiscard]] std::vector<std::int64_t> usable_factors(Estimator, std::int64_t samples,
                                                        std::span<const std::int64_t> factors);
 

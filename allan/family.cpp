@@ -124,6 +124,7 @@ TermSum masked_second_differences(const detail::Phase& phase, const Mask& mask, 
 }
 
 std::vector<TermSum> sum_terms(const RateRecord& record, Estimator estimator, std::span<const Job> jobs) {
+  if (jobs.empty()) return {};
   const auto sum_family = [&](const FamilyRecord& view) {
     return sum_jobs(jobs, [&](const Job& job, std::int64_t first, std::int64_t count) {
       return family_sum(estimator, view, job.m, first * job.stride, job.stride, count);
@@ -152,15 +153,19 @@ std::vector<TermSum> sum_terms(const RateRecord& record, Estimator estimator, st
 std::int64_t stride_of(Estimator estimator, std::int64_t samples, std::int64_t m,
                        const EstimatorOptions& options) {
   if (estimator == Estimator::adev || estimator == Estimator::hdev) return m;
-  if (options.overlap > 0) return std::max<std::int64_t>(1, m / options.overlap);
+  if (options.overlap > 0) {
+    const std::int64_t stride = m / options.overlap;
+    return stride < options.least_stride ? 1 : std::max<std::int64_t>(1, stride);
+  }
   const std::int64_t steps = detail::steps_per_term(estimator, m);
   if (steps == 1) return 1;
-  constexpr double kMostSteps = 1 << 28;
-  constexpr std::int64_t kLeastOverlap = 8;
+  constexpr double kMostSteps = 1 << 26;
+  // What costs nothing: a term of the totals averages over 6m places itself.
+  const std::int64_t least_overlap = estimator == Estimator::theo1 ? 16 : 4;
   const double work =
       static_cast<double>(steps) * static_cast<double>(detail::family_positions(estimator, samples, m));
   const auto wanted = static_cast<std::int64_t>(std::ceil(work / kMostSteps));
-  return std::max<std::int64_t>(1, std::min(wanted, m / kLeastOverlap));
+  return std::max<std::int64_t>(1, std::min(wanted, m / least_overlap));
 }
 
 Curve deviation(const RateRecord& record, Estimator estimator, std::span<const std::int64_t> factors,
@@ -169,17 +174,34 @@ Curve deviation(const RateRecord& record, Estimator estimator, std::span<const s
   if (estimator == Estimator::oadev && options.overlap == 0)
     return overlapped_variance(record, factors, options.form);
 
-  std::vector<Job> jobs;
-  for (const std::int64_t m : factors) jobs.push_back(make_job(estimator, record.samples(), m, options));
-  const std::vector<TermSum> sums = sum_terms(record, estimator, jobs);
-
   Curve curve{record.dt(), record.samples(), record.mean(), Form::full, {}, record.mask(), estimator};
+  std::vector<Job> jobs;
+  std::vector<std::size_t> thinned;        // the points they are for
+  std::vector<std::int64_t> every_sample;  // factors whose terms overlapped_variance sums many at a time
+  for (const std::int64_t m : factors) {
+    const Job job = make_job(estimator, record.samples(), m, options);
+    if (estimator == Estimator::oadev && job.stride == 1) {
+      every_sample.push_back(m);
+    } else {
+      thinned.push_back(curve.points.size());
+      jobs.push_back(job);
+    }
+    curve.points.push_back({m, 0, 0, job.stride});
+  }
+  const std::vector<TermSum> sums = sum_terms(record, estimator, jobs);
   for (std::size_t i = 0; i < jobs.size(); ++i) {
     const auto terms = static_cast<double>(sums[i].terms);
-    const double variance =
-        terms > 0 ? sums[i].squares / terms * detail::family_scale(estimator, jobs[i].m, record.dt())
-                  : std::numeric_limits<double>::quiet_NaN();
-    curve.points.push_back({jobs[i].m, variance, sums[i].terms, jobs[i].stride});
+    Point& point = curve.points[thinned[i]];
+    point.terms = sums[i].terms;
+    point.variance = terms > 0
+                         ? sums[i].squares / terms * detail::family_scale(estimator, point.m, record.dt())
+                         : std::numeric_limits<double>::quiet_NaN();
+  }
+  if (every_sample.empty()) return curve;
+  const Curve full = overlapped_variance(record, every_sample);
+  std::size_t next = 0;
+  for (Point& point : curve.points) {
+    if (point.stride == 1) point = full.points[next++];
   }
   return curve;
 }

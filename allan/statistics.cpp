@@ -92,7 +92,8 @@ double dense_dof(const Estimation& of, Mix mix) {
 
 // ---- biases ----
 
-/// Total: the terms in the middle have the Allan variance, those whose neighbours are reflected one of their own each.
+/// Total: the terms in the middle have the Allan variance, those whose neighbours are reflected one of their
+/// own each.
 double total_ratio(const Estimation& of, Mix mix) {
   constexpr std::int64_t kFinest = 512;
   Estimation small = of;

@@ -21,33 +21,37 @@ struct Estimation {
   std::int64_t stride = 1;   ///< from one term to the next; see stride_of
 };
 
-/// Equivalent degrees of freedom 2 E[s]^2 / var(s) of an estimate s for a Gaussian sum of processes (a sinusoid counts as if
-/// it were noise for the total estimators and Theo1).
+/// Equivalent degrees of freedom 2 E[s]^2 / var(s) of an estimate s for a Gaussian sum of processes (a
+/// sinusoid counts as if it were noise for the total estimators and Theo1).
 ///
 /// - adev, oadev, hdev, ohdev at any stride: exact, from the sum over all lags, to 1e-8.
 /// - mdev, tdev: exact to m = 64, within 0.5 % above.
-/// - The totals and Theo1: exact from the estimate's quadratic form in the phases for at least m <= 16 (Theo1: 48) with
-///   n <= 13 m (5 m). For longer clusters the form of a record with fewer samples a cluster and the same n/m stands in, for
-///   longer records the straight line in n/m through two such: within 2 %, Theo1 of white noise 3 %. Quantization is the
-///   exception: its degrees of freedom grow with n, not n/m, where phases are not averaged, and this gives too few for
-///   totdev, htotdev and Theo1 at large m: intervals err on the safe side.
+/// - The totals and Theo1: exact from the estimate's quadratic form in the phases for at least m <= 16
+///   (Theo1: 48) with n <= 13 m (5 m). For longer clusters the form of a record with fewer samples a cluster
+///   and the same n/m stands in, for longer records the straight line in n/m through two such: within 2 %,
+///   Theo1 of white noise 3 %. Quantization is the exception: its degrees of freedom grow with n, not n/m,
+///   where phases are not averaged, and this gives too few for totdev, htotdev and Theo1 at large m:
+///   intervals err on the safe side.
 ///
-/// Tested against the full form and by Monte Carlo. The published approximations (SP 1065 section 5.4) differ from this by
-/// up to 15 % in the ranges where they are given.
+/// Tested against the full form and by Monte Carlo. The published approximations (SP 1065 section 5.4) differ
+/// from this by up to 15 % in the ranges where they are given.
 ///
-/// A stride of m/16 costs white noise 0.5 % of the degrees of freedom of the oadev, flicker and random walk nothing
-/// measurable; m/8: 1.9 %; m/4: 7.8, 0.3 and 0 %; m: 125, 32 and 4 %. For quantization the full overlap is worth all: its
-/// degrees of freedom go as n/stride.
-/// @throws std::invalid_argument for a factor that the estimator has no terms for, a stride below 1, or no noise.
+/// A stride of m/16 costs white noise 0.5 % of the degrees of freedom of the oadev, flicker and random walk
+/// nothing measurable; m/8: 1.9 %; m/4: 7.8, 0.3 and 0 %; m: 125, 32 and 4 %. For quantization the full
+/// overlap is worth all: its degrees of freedom go as n/stride.
+/// @throws std::invalid_argument for a factor that the estimator has no terms for, a stride below 1, or no
+/// noise.
 [[nodiscard]] double equivalent_dof(const Estimation&, std::span<const noise::Process> mix);
 
-/// E[s] over the variance that the estimator is named for (total: Allan, modified total: modified Allan, Hadamard total:
-/// Hadamard, Theo1: Allan at 0.75 m dt); 1 for the others. Divide by it. Exact for totdev to m = 512 and Theo1 to 2048,
-/// within 1 % of its distance from 1 above; the others from the quadratic forms, within 0.5 %.
+/// E[s] over the variance that the estimator is named for (total: Allan, modified total: modified Allan,
+/// Hadamard total: Hadamard, Theo1: Allan at 0.75 m dt); 1 for the others. Divide by it. Exact for totdev to
+/// m = 512 and Theo1 to 2048, within 1 % of its distance from 1 above; the others from the quadratic forms,
+/// within 0.5 %.
 ///
-/// For long clusters: totdev 1 - a m/n with a = 0, 0.481, 0.750 for white, flicker, random walk, as published; mtotdev 0.995,
-/// 0.771, 0.717, 0.679 for quantization to random walk (published, from simulation: 0.94, 0.73, 0.70, 0.69); htotdev 0.995,
-/// 0.851, 0.771 for white to random walk, as published; Theo1 of white noise 1.
+/// For long clusters: totdev 1 - a m/n with a = 0, 0.481, 0.750 for white, flicker, random walk, as
+/// published; mtotdev 0.995, 0.771, 0.717, 0.679 for quantization to random walk (published, from simulation:
+/// 0.94, 0.73, 0.70, 0.69); htotdev 0.995, 0.851, 0.771 for white to random walk, as published; Theo1 of
+/// white noise 1.
 [[nodiscard]] double expectation_ratio(const Estimation&, std::span<const noise::Process> mix);
 
 /// What is known of one point of a curve.
@@ -84,9 +88,9 @@ struct Segment {
   std::span<const PointStatistics> statistics;
 };
 
-/// Pools the curves of segments of one estimator and sample interval into one. Segments count as independent: right for
-/// white noise and quantization, and where power was cycled; flicker and random walk that run on across a gap correlate
-/// neighbours at tau near their length by a few per cent.
+/// Pools the curves of segments of one estimator and sample interval into one. Segments count as independent:
+/// right for white noise and quantization, and where power was cycled; flicker and random walk that run on
+/// across a gap correlate neighbours at tau near their length by a few per cent.
 ///
 /// Weights in proportion to the degrees of freedom have the least variance, and degrees of freedom then add.
 /// @return ascending in tau; taus that no segment has a term for are left out.

@@ -59,7 +59,8 @@ std::vector<T> last_of(const std::vector<T>& sequence, const std::vector<T>& mor
 
 }  // namespace
 
-/// Prefix sums of a few thousand blocks, so that a term of clusters of any number of them takes a few additions.
+/// Prefix sums of a few thousand blocks, so that a term of clusters of any number of them takes a few
+/// additions.
 class StreamingDeviation::PrefixSums {
  public:
   PrefixSums(std::span<const Block> blocks, std::int64_t block_length)

@@ -11,48 +11,51 @@
 namespace gyrobudget::inline v0::allan {
 
 struct StreamingOptions {
-  /// Terms of factor m begin every max(1, m / overlap) samples; a power of two. 16 costs white noise 0.5 % of the
-  /// degrees of freedom, 32 0.1 %; flicker and random walk nothing (see statistics.h).
+  /// Terms of factor m begin every max(1, m / overlap) samples; a power of two. 16 costs white noise 0.5 % of
+  /// the degrees of freedom, 32 0.1 %; flicker and random walk nothing (see statistics.h).
   std::int64_t overlap = 16;
   double minimum_fill = kMinimumFill;  ///< of a cluster, in (0, 1]
-  /// Place in the log of the first sample pushed. Terms begin at whole multiples of their stride in the log, so that
-  /// parts of a log that are taken in apart can be joined.
+  /// Place in the log of the first sample pushed. Terms begin at whole multiples of their stride in the log,
+  /// so that parts of a log that are taken in apart can be joined.
   std::int64_t first_sample = 0;
 };
 
-/// Overlapped Allan variance at m = 1, 2, 4, ... of a stream of rates without end, in memory that grows with the logarithm
-/// of its length: about 2 KB per octave, 60 KB for 10^9 samples.
+/// Overlapped Allan variance at m = 1, 2, 4, ... of a stream of rates without end, in memory that grows with
+/// the logarithm of its length: about 2 KB per octave, 60 KB for 10^9 samples.
 ///
-/// Samples are summed into blocks of 2^r, each of two of the row before, as means are in the recursion of FAVAR (Maddipatla
-/// et al. 2021); a term is the difference of two neighbouring clusters of `overlap` blocks. No sum is longer than a cluster,
-/// so neither a large mean nor 10^12 samples cost digits. NaN and infinite samples are missing: blocks count what exists, and
-/// a cluster counts where the minimum fill does, as in overlapped_variance.
+/// Samples are summed into blocks of 2^r, each of two of the row before, as means are in the recursion of
+/// FAVAR (Maddipatla et al. 2021); a term is the difference of two neighbouring clusters of `overlap` blocks.
+/// No sum is longer than a cluster, so neither a large mean nor 10^12 samples cost digits. NaN and infinite
+/// samples are missing: blocks count what exists, and a cluster counts where the minimum fill does, as in
+/// overlapped_variance.
 ///
-/// With a stride of 1 (m <= overlap) the terms are exactly those of overlapped_variance; above, every m/overlap-th of them.
-/// Error 1e-12 of the variance. The same bytes however the samples are cut into pushes. One thread; 4 to 6 ns a sample.
+/// With a stride of 1 (m <= overlap) the terms are exactly those of overlapped_variance; above, every
+/// m/overlap-th of them. Error 1e-12 of the variance. The same bytes however the samples are cut into pushes.
+/// One thread; about 6 ns a sample (join parts for more threads).
 ///
 ///     StreamingDeviation stream(0.01);
 ///     while (read(samples)) stream.push(samples);
 ///     const Curve curve = stream.curve();  // at any time; statistics(curve, mix) has its degrees of freedom
 class StreamingDeviation {
  public:
-  /// @throws std::invalid_argument for dt [s] that is not positive and finite, an overlap that is no power of two from 1 to
-  /// 4096, a minimum fill outside (0, 1], or a negative first sample.
+  /// @throws std::invalid_argument for dt [s] that is not positive and finite, an overlap that is no power of
+  /// two from 1 to 4096, a minimum fill outside (0, 1], or a negative first sample.
   explicit StreamingDeviation(double dt, const StreamingOptions& = {});
 
   /// Takes in the next samples.
   void push(std::span<const double> rate);
 
-  /// Joins what was taken in of the part of the log that follows this one, as if all had been pushed here: the terms are
-  /// the same, their sum differs by its rounding.
-  /// @throws std::invalid_argument where `next` does not begin at this one's end, or has another dt, overlap or fill.
+  /// Joins what was taken in of the part of the log that follows this one, as if all had been pushed here:
+  /// the terms are the same, their sum differs by its rounding.
+  /// @throws std::invalid_argument where `next` does not begin at this one's end, or has another dt, overlap
+  /// or fill.
   void append(const StreamingDeviation& next);
 
   /// Number of samples so far, missing ones included.
   [[nodiscard]] std::int64_t samples() const { return samples_; }
 
-  /// What is known so far: all octaves that have a term, with their strides. The curve has no mask; statistics() then
-  /// reckons degrees of freedom with gaps in proportion to the terms that are left.
+  /// What is known so far: all octaves that have a term, with their strides. The curve has no mask;
+  /// statistics() then reckons degrees of freedom with gaps in proportion to the terms that are left.
   [[nodiscard]] Curve curve() const;
 
  private:

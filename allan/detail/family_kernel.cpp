@@ -41,8 +41,9 @@ GYROBUDGET_INLINE inline void remove_trend(const double* p, std::int64_t m, doub
   }
 }
 
-// Even continuation has period 6m and mirror symmetry, so 4m of the 6m places are enough. Its prefix sums are S(t) to 3m
-// and -S(6m - t) from there on, as S(3m) = 0; a second difference of sums over m takes four of them.
+// Even continuation has period 6m and mirror symmetry, so 4m of the 6m places are enough. Its prefix sums are
+// S(t) to 3m and -S(6m - t) from there on, as S(3m) = 0; a second difference of sums over m takes four of
+// them.
 GYROBUDGET_INLINE inline double even(const double* p, std::int64_t m, double* scratch) {
   remove_trend(p, m, scratch);
   const double *s = scratch, *end = s + 3 * m;

@@ -90,8 +90,8 @@ TermSum third_differences(const FamilyRecord& record, std::int64_t m, const Posi
 
 // ---- Modified Allan: means over m second differences ----
 
-/// Prefix sums of the second differences from `first` on. They are themselves differences of sums over m phases, so
-/// they stay as small as the terms, where prefix sums of the phase would outgrow them.
+/// Prefix sums of the second differences from `first` on. They are themselves differences of sums over m
+/// phases, so they stay as small as the terms, where prefix sums of the phase would outgrow them.
 std::unique_ptr<double[]> sums_of_second_differences(const double* x, std::int64_t m, std::int64_t first,
                                                      std::int64_t count) {
   const double *x0 = x + first, *x1 = x0 + m, *x2 = x1 + m;
@@ -218,9 +218,10 @@ std::int64_t family_positions(Estimator estimator, std::int64_t samples, std::in
   return 0;
 }
 
-std::int64_t rescaled_samples(Estimator estimator, std::int64_t samples, std::int64_t m, std::int64_t coarse) {
-  const double positions = static_cast<double>(family_positions(estimator, samples, m)) * static_cast<double>(coarse) /
-                           static_cast<double>(m);
+std::int64_t rescaled_samples(Estimator estimator, std::int64_t samples, std::int64_t m,
+                              std::int64_t coarse) {
+  const double positions = static_cast<double>(family_positions(estimator, samples, m)) *
+                           static_cast<double>(coarse) / static_cast<double>(m);
   const std::int64_t beyond = -family_positions(estimator, 0, coarse);  // samples that are no positions
   return std::max<std::int64_t>(1, std::llround(positions)) + beyond;
 }

@@ -25,15 +25,16 @@ struct TermSum {
 /// Number of positions at which a term can begin, one sample apart.
 [[nodiscard]] std::int64_t family_positions(Estimator, std::int64_t samples, std::int64_t m);
 
-/// A shorter record that is to clusters of `coarse` samples as this one is to clusters of m: the same number of positions
-/// in clusters.
-[[nodiscard]] std::int64_t rescaled_samples(Estimator, std::int64_t samples, std::int64_t m, std::int64_t coarse);
+/// A shorter record that is to clusters of `coarse` samples as this one is to clusters of m: the same number
+/// of positions in clusters.
+[[nodiscard]] std::int64_t rescaled_samples(Estimator, std::int64_t samples, std::int64_t m,
+                                            std::int64_t coarse);
 
 /// What one term costs in elementary steps: 1, or about m where it is a sum over m samples.
 [[nodiscard]] std::int64_t steps_per_term(Estimator, std::int64_t m);
 
-/// Sum of the squares of the terms that begin at positions first, first + stride, ... (count of them), in units where x
-/// is the phase and one sample is the unit of time: see family_scale.
+/// Sum of the squares of the terms that begin at positions first, first + stride, ... (count of them), in
+/// units where x is the phase and one sample is the unit of time: see family_scale.
 [[nodiscard]] TermSum family_sum(Estimator, const FamilyRecord&, std::int64_t m, std::int64_t first,
                                  std::int64_t stride, std::int64_t count);
 

@@ -137,7 +137,8 @@ Moments lag_moments(Estimator estimator, std::int64_t samples, std::int64_t m, s
   if (estimator == Estimator::mdev || estimator == Estimator::tdev)
     return modified_moments(samples, m, stride, dt, mix);
   const std::int64_t terms = term_count(estimator, samples, m, stride);
-  // The kinks of C lie at 0, m, 2m and 3m, here in strides; lag_nodes takes lags one by one 16 to either side.
+  // The kinks of C lie at 0, m, 2m and 3m, here in strides; lag_nodes takes lags one by one 16 to either
+  // side.
   const std::int64_t strides = std::max<std::int64_t>(1, (m + stride / 2) / stride);
   const LagNodes nodes = lag_nodes({strides, 2 * strides, dt}, terms);
   std::vector<double> u(nodes.u);

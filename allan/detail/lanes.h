@@ -7,8 +7,8 @@ namespace gyrobudget::inline v0::allan::detail {
 
 inline constexpr int kSumLanes = 16;
 
-/// sum_{i < count} body(i), in a fixed number of lanes: the compiler can use registers of any width without changing a
-/// bit. `body` must be always inlined.
+/// sum_{i < count} body(i), in a fixed number of lanes: the compiler can use registers of any width without
+/// changing a bit. `body` must be always inlined.
 template <typename Body>
 [[gnu::always_inline]] inline double lane_sum(std::int64_t count, Body body) {
   double lane[kSumLanes] = {};

@@ -55,8 +55,8 @@ TEST(Stable32Family, Theo1OfTheThousandPoints) {
   expect_printed(one(Estimator::theo1, rate, 1000), 5.0524e-03, 5);
 }
 
-/// What Stable32 divides a variance by, for the noise its table names: of total and Hadamard total, not of modified total.
-/// Greenhall, Howe, Percival 1999 and Howe et al. 2005, as in SP 1065 tables 8 and 12.
+/// What Stable32 divides a variance by, for the noise its table names: of total and Hadamard total, not of
+/// modified total. Greenhall, Howe, Percival 1999 and Howe et al. 2005, as in SP 1065 tables 8 and 12.
 double removed_bias(Estimator estimator, int alpha, std::int64_t m, std::int64_t samples) {
   const double share = static_cast<double>(m) / static_cast<double>(samples);
   if (estimator == Estimator::totdev) return 1 - (alpha == -1 ? 0.481 : alpha == -2 ? 0.75 : 0) * share;

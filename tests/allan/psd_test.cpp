@@ -84,7 +84,8 @@ TEST(Multitaper, WhiteNoiseReadsItsDensity) {
 }
 
 TEST(Multitaper, RandomWalkReadsItsDensity) {
-  // Sine tapers leak little: a steep spectrum is right from a few bandwidths on, where its curvature is small.
+  // Sine tapers leak little: a steep spectrum is right from a few bandwidths on, where its curvature is
+  // small.
   const noise::Process walk = noise::RateRandomWalk{1e-6};
   const Moments m = moments(walk, 1079, 1, 300,
                             [](std::span<const double> rate, double dt) { return multitaper(rate, dt, 4); });

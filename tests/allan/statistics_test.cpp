@@ -28,7 +28,8 @@ detail::Moments full_form(const Estimation& s, std::span<const noise::Process> m
   return detail::moments(detail::estimator_matrix(s.estimator, s.samples, s.m, s.stride), mix, s.dt);
 }
 
-// ---- the quadratic form, against the estimates themselves ------------------------------------------------------
+// ---- the quadratic form, against the estimates themselves
+// ------------------------------------------------------
 
 TEST(QuadraticForm, IsTheEstimate) {
   const std::vector<double> rate = reference::normal(60, 31);
@@ -41,7 +42,7 @@ TEST(QuadraticForm, IsTheEstimate) {
       const FactorRange range = factor_range(estimator, 60);
       if (m < range.least || m > range.most || m % range.step != 0) continue;
       for (const std::int64_t overlap : {0, 2}) {
-        const std::int64_t stride = stride_of(estimator, 60, m, {.overlap = overlap});
+        const std::int64_t stride = stride_of(estimator, 60, m, {.overlap = overlap, .least_stride = 1});
         const auto A = detail::estimator_matrix(estimator, 60, m, stride);
         const auto truth = static_cast<double>(reference::family_variance(estimator, rate, 1, m, stride));
         EXPECT_NEAR(x.dot(A * x) / truth, 1, 1e-11) << name(estimator) << " m " << m << " stride " << stride;
@@ -64,7 +65,8 @@ TEST(QuadraticForm, MomentsOfTheAllanVarianceAreThoseOfTheLagSums) {
               1e-9);
 }
 
-// ---- degrees of freedom ------------------------------------------------------------------------------------------
+// ---- degrees of freedom
+// ------------------------------------------------------------------------------------------
 
 TEST(FamilyDof, LagSumsAreTheFullForm) {
   constexpr double kTail = 1e-5;  // of flicker's lags that the modified ones leave out
@@ -77,7 +79,7 @@ TEST(FamilyDof, LagSumsAreTheFullForm) {
       for (const std::int64_t m : {1, 3, 8, 40}) {
         for (const std::int64_t overlap : {0, 1, 3}) {
           Estimation of{estimator, 160, m, 0.25};
-          of.stride = stride_of(estimator, 160, m, {.overlap = overlap});
+          of.stride = stride_of(estimator, 160, m, {.overlap = overlap, .least_stride = 1});
           EXPECT_NEAR(equivalent_dof(of, mix) / full_form(of, mix).edf(), 1, kTail)
               << name(estimator) << " m " << m << " stride " << of.stride << " " << letter(mix[0]);
         }
@@ -124,7 +126,8 @@ TEST(FamilyDof, LongRecordsFollowTheLine) {
 }
 
 TEST(FamilyDof, PublishedApproximations) {
-  // Total: Greenhall, Howe, Percival 1999, edf = b T/tau - c, exact in the limit of long clusters; SP 1065 table 8.
+  // Total: Greenhall, Howe, Percival 1999, edf = b T/tau - c, exact in the limit of long clusters; SP 1065
+  // table 8.
   const struct {
     noise::Process kind;
     double b, c;
@@ -143,7 +146,8 @@ TEST(FamilyDof, PublishedApproximations) {
 }
 
 TEST(FamilyDof, LossByStride) {
-  // Loss of degrees of freedom in per cent against full overlap at n/m = 512: theory (exact lag sums in another program).
+  // Loss of degrees of freedom in per cent against full overlap at n/m = 512: theory (exact lag sums in
+  // another program).
   const struct {
     std::int64_t per_cluster;
     double white, flicker, walk;
@@ -162,7 +166,8 @@ TEST(FamilyDof, LossByStride) {
   }
 }
 
-// ---- biases ------------------------------------------------------------------------------------------------------
+// ---- biases
+// ------------------------------------------------------------------------------------------------------
 
 TEST(FamilyBias, PublishedValues) {
   const auto ratio = [](Estimator estimator, std::size_t kind, std::int64_t samples = 100'000,
@@ -185,7 +190,8 @@ TEST(FamilyBias, PublishedValues) {
   EXPECT_NEAR(ratio(Estimator::theo1, 1), 1, 1e-9);
   EXPECT_NEAR(1 / ratio(Estimator::theo1, 2), 1.87 - 1.05 / std::pow(3000, 0.79), 0.02);
   EXPECT_NEAR(1 / ratio(Estimator::theo1, 3), 2.70 - 1.53 / std::pow(3000, 0.85), 0.05);
-  // Modified total, published from simulation: 0.73, 0.70, 0.69 (SP 1065 table 11). The exact ones lie apart by 5 %.
+  // Modified total, published from simulation: 0.73, 0.70, 0.69 (SP 1065 table 11). The exact ones lie apart
+  // by 5 %.
   EXPECT_NEAR(ratio(Estimator::mtotdev, 1), 0.73, 0.05);
   EXPECT_NEAR(ratio(Estimator::mtotdev, 2), 0.70, 0.02);
   EXPECT_NEAR(ratio(Estimator::mtotdev, 3), 0.69, 0.02);
@@ -205,7 +211,8 @@ TEST(FamilyBias, CoarserLooksAreTheFullForm) {
   }
 }
 
-// ---- Monte Carlo: the mean, the scatter and the intervals ------------------------------------------------------
+// ---- Monte Carlo: the mean, the scatter and the intervals
+// ------------------------------------------------------
 
 /// The variance that an estimator is named for, at its averaging time.
 double named_variance(Estimator estimator, std::int64_t samples, std::int64_t m, const noise::Process& kind) {
@@ -270,7 +277,8 @@ TEST(FamilyMonteCarlo, MeanScatterAndCoverage) {
   }
 }
 
-// ---- whole curves --------------------------------------------------------------------------------------------------
+// ---- whole curves
+// --------------------------------------------------------------------------------------------------
 
 TEST(CurveStatistics, EveryEstimatorAndItsIdentifiedNoise) {
   const std::vector<double> rate = reference::normal(5000, 42);
@@ -305,7 +313,8 @@ TEST(CurveStatistics, OfGaps) {
         usable_factors(estimator, 4000, std::vector<std::int64_t>{10, 1200});
     const Curve curve = deviation(rate, 1, estimator, factors);
     const auto facts = statistics(curve, white);
-    // Three quarters are left; at tau longer than any part nothing is, but where terms may span the gap's edge.
+    // Three quarters are left; at tau longer than any part nothing is, but where terms may span the gap's
+    // edge.
     const double whole = equivalent_dof({estimator, 4000, factors[0], 1, curve.points[0].stride}, white);
     EXPECT_NEAR(facts[0].edf / whole, 0.75, 0.02) << name(estimator);
     if (curve.points.back().terms == 0) {
@@ -324,7 +333,8 @@ TEST(CurveStatistics, MisuseThrows) {
   EXPECT_THROW((void)expectation_ratio({Estimator::theo1, 100, 11, 1}, white), std::invalid_argument);
 }
 
-// ---- pooling -------------------------------------------------------------------------------------------------------
+// ---- pooling
+// -------------------------------------------------------------------------------------------------------
 
 TEST(Pool, IndependentSegmentsAddTheirDegreesOfFreedom) {
   // 400 logs of three segments of unequal length: the pooled estimate scatters as its degrees of freedom say.

@@ -53,10 +53,12 @@ void expect_same(const Curve& a, const Curve& b, double tolerance) {
 /// The strided estimator of a whole record at octaves.
 Curve whole_record(std::span<const double> rate, const StreamingOptions& options = {}) {
   return deviation(RateRecord(rate, 1, options.minimum_fill), Estimator::oadev,
-                   octave_factors(static_cast<std::int64_t>(rate.size())), {.overlap = options.overlap});
+                   octave_factors(static_cast<std::int64_t>(rate.size())),
+                   {.overlap = options.overlap, .least_stride = 1});
 }
 
-// ---- against the estimators of whole records -----------------------------------------------------------------------
+// ---- against the estimators of whole records
+// -----------------------------------------------------------------------
 
 TEST(Streaming, IsTheStridedEstimator) {
   for (const std::size_t samples : {2u, 3u, 31u, 1000u, 4096u, 4097u, 70'001u}) {
@@ -134,7 +136,8 @@ TEST(Streaming, DegreesOfFreedomAreThoseOfItsStride) {
   }
 }
 
-// ---- joining ---------------------------------------------------------------------------------------------------------
+// ---- joining
+// ---------------------------------------------------------------------------------------------------------
 
 TEST(Streaming, PartsJoinedAreTheWhole) {
   std::mt19937 bits(58);
@@ -182,7 +185,8 @@ TEST(Streaming, MisuseThrows) {
                std::invalid_argument);
 }
 
-// ---- the recursion on cluster sums -----------------------------------------------------------------------------------
+// ---- the recursion on cluster sums
+// -----------------------------------------------------------------------------------
 
 TEST(Favar, IsTheOverlappedVariance) {
   for (const std::size_t samples : {0u, 1u, 2u, 5u, 1000u, 20'000u}) {
