@@ -12,7 +12,10 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <mutex>
 #include <stdexcept>
+#include <tuple>
+#include <variant>
 
 namespace gyrobudget::inline v0::allan {
 namespace {
@@ -76,18 +79,51 @@ Moments dense_moments(const Estimation& of, Mix mix) {
   return detail::moments(detail::estimator_matrix(of.estimator, of.samples, of.m, of.stride), mix, of.dt);
 }
 
-double dense_dof(const Estimation& of, Mix mix) {
-  const Resolution limits = resolution(of.estimator);
-  const double clusters = static_cast<double>(of.samples) / static_cast<double>(of.m);
-  if (clusters <= limits.high) return dense_moments(reduced(of, clusters), mix).edf();
-  const Estimation high = reduced(of, limits.high);
-  Estimation low = high;
-  low.samples = static_cast<std::int64_t>(limits.low * static_cast<double>(high.m));
-  const double at_low = dense_moments(low, mix).edf(), at_high = dense_moments(high, mix).edf();
-  const double slope =
-      (at_high - at_low) / static_cast<double>(high.samples - low.samples);  // per sample of theirs
-  const std::int64_t samples = detail::rescaled_samples(of.estimator, of.samples, of.m, high.m);
-  return at_high + slope * static_cast<double>(samples - high.samples);
+/// Degrees of freedom from dense forms. The points of a curve share most of those: it keeps them.
+class DenseDof {
+ public:
+  double operator()(const Estimation& of, Mix mix) {
+    const Resolution limits = resolution(of.estimator);
+    const double clusters = static_cast<double>(of.samples) / static_cast<double>(of.m);
+    if (clusters <= limits.high) return direct(reduced(of, clusters), mix);
+    const Estimation high = reduced(of, limits.high);
+    Estimation low = high;
+    low.samples = static_cast<std::int64_t>(limits.low * static_cast<double>(high.m));
+    const double at_low = direct(low, mix), at_high = direct(high, mix);
+    const double slope = (at_high - at_low) / static_cast<double>(high.samples - low.samples);
+    const std::int64_t samples = detail::rescaled_samples(of.estimator, of.samples, of.m, high.m);
+    return at_high + slope * static_cast<double>(samples - high.samples);
+  }
+
+ private:
+  double direct(Estimation of, Mix mix) {
+    const bool alone = mix.size() == 1 && is_power_law(mix.front());
+    if (alone) of.dt = 1;  // one power law knows no time scale
+    const char kind = alone ? static_cast<char>(noise::term(mix.front())) : '\0';
+    const auto key = std::make_tuple(kind, of.samples, of.m, of.stride, of.dt);
+    {
+      const std::lock_guard lock(mutex_);
+      if (const auto found = known_.find(key); found != known_.end()) return found->second;
+    }
+    const double edf = dense_moments(of, mix).edf();
+    const std::lock_guard lock(mutex_);
+    return known_[key] = edf;
+  }
+
+  static bool is_power_law(const noise::Process& process) {
+    const noise::Term term = noise::term(process);
+    return term == noise::Term::quantization || term == noise::Term::white || term == noise::Term::flicker ||
+           term == noise::Term::rate_random_walk;
+  }
+
+  std::mutex mutex_;
+  std::map<std::tuple<char, std::int64_t, std::int64_t, std::int64_t, double>, double> known_;
+};
+
+/// @param mix normalized.
+double degrees_of_freedom(const Estimation& of, Mix mix, DenseDof& dense) {
+  if (!detail::is_stationary(of.estimator)) return dense(of, mix);
+  return detail::lag_moments(of.estimator, of.samples, of.m, of.stride, of.dt, mix).edf();
 }
 
 // ---- biases ----
@@ -114,12 +150,13 @@ double total_ratio(const Estimation& of, Mix mix) {
   return sum / static_cast<double>(n - 1) / allan;
 }
 
-/// Modified and Hadamard total: every stretch of 3m has the same expectation, so the shortest record serves.
+/// Modified and Hadamard total: every stretch of 3m has the same expectation, so a record of one serves.
 double stretch_ratio(const Estimation& of, Mix mix, Estimator plain) {
-  Estimation small = reduced(of, 3);
-  small.stride = small.samples;
+  Estimation small = reduced(of, resolution(of.estimator).high);
+  small.samples = small.stride = 3 * small.m;
+  const Eigen::MatrixXd form = detail::estimator_matrix(of.estimator, small.samples, small.m, small.stride);
   const Moments of_plain = detail::lag_moments(plain, small.samples, small.m, small.samples, small.dt, mix);
-  return dense_moments(small, mix).expectation / of_plain.expectation;
+  return detail::expectation(form, mix, small.dt) / of_plain.expectation;
 }
 
 /// Theo1: the sum over its m/2 differences, each of four phases.
@@ -160,7 +197,8 @@ PointStatistics nothing() {
   return {1, kNaN, kNaN, {kNaN, kNaN}};
 }
 
-PointStatistics point_statistics(const Curve& curve, const Point& point, Mix mix, double confidence) {
+PointStatistics point_statistics(const Curve& curve, const Point& point, Mix mix, double confidence,
+                                 DenseDof& dense) {
   if (point.terms == 0) return nothing();
   const Estimation of{curve.estimator, curve.samples, point.m, curve.dt, point.stride};
   PointStatistics result;
@@ -172,7 +210,8 @@ PointStatistics point_statistics(const Curve& curve, const Point& point, Mix mix
     const double complete = std::ceil(static_cast<double>(positions) / static_cast<double>(point.stride));
     const double left =
         std::min(1., static_cast<double>(point.terms) / complete);  // of the terms, after gaps
-    const double whole = equivalent_dof(of, mix);
+    check(of);
+    const double whole = degrees_of_freedom(of, normalized(mix), dense);
     result.edf = std::max(whole * left, std::min(1., whole));
   }
   result.variance = point.variance / result.bias;
@@ -184,8 +223,9 @@ PointStatistics point_statistics(const Curve& curve, const Point& point, Mix mix
 template <typename MixOf>
 std::vector<PointStatistics> each_point(const Curve& curve, double confidence, MixOf mix_of) {
   std::vector<PointStatistics> result(curve.points.size());
+  DenseDof dense;
   tbb::parallel_for(std::size_t{0}, result.size(), [&](std::size_t i) {
-    result[i] = point_statistics(curve, curve.points[i], mix_of(i), confidence);
+    result[i] = point_statistics(curve, curve.points[i], mix_of(i), confidence, dense);
   });
   return result;
 }
@@ -195,8 +235,8 @@ std::vector<PointStatistics> each_point(const Curve& curve, double confidence, M
 double equivalent_dof(const Estimation& of, Mix mix) {
   check(of);
   const std::vector<noise::Process> scaled = normalized(mix);
-  if (!detail::is_stationary(of.estimator)) return dense_dof(of, scaled);
-  return detail::lag_moments(of.estimator, of.samples, of.m, of.stride, of.dt, scaled).edf();
+  DenseDof dense;
+  return degrees_of_freedom(of, scaled, dense);
 }
 
 double expectation_ratio(const Estimation& of, Mix mix) {

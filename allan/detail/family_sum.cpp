@@ -120,9 +120,11 @@ std::unique_ptr<double[]> sums_of_second_differences(const double* x, std::int64
 
 TermSum modified(const FamilyRecord& record, std::int64_t m, const Positions& at) {
   const auto sums = sums_of_second_differences(record.x, m, at.first, at.last() - at.first + m);
-  const double *s0 = sums.get() - at.first, *s1 = s0 + m;
+  const double *s0 = sums.get(), *s1 = s0 + m;
+  const std::int64_t first = at.first;
   return sum_terms(
-      record, at, [=](std::int64_t k) __attribute__((always_inline)) { return square(s1[k] - s0[k]); },
+      record, at,
+      [=](std::int64_t k) __attribute__((always_inline)) { return square(s1[k - first] - s0[k - first]); },
       span_of(3 * m - 1));
 }
 
@@ -179,10 +181,11 @@ TermSum modified_total(const FamilyRecord& record, std::int64_t m, const Positio
   const double middle = x[length / 2];  // any number near the phases: it keeps their sums small
   p[0] = 0;
   for (std::int64_t i = 0; i < length; ++i) p[i + 1] = p[i] + (x[i] - middle);
-  const double* sums = p.get() - at.first;
   return sum_terms(
       record, at,
-      [&](std::int64_t k) { return family_kernel().even_continuation(sums + k, m, scratch.get()); },
+      [&](std::int64_t k) {
+        return family_kernel().even_continuation(p.get() + (k - at.first), m, scratch.get());
+      },
       span_of(3 * m - 1));
 }
 

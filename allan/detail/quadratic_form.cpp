@@ -109,6 +109,28 @@ MatrixXd stretch_matrix(Estimator estimator, Index m) {
   }
 }
 
+/// Mean and generalised covariance of the phases of a mix, in units of dt.
+struct Phases {
+  MatrixXd covariance;
+  VectorXd mean;
+
+  Phases(Index count, std::span<const noise::Process> mix, double dt)
+      : covariance(count, count), mean(VectorXd::Zero(count)) {
+    VectorXd at_lag = VectorXd::Zero(count);
+    for (const noise::Process& process : mix) {
+      if (const auto* ramp = std::get_if<noise::RateRamp>(&process)) {
+        for (Index k = 0; k < count; ++k) mean[k] += ramp->r * dt * static_cast<double>(k * (k - 1)) / 2;
+        continue;
+      }
+      for (Index h = 0; h < count; ++h)
+        at_lag[h] += noise::phase_covariance(process, static_cast<double>(h), dt) / (dt * dt);
+    }
+    for (Index i = 0; i < count; ++i) {
+      for (Index j = 0; j < count; ++j) covariance(i, j) = at_lag[std::abs(i - j)];
+    }
+  }
+};
+
 }  // namespace
 
 MatrixXd estimator_matrix(Estimator estimator, std::int64_t samples, std::int64_t m, std::int64_t stride) {
@@ -171,26 +193,18 @@ double reflected_expectation(std::span<const noise::Process> mix, std::int64_t s
   return sum / (2 * static_cast<double>(m) * static_cast<double>(m) * dt * dt);
 }
 
+double expectation(const MatrixXd& A, std::span<const noise::Process> mix, double dt) {
+  const Phases phases(A.rows(), mix, dt);
+  return A.cwiseProduct(phases.covariance).sum() + phases.mean.dot(A * phases.mean);
+}
+
 Moments moments(const MatrixXd& A, std::span<const noise::Process> mix, double dt) {
-  const Index phases = A.rows();
-  VectorXd covariance = VectorXd::Zero(phases), mean = VectorXd::Zero(phases);
-  for (const noise::Process& process : mix) {
-    if (const auto* ramp = std::get_if<noise::RateRamp>(&process)) {
-      for (Index k = 0; k < phases; ++k) mean[k] += ramp->r * dt * static_cast<double>(k * (k - 1)) / 2;
-      continue;
-    }
-    for (Index h = 0; h < phases; ++h)
-      covariance[h] += noise::phase_covariance(process, static_cast<double>(h), dt) / (dt * dt);
-  }
-  MatrixXd R(phases, phases);
-  for (Index i = 0; i < phases; ++i) {
-    for (Index j = 0; j < phases; ++j) R(i, j) = covariance[std::abs(i - j)];
-  }
-  const MatrixXd AR = A * R;
-  const VectorXd Amu = A * mean;
+  const Phases phases(A.rows(), mix, dt);
+  const MatrixXd AR = A * phases.covariance;
+  const VectorXd Amu = A * phases.mean;
   Moments result;
-  result.expectation = AR.trace() + mean.dot(Amu);
-  result.variance = 2 * AR.cwiseProduct(AR.transpose()).sum() + 4 * Amu.dot(R * Amu);
+  result.expectation = AR.trace() + phases.mean.dot(Amu);
+  result.variance = 2 * AR.cwiseProduct(AR.transpose()).sum() + 4 * Amu.dot(phases.covariance * Amu);
   return result;
 }
 

@@ -30,6 +30,9 @@ struct Moments {
 /// out. A sinusoid counts as if it were noise.
 [[nodiscard]] Moments moments(const Eigen::MatrixXd& A, std::span<const noise::Process> mix, double dt);
 
+/// The expectation alone, in a fraction of the time.
+[[nodiscard]] double expectation(const Eigen::MatrixXd& A, std::span<const noise::Process> mix, double dt);
+
 /// Expectation of the one term of the total variance (its square over 2 m^2 dt^2) whose middle is phase i of
 /// 0 .. n.
 [[nodiscard]] double reflected_expectation(std::span<const noise::Process> mix, std::int64_t samples,
