@@ -28,10 +28,10 @@
 
   function rowCells(row, fits) {
     const unit = row.unit === "1" ? "" : row.unit;
-    const cells = [[row.what, "", "row"], [known(row.published, row.unit), "number published"], [cell(row.ours, row.unit), "number ours"],
+    const cells = [[unit ? `${row.what}, ${unit}` : row.what, "", "row"], [known(row.published, row.unit), "number published"], [cell(row.ours, row.unit), "number ours"],
       [scatterText(row), "number"], [cell(row.theory, row.unit), "number"]];
     if (fits) cells.push([fitText(row), "number"], [known(row.actual, row.unit), "number"]);
-    return [...cells, [unit]];
+    return cells;
   }
 
   /** Rows under the name of what they are of; why they differ shows on hover. */
@@ -40,7 +40,6 @@
     const numeric = (text) => [text, "number"];
     const head = [[""], numeric("published"), numeric("ours"), numeric("95 % of such"), numeric("theory")];
     if (fits) head.push(numeric("our fit, 95 %"), numeric("truth"));
-    head.push(["unit"]);
     const lines = wanted.flatMap((row, i) => {
       const line = { row, cells: rowCells(row, fits) };
       return row.group === wanted[i - 1]?.group ? [line] : [{ className: "group", cells: [[row.group, "", "row"]] }, line];
@@ -53,14 +52,14 @@
     return node;
   }
 
-  const rowsOf = (...prefixes) => rows.filter((row) => prefixes.some((prefix) => row.id.startsWith(prefix)));
+  const rowsOf = (...prefixes) => prefixes.flatMap((prefix) => rows.filter((row) => row.id.startsWith(prefix)));
 
   function addTables() {
     byId("words").append(list(words));
     byId("table1").append(rowTable("Table I: values recovered from simulations", rowsOf("table1.")));
     byId("table2").append(rowTable("Table II: errors of these values against those fed in", rowsOf("table2.")));
-    byId("drift-table").append(rowTable("Numbers of figures 3 and 4", rowsOf("fig3.", "fig4.")));
-    byId("other-table").append(rowTable("Numbers of figures 6 and 7", rowsOf("fig6.", "fig7.")));
+    byId("drift-table").append(rowTable("Numbers of figures 3 and 4", rowsOf("fig3.mems", "fig4.mems", "fig3.ifog", "fig4.ifog")));
+    byId("other-table").append(rowTable("Numbers of figures 6 and 7", rowsOf(...["model1", "model2", "model3", "mems"].flatMap((id) => [`fig6.${id}`, `fig7.${id}`]))));
     const explained = rows.filter((row) => !row.id.startsWith("table2."));
     byId("reasons").append(...explained.flatMap((row) => [element("dt", "", `${row.group}, ${row.what}`), element("dd", "", row.why)]));
   }
@@ -164,7 +163,7 @@
     canvas.setAttribute("aria-label", `Histogram of the angle after 1 h, ${d.name}`);
     const std = d.std[d.std.length - 1];
     byId("histograms").append(element("div", "",
-      element("h3", "", `${d.name}: standard deviation ${number(std, 3)} deg, ARW \u221a(1 h) = ${number(d.arw, 3)} deg`),
+      element("h3", "", `${d.name}: ${number(std, 3)} deg, by theory ${number(d.arw, 3)} deg (one sigma)`),
       element("div", "canvas-box", canvas)));
     const { centres, counts, law } = histogram(d);
     const xy = (ys) => centres.map((x, i) => ({ x, y: ys[i] }));

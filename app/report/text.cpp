@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/noise/units.h"
+#include "gyrobudget/report/layout.h"
 #include "gyrobudget/report/report.h"
 #include "gyrobudget/report/words.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <string>
 #include <string_view>
@@ -17,80 +17,6 @@ namespace {
 
 using noise::Signal;
 using noise::Term;
-
-constexpr std::size_t kLineWidth = 100;
-
-/// Columns that take, on a terminal, as many cells as the text has code points.
-std::size_t width(std::string_view text) {
-  constexpr unsigned kContinuationMask = 0xC0, kContinuation = 0x80;
-  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
-    return (static_cast<unsigned char>(c) & kContinuationMask) != kContinuation;
-  }));
-}
-
-enum class Align { left, right };
-
-/// A table whose columns are as wide as what stands in them.
-class Table {
- public:
-  explicit Table(std::vector<Align> columns) : columns_(std::move(columns)) {}
-  void row(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
-
-  [[nodiscard]] std::string text() const {
-    std::vector<std::size_t> widths(columns_.size(), 0);
-    for (const auto& cells : rows_) {
-      for (std::size_t i = 0; i < cells.size(); ++i) widths[i] = std::max(widths[i], width(cells[i]));
-    }
-    std::string out;
-    for (const auto& cells : rows_) out += line(cells, widths);
-    return out;
-  }
-
- private:
-  [[nodiscard]] std::string line(const std::vector<std::string>& cells,
-                                 const std::vector<std::size_t>& widths) const {
-    std::string out;
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      const std::string padding(widths[i] - width(cells[i]), ' ');
-      out += "  " + (columns_[i] == Align::left ? cells[i] + padding : padding + cells[i]);
-    }
-    out.erase(out.find_last_not_of(' ') + 1);
-    return out + '\n';
-  }
-
-  std::vector<Align> columns_;
-  std::vector<std::vector<std::string>> rows_;
-};
-
-/// The next piece of a text that must not be broken: a word, or numbers with the word behind them ("0.70 deg/h").
-std::string_view take_piece(std::string_view& text) {
-  std::size_t end = text.find(' ');
-  while (end != std::string_view::npos && end > 0 &&
-         std::isdigit(static_cast<unsigned char>(text[end - 1])) != 0) {
-    end = text.find(' ', end + 1);
-  }
-  const std::string_view piece = text.substr(0, end);
-  text.remove_prefix(std::min(piece.size() + 1, text.size()));
-  return piece;
-}
-
-/// Text broken into lines that start with `first`, then `later`. Empty text gives nothing.
-std::string wrapped(std::string_view text, std::string_view first, std::string_view later) {
-  std::string out, line(first);
-  bool empty = true;
-  while (!text.empty()) {
-    const std::string_view piece = take_piece(text);
-    if (!empty && width(line) + 1 + width(piece) > kLineWidth) {
-      out += line + '\n';
-      line = later;
-      empty = true;
-    }
-    if (!empty) line += ' ';
-    line += piece;
-    empty = false;
-  }
-  return empty ? out : out + line + '\n';
-}
 
 std::string paragraph(std::string_view text) { return wrapped(text, "  ", "  "); }
 
