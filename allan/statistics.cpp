@@ -203,16 +203,17 @@ PointStatistics point_statistics(const Curve& curve, const Point& point, Mix mix
   const Estimation of{curve.estimator, curve.samples, point.m, curve.dt, point.stride};
   PointStatistics result;
   result.bias = expectation_ratio(of, mix);
-  if (curve.estimator == Estimator::oadev && point.stride == 1 && (curve.mask || curve.form != Form::full)) {
-    result.edf = equivalent_dof(curve.samples, point.m, curve.dt, mix, curve.form, curve.mask.get());
-  } else {
-    const std::int64_t positions = detail::family_positions(curve.estimator, curve.samples, point.m);
+  const bool overlapped = curve.estimator == Estimator::oadev && point.stride == 1;
+  result.edf = overlapped
+                   ? equivalent_dof(curve.samples, point.m, curve.dt, mix, curve.form, curve.mask.get())
+                   : degrees_of_freedom(of, normalized(mix), dense);
+  if (!overlapped || !curve.mask) {  // else it knows of the gaps
+    const std::int64_t positions = curve.form == Form::ieee
+                                       ? complete_terms(curve.samples, point.m, curve.form)
+                                       : detail::family_positions(curve.estimator, curve.samples, point.m);
     const double complete = std::ceil(static_cast<double>(positions) / static_cast<double>(point.stride));
-    const double left =
-        std::min(1., static_cast<double>(point.terms) / complete);  // of the terms, after gaps
-    check(of);
-    const double whole = degrees_of_freedom(of, normalized(mix), dense);
-    result.edf = std::max(whole * left, std::min(1., whole));
+    const double left = std::min(1., static_cast<double>(point.terms) / complete);
+    result.edf = std::max(result.edf * left, std::min(1., result.edf));
   }
   result.variance = point.variance / result.bias;
   result.interval = chi_square_interval(result.variance, result.edf, confidence);

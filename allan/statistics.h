@@ -21,8 +21,8 @@ struct Estimation {
   std::int64_t stride = 1;   ///< from one term to the next; see stride_of
 };
 
-/// Equivalent degrees of freedom 2 E[s]^2 / var(s) of an estimate s for a Gaussian sum of processes (a
-/// sinusoid counts as if it were noise for the total estimators and Theo1).
+/// Equivalent degrees of freedom 2 E[s]^2 / var(s) of an estimate s for a Gaussian sum of processes. (A sinusoid
+/// of many cycles counts roughly only, as if it were noise: for the oadev see confidence.h.)
 ///
 /// - adev, oadev, hdev, ohdev at any stride: exact, from the sum over all lags, to 1e-8.
 /// - mdev, tdev: exact to m = 64, within 0.5 % above.
