@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "sensors.h"
@@ -145,6 +146,100 @@ TEST(Fit, SaysWhenNothingDescribesTheRecord) {
   EXPECT_EQ(result.tau_min_s, 1);
 }
 
+// A hump of 4 % that 3.6 million samples resolve: the model is wrong, and near enough.
+TEST(Fit, SaysWhenTheModelMissesByLittle) {
+  const auto gyro = tests::mems();
+  allan::Curve curve = exact_curve(gyro.processes(), 3600000, 0.01);
+  for (std::size_t i = 4; i < 9; ++i) curve.points[i].variance *= 1.08;
+  Options options;
+  options.tau_min_s = 0.01;  // no search for a start that would hide it
+  const Result result = fit(curve, options);
+  EXPECT_LT(result.p_value, 1e-6);
+  EXPECT_EQ(result.verdict, Verdict::described_within);
+  EXPECT_GT(result.worst_misfit, 0.01);
+  EXPECT_LT(result.worst_misfit, 0.06);
+  options.misfit_limit = 0.01;
+  EXPECT_EQ(fit(curve, options).verdict, Verdict::not_described);
+}
+
+// A wrong model lends no significance to its smallest parts: tests are held against the misfit (F test), and intervals
+// widen with its root.
+TEST(Fit, AModelThatFailsItsTestIdentifiesLess) {
+  allan::Curve curve = exact_curve({noise::White{1}}, 1000000, 1);
+  for (std::size_t i = 0; i < curve.points.size(); ++i)
+    curve.points[i].variance *= 1 + 0.04 * ((i % 2) ? 1 : -1);
+  Options options;
+  options.tau_min_s = 1;
+  const Result wrong = fit(curve, options);
+  ASSERT_LT(wrong.p_value, 1e-6);
+  const double excess = wrong.chi2 / wrong.dof;
+  ASSERT_GT(excess, 5);
+  EXPECT_EQ(wrong[Term::white].status, Status::identified);
+  for (const Term t : {Term::flicker, Term::rate_random_walk}) {
+    const Coefficient& c = wrong[t];
+    EXPECT_EQ(c.status == Status::identified, c.boundary_test > 15 * excess)
+        << c.boundary_test;  // F(1, 12) at 0.1 %: 18
+  }
+  // A limit of 1 with p_value_limit = 0 asks for the plain cuts: the interval of N is narrower by about the root.
+  options.p_value_limit = 0;
+  const Result plain = fit(curve, options);
+  const auto width = [](const Result& r) { return r[Term::white].upper - r[Term::white].lower; };
+  EXPECT_NEAR(width(wrong) / width(plain), std::sqrt(excess), 0.1 * std::sqrt(excess));
+}
+
+TEST(Fit, ChiSquareIsThatOfTheRefinedValues) {
+  const Result r = fit(simulated_curve(tests::mems().processes(), 36000, 1, 12));
+  EXPECT_GT(r.iterations, 0);
+  EXPECT_LT(r.iterations, 60);
+  EXPECT_EQ(r.dof, 12 - 3);  // taus with n/m >= 16
+  EXPECT_GT(r.p_value, 0);
+}
+
+// Gaps: every twelfth second half lost. The fit of the masked curve finds the truth within its own limits and scatter.
+TEST(Fit, HoldsWithGaps) {
+  const auto gyro = tests::mems();
+  auto rate = noise::generate_record(gyro.processes(), 36000, 1, {21, 0});
+  for (std::size_t i = 0; i < rate.size(); ++i) {
+    if (i % 3000 < 200) rate[i] = std::numeric_limits<double>::quiet_NaN();
+  }
+  for (const Method method : {Method::gls, Method::edf}) {
+    Options options;
+    options.method = method;
+    const Result r = fit(Record{.rate = rate, .dt = 1}, options);
+    EXPECT_TRUE(r.converged);
+    EXPECT_LT(std::abs(r[Term::white].value / gyro.n - 1), 5 * r[Term::white].relative_std);
+    EXPECT_LT(std::abs(r[Term::rate_random_walk].value / gyro.k - 1),
+              5 * r[Term::rate_random_walk].relative_std);
+    EXPECT_GE(r[Term::flicker].upper, r[Term::flicker].value);
+  }
+  Options likelihood;
+  likelihood.method = Method::whittle;
+  const Result r = fit(Record{.rate = rate, .dt = 1}, likelihood);
+  EXPECT_EQ(r.samples, 2700);  // of the 2800 between gaps: 2^2 3^3 5^2
+}
+
+TEST(Fit, EveryMethodAnswersThroughOneInterface) {
+  const auto gyro = tests::mems();
+  const auto rate = noise::generate_record(gyro.processes(), 36000, 1, {22, 0});
+  const auto curve = allan::overlapped_variance(rate, 1, allan::octave_factors(36000));
+  for (const Method method : kMethods) {
+    Options options;
+    options.method = method;
+    const Result r = fit({.rate = rate, .dt = 1, .curve = &curve}, options);
+    EXPECT_EQ(r.method, method);
+    EXPECT_NEAR(r[Term::white].value / gyro.n, 1, method == Method::loglog ? 0.3 : 0.05) << name(method);
+    EXPECT_GT(r.seconds, 0);
+    EXPECT_EQ(r.fitted_terms.size(), 3U);
+    if (method != Method::whittle) {
+      EXPECT_EQ(fit(curve, options)[Term::flicker].value, r[Term::flicker].value);
+    }
+  }
+  Options options;
+  options.method = Method::whittle;
+  EXPECT_THROW((void)fit(curve, options), std::invalid_argument);
+  EXPECT_THROW((void)fit(Record{}, options), std::invalid_argument);
+}
+
 TEST(Fit, KeepsTheRangeOfTausThatIsAskedFor) {
   Options options;
   options.tau_min_s = 0.08;
@@ -165,6 +260,7 @@ TEST(Fit, ASilentRecordIsNoErrorAndNoAnswer) {
     EXPECT_EQ(c.value, 0);
     EXPECT_EQ(c.upper, 0);
     EXPECT_EQ(c.status, Status::left_out);
+    EXPECT_FALSE(c.fitted);
   }
 }
 

@@ -13,7 +13,8 @@ namespace {
 
 constexpr int kMostSteps = 200;
 constexpr int kMostHalvings = 30;
-constexpr double kSettled = 1e-24;  // relative change of the sum of squares; parameters go with its root
+constexpr double kTrusted = 1e-10;  // squared relative change of the curve below which a step is taken unseen
+constexpr double kSettled = 1e-26;  // and below which it is the last
 
 // Covariance of min |W (s - A theta)|^2 over the coefficients above zero, where s varies as S.
 WeightedSolution with_covariance(const LinearModel& model, GlsSolution solution, const Eigen::VectorXd& W) {
@@ -75,14 +76,16 @@ WeightedSolution fit_logarithms(const LinearModel& whole) {
     const Eigen::VectorXd target = (model.s.array() / fitted.array()).log() + 1;
     const Eigen::VectorXd step =
         nonnegative_least_squares(inverse.asDiagonal() * model.A, target) - solution.theta;
+    const double change = (model.A * step).cwiseProduct(inverse).squaredNorm();
     double part = 1, there = log_squares(model, solution.theta + step);
-    for (int i = 0; i < kMostHalvings && !(there < squares); ++i) {
+    const bool trusted = change < kTrusted;  // the sum of squares is rounded more coarsely than the step
+    for (int i = 0; i < kMostHalvings && !trusted && !(there < squares); ++i) {
       part *= 0.5;
       there = log_squares(model, solution.theta + part * step);
     }
-    const double change = (model.A * step).cwiseProduct(inverse).squaredNorm();
-    solution.converged = change < kSettled * static_cast<double>(rows.size()) || !(there < squares);
-    if (there < squares) solution.theta += part * step, squares = there;
+    const bool better = trusted || there < squares;
+    solution.converged = change < kSettled || !better;
+    if (better) solution.theta += part * step, squares = there;
   }
   const Eigen::VectorXd W = (model.A * solution.theta).cwiseInverse();
   WeightedSolution result = with_covariance(model, std::move(solution), W);
