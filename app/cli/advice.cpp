@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "advice.h"
 
-#include "gyrobudget/allan/lines.h"
 #include "gyrobudget/fit/information.h"
 #include "gyrobudget/noise/sensor.h"
 
@@ -72,57 +71,6 @@ void advise_misfit(std::vector<std::string>& advice, const fit::Result& fit) {
       "--tau-max).");
 }
 
-// Samples that no Gaussian record of this length would hold: knocks and glitches, which the deviation takes for noise.
-void advise_outliers(std::vector<std::string>& advice, const io::Axis& axis, double dt) {
-  constexpr std::size_t kSubsample = 100000;
-  constexpr double kMadToSigma = 1.4826, kFalseAlarm = 1e-4;
-  std::vector<double> part;
-  for (std::size_t i = 0; i < axis.rate.size(); i += axis.rate.size() / kSubsample + 1) {
-    if (std::isfinite(axis.rate[i])) part.push_back(axis.rate[i]);
-  }
-  if (part.empty()) return;
-  const auto median = [&part] {
-    const auto middle = part.begin() + static_cast<std::ptrdiff_t>(part.size() / 2);
-    std::nth_element(part.begin(), middle, part.end());
-    return *middle;
-  };
-  const double center = median();
-  for (double& y : part) y = std::abs(y - center);
-  const double sigma = kMadToSigma * median();
-  // Slow noise widens the record beyond its short-term scatter; 3 more sigmas keep it from being called a knock.
-  const double limit =
-      sigma * (3 + std::sqrt(2 * std::log(static_cast<double>(axis.rate.size()) / kFalseAlarm)));
-  if (!(limit > 0)) return;  // most samples are equal: coarse counts
-  std::size_t count = 0, worst = 0;
-  for (std::size_t i = 0; i < axis.rate.size(); ++i) {
-    const double distance = std::abs(axis.rate[i] - center);
-    if (!(distance > limit)) continue;
-    if (count == 0 || distance > std::abs(axis.rate[worst] - center)) worst = i;
-    ++count;
-  }
-  if (count == 0) return;
-  const auto unit = noise::datasheet_unit(axis.signal);
-  advice.push_back(fmt::format(
-      "{} of {} samples lie further from the median than noise would put them, the worst at {:.6g} s by {} "
-      "({:.0f} sigma). "
-      "They are in the fit and spoil it: find what knocked, and cut them out of the log (an empty cell is a "
-      "missing sample).",
-      count, axis.rate.size(), static_cast<double>(worst) * dt,
-      noise::quantity_text(axis.rate[worst] - center, unit, 3), std::abs(axis.rate[worst] - center) / sigma));
-}
-
-// Lines are noise that no coefficient describes: vibration, mains, a fan, a control loop.
-void advise_lines(std::vector<std::string>& advice, const io::Axis& axis, double dt) {
-  const auto unit = noise::datasheet_unit(axis.signal);
-  for (const auto& line : allan::find_lines(axis.rate, dt)) {
-    advice.push_back(fmt::format(
-        "A spectral line at {:.3g} Hz (amplitude about {}, {:.0f} times the spectrum beside it) is in the "
-        "record but not "
-        "in the model. It shifts the deviation at taus up to its period, {:.3g} s.",
-        line.frequency_hz, noise::quantity_text(line.amplitude, unit, 3), line.ratio, 1 / line.frequency_hz));
-  }
-}
-
 bool all_equal(const allan::Curve& curve) {
   return std::all_of(curve.points.begin(), curve.points.end(),
                      [](const auto& p) { return !(p.variance > 0); });
@@ -161,7 +109,8 @@ void note_minimum(fit::Result& fit, const allan::Curve& display) {
   }
 }
 
-std::vector<std::string> advise(const fit::Result& fit, const io::Axis& axis, const allan::Curve& octaves) {
+std::vector<std::string> advise(const fit::Result& fit, const io::Axis& axis, const allan::Curve& octaves,
+                                const std::vector<std::string>& findings) {
   std::vector<std::string> advice;
   if (all_equal(octaves)) {
     advice.push_back(
@@ -178,8 +127,7 @@ std::vector<std::string> advise(const fit::Result& fit, const io::Axis& axis, co
                         : "."));
   }
   advise_misfit(advice, fit);
-  advise_outliers(advice, axis, octaves.dt);
-  advise_lines(advice, axis, octaves.dt);
+  for (const auto& finding : findings) advice.push_back(finding);
   if (fit.verdict != fit::Verdict::not_described) {
     advise_unresolved(advice, fit);
     advise_duration(advice, fit, Term::flicker, "Bias instability", octaves);

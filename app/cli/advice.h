@@ -19,8 +19,9 @@ namespace gyrobudget::inline v0::cli {
 /// Takes the raw minimum of the curve that the person sees.
 void note_minimum(fit::Result&, const allan::Curve& display);
 
-/// What to know and do next, in plain words, most important first.
+/// What to know and do next, in plain words, most important first; `findings` tell what the record holds beside noise.
 [[nodiscard]] std::vector<std::string> advise(const fit::Result&, const io::Axis&,
-                                              const allan::Curve& octaves);
+                                              const allan::Curve& octaves,
+                                              const std::vector<std::string>& findings);
 
 }  // namespace gyrobudget::inline v0::cli

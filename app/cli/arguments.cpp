@@ -113,7 +113,7 @@ PlanArguments::Wish wish(const std::string& text) {
 struct Texts {
   std::string rate, duration, terms, tau_min, tau_max, input = "rate", method = "gls", axes = "x,y,z";
   std::string seed = "1", skip, taps, noise_type, variant, rrw, correlation_time;
-  std::vector<std::string> wishes;
+  std::vector<std::string> wishes, mask;
 };
 
 void add_common(CLI::App& app, Common& common, bool has_json = true) {
@@ -378,9 +378,19 @@ CLI::App* add_calibrate(CLI::App& app, CalibrateArguments& a, Texts& texts) {
       ->type_name("LIST");
   fit->add_option(
          "--method", texts.method,
-         "gls: generalised least squares with the exact covariance; visual: read off the plot, to compare")
-      ->check(CLI::IsMember({"gls", "visual"}))
+         "gls: least squares with the exact covariance; edf: each tau's own variance; loglog: no weights; "
+         "slope, visual: read off the plot, to compare; whittle: likelihood of the record")
+      ->check(CLI::IsMember({"gls", "edf", "loglog", "slope", "visual", "whittle"}))
       ->capture_default_str();
+  fit->add_flag("--cross-check", a.cross_check,
+                "fit the likelihood of the record too, and say whether the two agree");
+  fit->add_option(
+         "--mask", texts.mask,
+         "leave out of the fit what is found in the record: outliers, steps (all but the longest part "
+         "without one), warm-up")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"outliers", "steps", "warm-up"}))
+      ->type_name("outliers,steps,warm-up");
   fit->add_option("--tau-min", texts.tau_min,
                   "shortest tau to fit [start of the longest run the model describes]")
       ->type_name("TIME");
@@ -408,8 +418,17 @@ void finish(CalibrateArguments& a, const Texts& texts) {
         fmt::format("calibrate needs a log (or - for stdin), or a table with --curve{}",
                     a.curve.log.columns.empty() ? "" : "; put the log before --column"));
   }
+  const bool of_samples = texts.method == "whittle" || a.cross_check || !texts.mask.empty();
+  if (of_samples && !a.curve_file.empty())
+    throw std::invalid_argument(
+        "--method whittle, --cross-check and --mask need the log, not a table (--curve)");
   if (!texts.terms.empty()) a.terms = terms(texts.terms);
-  a.method = texts.method == "visual" ? fit::Method::visual : fit::Method::gls;
+  a.method = *std::find_if(fit::kMethods.begin(), fit::kMethods.end(),
+                           [&](fit::Method m) { return fit::name(m) == texts.method; });
+  const auto masks = [&](const char* what) {
+    return std::find(texts.mask.begin(), texts.mask.end(), what) != texts.mask.end();
+  };
+  a.masking = {masks("outliers"), masks("steps"), masks("warm-up")};
   if (!texts.tau_min.empty()) a.tau_min_s = duration("--tau-min", texts.tau_min);
   if (!texts.tau_max.empty()) a.tau_max_s = duration("--tau-max", texts.tau_max);
   if (!texts.duration.empty()) a.duration_s = duration("--duration", texts.duration);

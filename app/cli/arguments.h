@@ -63,6 +63,13 @@ struct AllanArguments {
   CurveArguments curve;
 };
 
+/// What calibrate leaves out of the record before it fits.
+struct Masking {
+  bool outliers = false;
+  bool steps = false;    ///< all but the longest part without a step
+  bool warm_up = false;  ///< the first time constants of a warm-up
+};
+
 struct CalibrateArguments {
   Common common;
   Pictures pictures;
@@ -71,6 +78,8 @@ struct CalibrateArguments {
   std::optional<double> duration_s;               ///< of the record behind a curve file
   std::optional<std::vector<noise::Term>> terms;  ///< unset: N, B, K, and Q where the first tau shows it
   fit::Method method = fit::Method::gls;
+  bool cross_check = false;  ///< the likelihood beside the fit
+  Masking masking;
   std::optional<double> tau_min_s, tau_max_s;
   std::string output;  ///< sensor file
   std::string kalibr;  ///< imu.yaml

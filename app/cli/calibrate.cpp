@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: MIT
 // calibrate: log -> datasheet: the coefficients with intervals and verdicts, and the files to use next.
-#include "gyrobudget/allan/factors.h"
-#include "gyrobudget/allan/identify.h"
-#include "gyrobudget/fit/visual.h"
 #include "gyrobudget/io/curve_table.h"
 #include "gyrobudget/io/output.h"
 #include "gyrobudget/io/sensor_file.h"
@@ -10,18 +7,16 @@
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <limits>
-#include <memory>
-#include <mutex>
 #include <utility>
 
 #include "advice.h"
 #include "analysis.h"
+#include "fitting.h"
 #include "paths.h"
 #include "terminal.h"
 #include "verbs.h"
@@ -32,124 +27,6 @@ namespace {
 using noise::Term;
 
 constexpr std::int64_t kFewestSamples = 16;  // 4 octaves: three terms and one tau more
-
-// Display taus and the fit's octaves in one pass over the record, then apart again.
-struct Curves {
-  allan::Curve display;
-  allan::Curve octaves;
-  std::vector<allan::Identified> identified;  // at each tau of `display`; empty for a table
-};
-
-allan::Curve pick(const allan::Curve& curve, const std::vector<std::int64_t>& factors) {
-  allan::Curve picked = curve;
-  std::erase_if(picked.points,
-                [&](const auto& p) { return !std::binary_search(factors.begin(), factors.end(), p.m); });
-  return picked;
-}
-
-Curves curves_of(const io::Axis& axis, const io::Record& record, const CurveArguments& a) {
-  const auto display = factors_for(a, record.samples);
-  const auto octaves = allan::octave_factors(record.samples);
-  std::vector<std::int64_t> both;
-  std::set_union(display.begin(), display.end(), octaves.begin(), octaves.end(), std::back_inserter(both));
-  const allan::RateRecord rates = rate_record(axis, record, a);
-  const allan::Curve curve = allan::overlapped_variance(rates, both, form_of(a));
-  return {pick(curve, display), pick(curve, octaves), allan::identify_noise(rates, display)};
-}
-
-// N, B and K; and Q where lag-1 identification sees white angle noise at the first tau.
-std::vector<Term> terms_for(const CalibrateArguments& a, const std::vector<allan::Identified>& identified) {
-  if (a.terms) return *a.terms;
-  std::vector<Term> terms{Term::white, Term::flicker, Term::rate_random_walk};
-  if (!identified.empty() && identified.front().alpha == 2) terms.insert(terms.begin(), Term::quantization);
-  return terms;
-}
-
-// The covariance matrices depend on the record's length, its gaps and the terms, not on the data: axes share them.
-class Covariances {
- public:
-  using Shared = std::shared_ptr<const allan::CurveCovariance>;
-
-  Shared of(const allan::Curve& curve, const std::vector<Term>& terms) {
-    const std::scoped_lock lock(mutex_);
-    for (const auto& known : known_) {
-      if (known.terms == terms && same_gaps(known.mask.get(), curve.mask.get())) return known.covariance;
-    }
-    // Isolated: a thread that waits in here must not take up another axis, which would want the lock.
-    tbb::this_task_arena::isolate([&] { known_.push_back({terms, curve.mask, make(curve, terms)}); });
-    return known_.back().covariance;
-  }
-
- private:
-  struct Known {
-    std::vector<Term> terms;
-    std::shared_ptr<const allan::Mask> mask;
-    Shared covariance;
-  };
-
-  static bool same_gaps(const allan::Mask* a, const allan::Mask* b) {
-    if (a == nullptr || b == nullptr) return a == b;
-    return std::equal(a->runs().begin(), a->runs().end(), b->runs().begin(), b->runs().end(),
-                      [](const auto& x, const auto& y) { return x.first == y.first && x.count == y.count; });
-  }
-
-  static Shared make(const allan::Curve& curve, const std::vector<Term>& terms) {
-    std::vector<std::int64_t> factors;
-    for (const auto& p : curve.points) factors.push_back(p.m);
-    std::vector<noise::Process> processes;
-    for (const Term t : terms) processes.push_back(noise::unit_process(t));
-    return std::make_shared<const allan::CurveCovariance>(curve.samples, std::move(factors), curve.dt,
-                                                          std::move(processes), curve.form, curve.mask.get());
-  }
-
-  std::mutex mutex_;
-  std::vector<Known> known_;
-};
-
-// Gaps, or a table of few taus, may leave too little to fit.
-void check_enough(const io::Axis& axis, const allan::Curve& curve, std::size_t terms) {
-  const auto usable = std::count_if(curve.points.begin(), curve.points.end(),
-                                    [](const auto& p) { return p.terms > 0 && std::isfinite(p.variance); });
-  if (static_cast<std::size_t>(usable) > terms) return;
-  const std::int64_t missing = curve.mask ? curve.mask->missing() : 0;
-  throw io::InputError(fmt::format(
-      "column '{}': found {} usable averaging times, expected at least {} to fit {} terms; {} of {} samples "
-      "are missing, and "
-      "a cluster needs 95 % of its own; fit fewer terms (--terms) or use a part of the log without gaps",
-      axis.name, usable, terms + 1, terms, missing, curve.samples));
-}
-
-bool is_silent(const allan::Curve& curve) {
-  return std::all_of(curve.points.begin(), curve.points.end(),
-                     [](const auto& p) { return !(p.variance > 0); });
-}
-
-fit::Result fit_axis(const io::Axis& axis, const Curves& curves, const CalibrateArguments& a,
-                     Covariances& covariances) {
-  fit::Options options;
-  options.terms = terms_for(a, curves.identified);
-  check_enough(axis, curves.octaves, options.terms.size());
-  options.method = a.method;
-  options.tau_min_s = a.tau_min_s;
-  options.tau_max_s = a.tau_max_s;
-  if (a.method == fit::Method::visual && !is_silent(curves.display))
-    return fit::read_visually(curves.display, options);
-  fit::Result result = fit::fit(curves.octaves, *covariances.of(curves.octaves, options.terms), options);
-  note_minimum(result, curves.display);
-  return result;
-}
-
-report::AxisResult calibrate_axis(const io::Axis& axis, const io::Record& record, const CalibrateArguments& a,
-                                  Covariances& covariances) {
-  const Curves curves = curves_of(axis, record, a.curve);
-  report::AxisResult result{.name = axis.name, .signal = axis.signal, .mean = curves.octaves.mean};
-  result.fit = fit_axis(axis, curves, a, covariances);
-  const auto mix = result.fit->verdict == fit::Verdict::not_described ? std::vector<noise::Process>{}
-                                                                      : result.fit->processes();
-  result.points = with_intervals(curves.display, curves.identified, mix);
-  result.advice = advise(*result.fit, axis, curves.octaves);
-  return result;
-}
 
 report::LogResult calibrate_log(const CalibrateArguments& a) {
   const io::Record record = read_record(a.curve, a.common);
@@ -163,7 +40,7 @@ report::LogResult calibrate_log(const CalibrateArguments& a) {
   Covariances covariances;
   result.axes.resize(record.axes.size());
   tbb::parallel_for(std::size_t{0}, record.axes.size(), [&](std::size_t i) {
-    result.axes[i] = calibrate_axis(record.axes[i], record, a, covariances);
+    result.axes[i] = calibrate_axis(record.axes[i], record.rate_hz, a, covariances);
   });
   return result;
 }
@@ -225,9 +102,9 @@ report::LogResult calibrate_table(const CalibrateArguments& a) {
     const Curves curves{display, thinned(display), {}};
     const io::Axis axis{column.name, column.signal, {}};
     report::AxisResult axis_result{.name = column.name, .signal = column.signal, .mean = display.mean};
-    axis_result.fit = fit_axis(axis, curves, a, covariances);
+    axis_result.fit = fit_curves(curves, {}, axis, a, covariances);
     axis_result.points = with_intervals(display, {}, axis_result.fit->processes());
-    axis_result.advice = advise(*axis_result.fit, axis, curves.octaves);
+    axis_result.advice = advise(*axis_result.fit, axis, curves.octaves, {});
     result.axes.push_back(std::move(axis_result));
   }
   return result;
@@ -243,8 +120,9 @@ double rounded(double si, noise::Signal signal, Term term) {
 
 // A converged fit that describes the record and finds at least one of N, B, K.
 bool has_answer(const report::AxisResult& axis) {
-  const bool described =
-      axis.fit->verdict != fit::Verdict::not_described || axis.fit->method == fit::Method::visual;
+  const auto method = axis.fit->method;
+  const bool read = method == fit::Method::visual || method == fit::Method::slope;  // no verdict to go by
+  const bool described = axis.fit->verdict != fit::Verdict::not_described || read;
   return described && axis.fit->converged && !holds_no_answer(*axis.fit);
 }
 

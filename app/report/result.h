@@ -2,7 +2,12 @@
 #pragma once
 
 #include "gyrobudget/allan/deviation.h"
+#include "gyrobudget/allan/drift.h"
+#include "gyrobudget/allan/lines.h"
+#include "gyrobudget/allan/outliers.h"
+#include "gyrobudget/allan/steps.h"
 #include "gyrobudget/fit/fit.h"
+#include "gyrobudget/fit/whittle.h"
 #include "gyrobudget/noise/sensor.h"
 
 #include <cstdint>
@@ -24,14 +29,33 @@ struct DeviationPoint {
   int alpha = 0;           ///< power law S ~ f^alpha identified at this tau
 };
 
+/// What an axis holds beside noise. Indices count samples of the whole record.
+struct Findings {
+  std::vector<allan::Outlier> outliers;
+  std::vector<allan::Step> steps;
+  std::optional<allan::Drift> drift;
+  std::vector<allan::SpectralLine> lines;
+  bool outliers_masked = false;
+  std::int64_t first = 0;    ///< of the samples that the curve and the fit are of
+  std::int64_t samples = 0;  ///< number of those
+};
+
+/// The likelihood of the record beside the fit of its curve.
+struct CrossChecked {
+  fit::Result likelihood;
+  fit::CrossCheck check;
+};
+
 /// One column of a log.
 struct AxisResult {
   std::string name;                                    ///< as the log has it: any bytes
   noise::Signal signal = noise::Signal::angular_rate;  ///< decides units and names
   double mean = 0;                                     ///< SI
-  std::vector<DeviationPoint> points;  ///< ascending m; NaN deviations (no terms left) are not in it
-  std::optional<fit::Result> fit;      ///< calibrate only
-  std::vector<std::string> advice;     ///< plain words, one thing to know or do each
+  std::vector<DeviationPoint> points;         ///< ascending m; NaN deviations (no terms left) are not in it
+  std::optional<fit::Result> fit;             ///< calibrate only
+  std::optional<CrossChecked> cross_checked;  ///< where asked for
+  std::optional<Findings> findings;           ///< calibrate of a log only
+  std::vector<std::string> advice;            ///< plain words, one thing to know or do each
 };
 
 /// What `allan` and `calibrate` found: the one value that tables, JSON, plots and the page are made of.

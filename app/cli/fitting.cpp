@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: MIT
+#include "fitting.h"
+
+#include "gyrobudget/allan/factors.h"
+#include "gyrobudget/fit/visual.h"
+#include "gyrobudget/fit/whittle.h"
+#include "gyrobudget/io/error.h"
+
+#include <fmt/format.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "advice.h"
+#include "analysis.h"
+#include "prepared.h"
+
+namespace gyrobudget::inline v0::cli {
+namespace {
+
+using noise::Term;
+
+allan::Curve pick(const allan::Curve& curve, const std::vector<std::int64_t>& factors) {
+  allan::Curve picked = curve;
+  std::erase_if(picked.points,
+                [&](const auto& p) { return !std::binary_search(factors.begin(), factors.end(), p.m); });
+  return picked;
+}
+
+// N, B and K; and Q where lag-1 identification sees white angle noise at the first tau.
+std::vector<Term> terms_for(const CalibrateArguments& a, const std::vector<allan::Identified>& identified) {
+  if (a.terms) return *a.terms;
+  std::vector<Term> terms{Term::white, Term::flicker, Term::rate_random_walk};
+  if (!identified.empty() && identified.front().alpha == 2) terms.insert(terms.begin(), Term::quantization);
+  return terms;
+}
+
+bool same_gaps(const allan::Mask* a, const allan::Mask* b) {
+  if (a == nullptr || b == nullptr) return a == b;
+  return std::equal(a->runs().begin(), a->runs().end(), b->runs().begin(), b->runs().end(),
+                    [](const auto& x, const auto& y) { return x.first == y.first && x.count == y.count; });
+}
+
+Covariances::Shared make_covariance(const allan::Curve& curve, const std::vector<Term>& terms) {
+  std::vector<std::int64_t> factors;
+  for (const auto& p : curve.points) factors.push_back(p.m);
+  std::vector<noise::Process> processes;
+  for (const Term t : terms) processes.push_back(noise::unit_process(t));
+  return std::make_shared<const allan::CurveCovariance>(curve.samples, std::move(factors), curve.dt,
+                                                        std::move(processes), curve.form, curve.mask.get());
+}
+
+void check_enough(const io::Axis& axis, const allan::Curve& curve, std::size_t terms) {
+  const auto usable = std::count_if(curve.points.begin(), curve.points.end(),
+                                    [](const auto& p) { return p.terms > 0 && std::isfinite(p.variance); });
+  if (static_cast<std::size_t>(usable) > terms) return;
+  const std::int64_t missing = curve.mask ? curve.mask->missing() : 0;
+  throw io::InputError(
+      fmt::format("column '{}': found {} usable averaging times, expected at least {} to fit {} terms; {} of "
+                  "{} samples are "
+                  "missing, and a cluster needs 95 % of its own; fit fewer terms (--terms) or use a part of "
+                  "the log without gaps",
+                  axis.name, usable, terms + 1, terms, missing, curve.samples));
+}
+
+bool is_silent(const allan::Curve& curve) {
+  return std::all_of(curve.points.begin(), curve.points.end(),
+                     [](const auto& p) { return !(p.variance > 0); });
+}
+
+bool reads_the_plot(fit::Method method) {
+  return method == fit::Method::visual || method == fit::Method::slope;
+}
+
+// The likelihood over the range of taus that the curve's fit used, and whether the two agree.
+report::CrossChecked cross_check(const fit::Result& fit, const Prepared& prepared) {
+  fit::Options options;
+  options.method = fit::Method::whittle;
+  options.terms = fit.fitted_terms;
+  options.tau_min_s = fit.tau_min_s;
+  options.tau_max_s = fit.tau_max_s;
+  report::CrossChecked checked;
+  checked.likelihood = fit::fit_likelihood(prepared.record().rate(), prepared.record().dt(), options);
+  checked.check = fit::cross_check(fit, checked.likelihood);
+  return checked;
+}
+
+}  // namespace
+
+Curves curves_of(const allan::RateRecord& record, const CurveArguments& a) {
+  const auto display = factors_for(a, record.samples());
+  const auto octaves = allan::octave_factors(record.samples());
+  std::vector<std::int64_t> both;
+  std::set_union(display.begin(), display.end(), octaves.begin(), octaves.end(), std::back_inserter(both));
+  const allan::Curve curve = allan::overlapped_variance(record, both, form_of(a));
+  return {pick(curve, display), pick(curve, octaves), allan::identify_noise(record, display)};
+}
+
+Covariances::Shared Covariances::of(const allan::Curve& curve, const std::vector<Term>& terms) {
+  const std::scoped_lock lock(mutex_);
+  for (const auto& known : known_) {
+    if (known.terms == terms && known.samples == curve.samples &&
+        same_gaps(known.mask.get(), curve.mask.get()))
+      return known.covariance;
+  }
+  // Isolated: a thread that waits in here must not take up another axis, which would want the lock.
+  tbb::this_task_arena::isolate([&] {
+    known_.push_back({terms, curve.samples, curve.mask, make_covariance(curve, terms)});
+  });
+  return known_.back().covariance;
+}
+
+fit::Result fit_curves(const Curves& curves, std::span<const double> rate, const io::Axis& axis,
+                       const CalibrateArguments& a, Covariances& covariances) {
+  fit::Options options;
+  options.terms = terms_for(a, curves.identified);
+  options.method = a.method;
+  options.tau_min_s = a.tau_min_s;
+  options.tau_max_s = a.tau_max_s;
+  if (a.method != fit::Method::whittle) check_enough(axis, curves.octaves, options.terms.size());
+  // Readings are made on the curve that the person sees.
+  const bool reads = reads_the_plot(a.method) && !is_silent(curves.display);
+  fit::Record record{
+      .rate = rate, .dt = curves.octaves.dt, .curve = reads ? &curves.display : &curves.octaves};
+  Covariances::Shared covariance;
+  if (!reads && a.method != fit::Method::whittle) {
+    covariance = covariances.of(curves.octaves, options.terms);
+    record.covariance = covariance.get();
+  }
+  fit::Result result = fit::fit(record, options);
+  if (!reads) note_minimum(result, curves.display);
+  return result;
+}
+
+report::AxisResult calibrate_axis(const io::Axis& axis, double rate_hz, const CalibrateArguments& a,
+                                  Covariances& covariances) {
+  Prepared prepared(axis, 1 / rate_hz, a);
+  Curves curves = curves_of(prepared.record(), a.curve);
+  fit::Result fit = fit_curves(curves, prepared.record().rate(), axis, a, covariances);
+  if (prepared.look_for_drift(fit.processes())) {
+    curves = curves_of(prepared.record(), a.curve);
+    fit = fit_curves(curves, prepared.record().rate(), axis, a, covariances);
+  }
+  prepared.look_for_lines();
+  report::AxisResult result{.name = axis.name, .signal = axis.signal, .mean = curves.octaves.mean};
+  const auto mix =
+      fit.verdict == fit::Verdict::not_described ? std::vector<noise::Process>{} : fit.processes();
+  result.points = with_intervals(curves.display, curves.identified, mix);
+  if (a.cross_check) result.cross_checked = cross_check(fit, prepared);
+  result.advice = advise(fit, axis, curves.octaves, describe(prepared.findings(), axis, 1 / rate_hz));
+  result.findings = prepared.findings();
+  result.fit = std::move(fit);
+  return result;
+}
+
+}  // namespace gyrobudget::inline v0::cli

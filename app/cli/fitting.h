@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "gyrobudget/allan/covariance.h"
+#include "gyrobudget/allan/identify.h"
+#include "gyrobudget/fit/fit.h"
+#include "gyrobudget/io/log.h"
+#include "gyrobudget/report/result.h"
+
+#include <memory>
+#include <mutex>
+#include <vector>
+
+#include "arguments.h"
+
+// One axis from its curve to its fit: what calibrate does for a log and for a table.
+namespace gyrobudget::inline v0::cli {
+
+/// Display taus and the fit's octaves, made in one pass over the record.
+struct Curves {
+  allan::Curve display;
+  allan::Curve octaves;
+  std::vector<allan::Identified> identified;  ///< at each tau of `display`; empty for a table
+};
+
+[[nodiscard]] Curves curves_of(const allan::RateRecord&, const CurveArguments&);
+
+/// The covariance matrices depend on the record's length, its gaps and the terms, not on the data: axes share them.
+class Covariances {
+ public:
+  using Shared = std::shared_ptr<const allan::CurveCovariance>;
+  [[nodiscard]] Shared of(const allan::Curve&, const std::vector<noise::Term>&);
+
+ private:
+  struct Known {
+    std::vector<noise::Term> terms;
+    std::int64_t samples;
+    std::shared_ptr<const allan::Mask> mask;
+    Shared covariance;
+  };
+  std::mutex mutex_;
+  std::vector<Known> known_;
+};
+
+/// Fits by the method asked for. `rate` is empty for a table.
+/// @throws io::InputError where gaps, or a table of few taus, leave too little to fit.
+[[nodiscard]] fit::Result fit_curves(const Curves&, std::span<const double> rate, const io::Axis&,
+                                     const CalibrateArguments&, Covariances&);
+
+/// Everything calibrate tells of one axis of a log.
+[[nodiscard]] report::AxisResult calibrate_axis(const io::Axis&, double rate_hz, const CalibrateArguments&,
+                                                Covariances&);
+
+}  // namespace gyrobudget::inline v0::cli

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "gyrobudget/allan/record.h"
+#include "gyrobudget/io/log.h"
+#include "gyrobudget/report/result.h"
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "arguments.h"
+
+namespace gyrobudget::inline v0::cli {
+
+/// An axis of a log as it goes into curve and fit: what is in it beside noise is found, and masked where that is asked
+/// for. Refers to the axis, which must outlive it.
+class Prepared {
+ public:
+  Prepared(const io::Axis&, double dt, const CalibrateArguments&);
+
+  [[nodiscard]] const allan::RateRecord& record() const { return *record_; }
+  [[nodiscard]] const report::Findings& findings() const { return findings_; }
+
+  /// Looks for a warm-up or trend beside the noise that was fitted.
+  /// @return whether a part of the record was masked for it, and curve and fit are to be made again.
+  [[nodiscard]] bool look_for_drift(std::span<const noise::Process> fitted);
+  void look_for_lines();
+
+ private:
+  void look_for_outliers_and_steps(const io::Axis&);
+  void keep(std::int64_t first, std::int64_t count);
+  void use(std::span<const double> rate);
+
+  Masking masking_;
+  double dt_, fill_;
+  std::vector<double> masked_;  // the rates without outliers, where there are any
+  std::span<const double> rate_;
+  std::optional<allan::RateRecord> record_;
+  report::Findings findings_;
+};
+
+/// In plain words, each with its times and what can be done.
+[[nodiscard]] std::vector<std::string> describe(const report::Findings&, const io::Axis&, double dt);
+
+}  // namespace gyrobudget::inline v0::cli
