@@ -3,6 +3,7 @@
 
 #include "gyrobudget/fit/information.h"
 #include "gyrobudget/noise/sensor.h"
+#include "gyrobudget/report/words.h"
 
 #include <fmt/format.h>
 
@@ -56,7 +57,7 @@ void advise_unresolved(std::vector<std::string>& advice, const fit::Result& fit)
 }
 
 void advise_misfit(std::vector<std::string>& advice, const fit::Result& fit) {
-  if (fit.verdict != fit::Verdict::not_described) return;
+  if (fit.verdict != fit::Verdict::not_described || !report::has_p_value(fit.method)) return;
   if (fit.dof < 1) {
     advice.push_back("The record is too short to test whether the model describes it: record longer.");
     return;
@@ -102,7 +103,8 @@ void note_minimum(fit::Result& fit, const allan::Curve& display) {
   for (std::size_t i = 0; i < display.points.size(); ++i) {
     const auto& p = display.points[i];
     if (p.terms < 1 || !std::isfinite(p.variance) || p.m * 10 > display.samples) continue;
-    if (const double deviation = std::sqrt(p.variance); deviation < fit.minimum_deviation) {
+    const double deviation = std::sqrt(p.variance);
+    if (!(fit.minimum_deviation > 0) || deviation < fit.minimum_deviation) {
       fit.minimum_deviation = deviation;
       fit.minimum_tau_s = display.tau(i);
     }

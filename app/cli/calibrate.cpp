@@ -4,6 +4,7 @@
 #include "gyrobudget/io/output.h"
 #include "gyrobudget/io/sensor_file.h"
 #include "gyrobudget/report/report.h"
+#include "gyrobudget/report/words.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -120,9 +121,8 @@ double rounded(double si, noise::Signal signal, Term term) {
 
 // A converged fit that describes the record and finds at least one of N, B, K.
 bool has_answer(const report::AxisResult& axis) {
-  const auto method = axis.fit->method;
-  const bool read = method == fit::Method::visual || method == fit::Method::slope;  // no verdict to go by
-  const bool described = axis.fit->verdict != fit::Verdict::not_described || read;
+  const bool described =
+      axis.fit->verdict != fit::Verdict::not_described || !report::has_p_value(axis.fit->method);
   return described && axis.fit->converged && !holds_no_answer(*axis.fit);
 }
 

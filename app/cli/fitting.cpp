@@ -5,6 +5,7 @@
 #include "gyrobudget/fit/visual.h"
 #include "gyrobudget/fit/whittle.h"
 #include "gyrobudget/io/error.h"
+#include "gyrobudget/report/words.h"
 
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
@@ -69,10 +70,6 @@ bool is_silent(const allan::Curve& curve) {
                      [](const auto& p) { return !(p.variance > 0); });
 }
 
-bool reads_the_plot(fit::Method method) {
-  return method == fit::Method::visual || method == fit::Method::slope;
-}
-
 // The likelihood over the range of taus that the curve's fit used, and whether the two agree.
 report::CrossChecked cross_check(const fit::Result& fit, const Prepared& prepared) {
   fit::Options options;
@@ -120,7 +117,7 @@ fit::Result fit_curves(const Curves& curves, std::span<const double> rate, const
   options.tau_max_s = a.tau_max_s;
   if (a.method != fit::Method::whittle) check_enough(axis, curves.octaves, options.terms.size());
   // Readings are made on the curve that the person sees.
-  const bool reads = reads_the_plot(a.method) && !is_silent(curves.display);
+  const bool reads = report::is_reading(a.method) && !is_silent(curves.display);
   fit::Record record{
       .rate = rate, .dt = curves.octaves.dt, .curve = reads ? &curves.display : &curves.octaves};
   Covariances::Shared covariance;
@@ -138,7 +135,7 @@ report::AxisResult calibrate_axis(const io::Axis& axis, double rate_hz, const Ca
   Prepared prepared(axis, 1 / rate_hz, a);
   Curves curves = curves_of(prepared.record(), a.curve);
   fit::Result fit = fit_curves(curves, prepared.record().rate(), axis, a, covariances);
-  if (prepared.look_for_drift(fit.processes())) {
+  if (prepared.look_for_departure(fit.processes())) {
     curves = curves_of(prepared.record(), a.curve);
     fit = fit_curves(curves, prepared.record().rate(), axis, a, covariances);
   }

@@ -12,7 +12,8 @@
 namespace gyrobudget::inline v0::cli {
 namespace {
 
-constexpr double kSettled = 5;  // time constants of a warm-up: 0.7 % of it is left
+constexpr double kSettled = 5;               // time constants of a warm-up: 0.7 % of it is left
+constexpr double kFillBesideOutliers = 0.8;  // of a cluster
 
 std::string times(const std::vector<double>& seconds) {
   constexpr std::size_t kNamed = 5;
@@ -39,92 +40,120 @@ std::string describe_outliers(const report::Findings& found, const io::Axis& axi
             "out with --mask outliers.");
 }
 
-std::string describe_steps(const report::Findings& found, const io::Axis& axis, double dt, bool masked) {
+std::string describe_steps(const report::Findings& found, const io::Axis& axis, double dt) {
   std::string text;
   for (const auto& step : found.steps) {
     text += fmt::format("{}{} at {:.6g} s", text.empty() ? "" : ", ",
                         noise::quantity_text(step.size, noise::datasheet_unit(axis.signal), 3),
                         static_cast<double>(step.index) * dt);
   }
-  return fmt::format(
-      "The mean jumps by {}. {}", text,
-      masked ? "The longest part without a jump is used."
-             : "Curve and fit hold the jump, mostly as rate random walk: --mask steps uses the longest "
-               "part without one.");
+  return fmt::format("The mean jumps by {}. {}", text,
+                     found.steps_masked
+                         ? "The longest part without a jump is used."
+                         : "Curve and fit hold the jump, mostly as rate random walk: --mask steps uses "
+                           "the longest part without one.");
 }
 
-std::string describe_drift(const report::Findings& found, const io::Axis& axis) {
-  const auto size = noise::quantity_text(found.drift->size, noise::datasheet_unit(axis.signal), 3);
-  if (std::isinf(found.drift->time_constant_s)) {
+std::string describe_departure(const report::Findings& found, const io::Axis& axis) {
+  const allan::Departure& departure = *found.departure;
+  const auto size = noise::quantity_text(departure.size, noise::datasheet_unit(axis.signal), 3);
+  const std::string chance = fmt::format("noise would do that with p = {:.1g}", departure.p_value);
+  if (departure.kind == allan::Departure::Kind::trend) {
     return fmt::format(
-        "The record drifts by {} along a straight line (chance would do that with p = {:.1g}). Where the "
-        "ramp is not "
-        "fitted it counts as rate random walk: --terms N,B,K,R fits it.",
-        size, found.drift->p_value);
+        "The record drifts by {} along a straight line ({}). Where the ramp is not fitted it counts as rate "
+        "random "
+        "walk: --terms N,B,K,R fits it.",
+        size, chance);
   }
   return fmt::format(
-      "The record begins with a warm-up of {} that fades with a time constant of about {:.3g} s (chance "
-      "would do that "
-      "with p = {:.1g}). Curve and fit hold it, mostly as rate random walk: --mask warm-up leaves out five "
-      "time "
-      "constants.",
-      size, found.drift->time_constant_s, found.drift->p_value);
+      "The record begins with a warm-up of {} that fades with a time constant of about {:.3g} s ({}). {}",
+      size, departure.time_constant_s, chance,
+      found.warm_up_masked ? "Its first five time constants are masked."
+                           : "Curve and fit hold it, mostly as rate random walk: --mask warm-up leaves "
+                             "out five time constants.");
 }
 
 }  // namespace
 
 Prepared::Prepared(const io::Axis& axis, double dt, const CalibrateArguments& a)
-    : masking_(a.masking), dt_(dt), fill_(a.curve.strict_gaps ? 1 : allan::kMinimumFill) {
-  look_for_outliers_and_steps(axis);
+    : axis_(axis), masking_(a.masking), dt_(dt), fill_(a.curve.strict_gaps ? 1 : allan::kMinimumFill) {
+  look_for_outliers_and_steps();
 }
 
-void Prepared::use(std::span<const double> rate) {
-  rate_ = rate;
-  record_.emplace(rate_, dt_, fill_);
+std::span<const double> Prepared::part_of(std::span<const double> whole) const {
+  return whole.subspan(static_cast<std::size_t>(findings_.first),
+                       static_cast<std::size_t>(findings_.samples));
+}
+
+std::span<const double> Prepared::without_outliers() const {
+  return part_of(masked_.empty() ? std::span<const double>(axis_.rate) : masked_);
 }
 
 void Prepared::keep(std::int64_t first, std::int64_t count) {
-  findings_.first += first;
+  findings_.first = first;
   findings_.samples = count;
-  use(rate_.subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(count)));
+  record_.emplace(findings_.outliers_masked ? without_outliers() : part_of(axis_.rate), dt_, fill_);
 }
 
-void Prepared::look_for_outliers_and_steps(const io::Axis& axis) {
-  findings_.samples = static_cast<std::int64_t>(axis.rate.size());
-  findings_.outliers = allan::find_outliers(axis.rate);
-  if (findings_.outliers.empty()) {
-    use(axis.rate);
-  } else {
-    masked_.assign(axis.rate.begin(), axis.rate.end());
-    for (const auto& outlier : findings_.outliers)
-      masked_[static_cast<std::size_t>(outlier.index)] = std::numeric_limits<double>::quiet_NaN();
-    use(masked_);  // a knock moves means too: it is no step
-  }
-  findings_.steps = allan::find_steps(*record_);
-  findings_.outliers_masked = masking_.outliers && !findings_.outliers.empty();
-  if (!findings_.outliers_masked && !findings_.outliers.empty()) use(axis.rate);
-  if (!masking_.steps || findings_.steps.empty()) return;
-  std::int64_t begin = 0, first = 0, count = 0;
+void Prepared::keep_longest_without_step() {
+  const std::int64_t end = findings_.first + findings_.samples;
+  std::int64_t begin = findings_.first, first = begin, count = 0;
   for (std::size_t i = 0; i <= findings_.steps.size(); ++i) {
-    const std::int64_t end = i < findings_.steps.size() ? findings_.steps[i].index : findings_.samples;
-    if (end - begin > count) first = begin, count = end - begin;
-    begin = end;
+    const std::int64_t next =
+        i < findings_.steps.size() ? std::clamp(findings_.steps[i].index, begin, end) : end;
+    if (next - begin > count) first = begin, count = next - begin;
+    begin = next;
   }
+  findings_.steps_masked = true;
   keep(first, count);
 }
 
-bool Prepared::look_for_drift(std::span<const noise::Process> fitted) {
-  const bool again = findings_.drift.has_value();  // once masked, what is left is only reported
-  const auto drift = allan::find_drift(*record_, fitted);
-  if (!again) findings_.drift = drift;
-  if (again || !drift || !masking_.warm_up || std::isinf(drift->time_constant_s)) return false;
-  const auto settling = static_cast<std::int64_t>(std::llround(kSettled * drift->time_constant_s / dt_));
+void Prepared::look_for_outliers_and_steps() {
+  const auto samples = static_cast<std::int64_t>(axis_.rate.size());
+  findings_.outliers = allan::find_outliers(axis_.rate);
+  findings_.outliers_masked = masking_.outliers && !findings_.outliers.empty();
+  if (!findings_.outliers.empty()) {
+    masked_.assign(axis_.rate.begin(), axis_.rate.end());
+    for (const auto& outlier : findings_.outliers)
+      masked_[static_cast<std::size_t>(outlier.index)] = std::numeric_limits<double>::quiet_NaN();
+  }
+  // Outliers, unlike gaps, can be as many as clusters may miss: these then must do with fewer samples.
+  if (findings_.outliers_masked && !(fill_ == 1)) fill_ = kFillBesideOutliers;
+  keep(0, samples);
+  // A knock moves means too: it is no step.
+  const bool knocks = !findings_.outliers.empty() && !findings_.outliers_masked;
+  findings_.steps = knocks ? allan::find_steps(allan::RateRecord(without_outliers(), dt_, fill_))
+                           : allan::find_steps(*record_);
+  if (masking_.steps && !findings_.steps.empty()) keep_longest_without_step();
+}
+
+bool Prepared::look_for_departure(std::span<const noise::Process> fitted) {
+  std::optional<allan::RateRecord> clean;
+  if (!findings_.outliers.empty() && !findings_.outliers_masked)
+    clean.emplace(without_outliers(), dt_, fill_);
+  auto departure = allan::find_departure(clean ? *clean : *record_, fitted);
+  if (!departure) return false;
+  if (departure->kind == allan::Departure::Kind::step) {
+    if (!findings_.steps.empty() && !findings_.steps_masked) return false;  // named already
+    findings_.steps.push_back({.index = findings_.first + departure->index,
+                               .size = departure->size,
+                               .sigmas = departure->sigmas,
+                               .span = findings_.samples / 128});
+    std::sort(findings_.steps.begin(), findings_.steps.end(),
+              [](const auto& a, const auto& b) { return a.index < b.index; });
+    if (masking_.steps) keep_longest_without_step();
+    return masking_.steps;
+  }
+  findings_.departure = departure;
+  if (!masking_.warm_up || departure->kind != allan::Departure::Kind::warm_up) return false;
+  const auto settling = static_cast<std::int64_t>(std::llround(kSettled * departure->time_constant_s / dt_));
   if (2 * settling > findings_.samples) return false;
-  keep(settling, findings_.samples - settling);
+  findings_.warm_up_masked = true;
+  keep(findings_.first + settling, findings_.samples - settling);
   return true;
 }
 
-void Prepared::look_for_lines() { findings_.lines = allan::find_lines(rate_, dt_); }
+void Prepared::look_for_lines() { findings_.lines = allan::find_lines(without_outliers(), dt_); }
 
 std::vector<std::string> describe(const report::Findings& found, const io::Axis& axis, double dt) {
   std::vector<std::string> text;
@@ -135,8 +164,8 @@ std::vector<std::string> describe(const report::Findings& found, const io::Axis&
         static_cast<double>(found.first) * dt, static_cast<double>(found.first + found.samples) * dt));
   }
   if (!found.outliers.empty()) text.push_back(describe_outliers(found, axis, dt));
-  if (!found.steps.empty()) text.push_back(describe_steps(found, axis, dt, part));
-  if (found.drift) text.push_back(describe_drift(found, axis));
+  if (!found.steps.empty()) text.push_back(describe_steps(found, axis, dt));
+  if (found.departure) text.push_back(describe_departure(found, axis));
   // Lines are noise that no coefficient describes: vibration, mains, a fan, a control loop.
   for (const auto& line : found.lines) {
     text.push_back(fmt::format(

@@ -7,6 +7,7 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "arguments.h"
@@ -22,20 +23,22 @@ class Prepared {
   [[nodiscard]] const allan::RateRecord& record() const { return *record_; }
   [[nodiscard]] const report::Findings& findings() const { return findings_; }
 
-  /// Looks for a warm-up or trend beside the noise that was fitted.
+  /// Looks for a warm-up, a trend or a step beside the noise that was fitted.
   /// @return whether a part of the record was masked for it, and curve and fit are to be made again.
-  [[nodiscard]] bool look_for_drift(std::span<const noise::Process> fitted);
+  [[nodiscard]] bool look_for_departure(std::span<const noise::Process> fitted);
   void look_for_lines();
 
  private:
-  void look_for_outliers_and_steps(const io::Axis&);
+  void look_for_outliers_and_steps();
   void keep(std::int64_t first, std::int64_t count);
-  void use(std::span<const double> rate);
+  void keep_longest_without_step();
+  [[nodiscard]] std::span<const double> part_of(std::span<const double> whole) const;
+  [[nodiscard]] std::span<const double> without_outliers() const;
 
+  const io::Axis& axis_;
   Masking masking_;
   double dt_, fill_;
   std::vector<double> masked_;  // the rates without outliers, where there are any
-  std::span<const double> rate_;
   std::optional<allan::RateRecord> record_;
   report::Findings findings_;
 };

@@ -249,9 +249,8 @@ Json covariance(const AxisResult& axis) {
 
 Json fit_summary(const AxisResult& axis) {
   const fit::Result& fit = *axis.fit;
-  const bool tested = fit.method == fit::Method::gls && fit.dof > 0;
-  const auto if_tested = [&](double value) { return tested ? Json(value) : Json(nullptr); };
-  return {{"method", fit.method == fit::Method::gls ? "gls" : "visual"},
+  const auto if_tested = [&](double value) { return is_tested(fit) ? Json(value) : Json(nullptr); };
+  return {{"method", fit::name(fit.method)},
           {"tau_min_s", fit.tau_min_s},
           {"tau_max_s", fit.tau_max_s},
           {"chi2", if_tested(fit.chi2)},
@@ -267,6 +266,58 @@ Json fit_summary(const AxisResult& axis) {
           {"moved", moves(axis)},
           {"covariance", covariance(axis)},
           {"residuals", residuals(axis)}};
+}
+
+/// The likelihood beside the fit; null where it was not asked for.
+Json cross_check(const AxisResult& axis) {
+  if (!axis.cross_checked) return nullptr;
+  const auto& [likelihood, check] = *axis.cross_checked;
+  Json coefficients = Json::array();
+  for (const fit::Agreement& a : check.coefficients) {
+    const Scale scale(axis.signal, a.term);
+    coefficients.push_back({{"parameter", noise::key(axis.signal, a.term)},
+                            {"fit", scale(a.first)},
+                            {"likelihood", scale(a.second)},
+                            {"unit", scale.unit()},
+                            {"difference_in_std", a.difference},
+                            {"limit_in_std", a.limit},
+                            {"agrees", a.agrees}});
+  }
+  return {{"agrees", check.agrees},  {"same_range", check.same_range}, {"p_value", likelihood.p_value},
+          {"chi2", likelihood.chi2}, {"dof", likelihood.dof},          {"coefficients", coefficients}};
+}
+
+/// What the record holds beside noise, with times; lists of outliers stop at kMostOutliers, `count` does not.
+Json findings(const AxisResult& axis, double rate_hz) {
+  if (!axis.findings) return nullptr;
+  constexpr std::size_t kMostOutliers = 1000;
+  const Findings& found = *axis.findings;
+  const Scale scale(axis.signal);
+  const auto at = [&](std::int64_t index) { return static_cast<double>(index) / rate_hz; };
+  Json outliers = Json::array(), steps = Json::array(), lines = Json::array();
+  for (std::size_t i = 0; i < std::min(found.outliers.size(), kMostOutliers); ++i) {
+    const auto& o = found.outliers[i];
+    outliers.push_back({{"at_s", at(o.index)}, {"distance", scale(o.distance)}, {"sigmas", o.sigmas}});
+  }
+  for (const auto& s : found.steps)
+    steps.push_back({{"at_s", at(s.index)}, {"size", scale(s.size)}, {"sigmas", s.sigmas}});
+  for (const auto& l : found.lines)
+    lines.push_back(
+        {{"frequency_hz", l.frequency_hz}, {"amplitude", scale(l.amplitude)}, {"ratio", l.ratio}});
+  Json drift = nullptr;
+  if (found.drift) {  // a straight trend has no time constant
+    drift = {{"size", scale(found.drift->size)},
+             {"time_constant_s", found.drift->time_constant_s},
+             {"p_value", found.drift->p_value}};
+  }
+  return {
+      {"unit", scale.unit()},
+      {"used_from_s", at(found.first)},
+      {"used_to_s", at(found.first + found.samples)},
+      {"outliers", {{"count", found.outliers.size()}, {"masked", found.outliers_masked}, {"list", outliers}}},
+      {"steps", steps},
+      {"drift", drift},
+      {"lines", lines}};
 }
 
 Json minimum(const AxisResult& axis) {
@@ -287,6 +338,8 @@ Json calibration_document(const LogResult& result) {
     out["minimum"] = axis.fit ? minimum(axis) : Json(nullptr);
     out["beta"] = axis.fit ? Json(axis.fit->beta) : Json(nullptr);
     out["fit"] = axis.fit ? fit_summary(axis) : Json(nullptr);
+    if (axis.cross_checked) out["cross_check"] = cross_check(axis);
+    out["findings"] = findings(axis, result.rate_hz);
     out["advice"] = axis.advice;
     axes.push_back(std::move(out));
   }

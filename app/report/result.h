@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "gyrobudget/allan/departure.h"
 #include "gyrobudget/allan/deviation.h"
-#include "gyrobudget/allan/drift.h"
 #include "gyrobudget/allan/lines.h"
 #include "gyrobudget/allan/outliers.h"
 #include "gyrobudget/allan/steps.h"
@@ -33,9 +33,9 @@ struct DeviationPoint {
 struct Findings {
   std::vector<allan::Outlier> outliers;
   std::vector<allan::Step> steps;
-  std::optional<allan::Drift> drift;
+  std::optional<allan::Departure> departure;  ///< slow, beside the noise that was fitted
   std::vector<allan::SpectralLine> lines;
-  bool outliers_masked = false;
+  bool outliers_masked = false, steps_masked = false, warm_up_masked = false;
   std::int64_t first = 0;    ///< of the samples that the curve and the fit are of
   std::int64_t samples = 0;  ///< number of those
 };

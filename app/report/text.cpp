@@ -89,6 +89,7 @@ std::string axis_sheet(const AxisResult& axis, double rate_hz) {
   out += '\n' + paragraph("Verdict: " + verdict_headline(fit) + ". " + verdict_text(fit));
   out += paragraph("What follows: " + consequence_text(fit));
   out += paragraph(cut_text(axis));
+  out += paragraph(cross_check_text(axis));
   return out + bullets("What to know or do", axis.advice);
 }
 
@@ -109,7 +110,7 @@ std::string summary_of(const LogResult& result, Signal signal) {
       const auto* c = find(*axis.fit, term);
       if (c == nullptr || !c->fitted || !is_quotable(*axis.fit)) {
         cells.emplace_back("-");
-      } else if (c->status == fit::Status::identified || axis.fit->method == fit::Method::visual) {
+      } else if (c->status == fit::Status::identified || is_reading(axis.fit->method)) {
         cells.push_back(datasheet_text(signal, *c).value);
       } else if (!std::isfinite(c->upper)) {
         cells.emplace_back("no limit");

@@ -86,11 +86,8 @@ std::string probability(double p) {
   return p < 1e-3 ? fmt::format("p = {:.1e}", p) : fmt::format("p = {}", number(p, 2));
 }
 
-/// The chi-square test needs more averaging times than terms.
-bool is_tested(const fit::Result& fit) { return fit.method == Method::gls && fit.dof > 0; }
-
 /// Whether the coefficients say something of the sensor.
-bool is_usable(const fit::Result& fit) { return fit.method == Method::gls && is_quotable(fit); }
+bool is_usable(const fit::Result& fit) { return has_p_value(fit.method) && is_quotable(fit); }
 
 /// The one-sided limit of a coefficient, or that the record sets none.
 std::string limit_text(Signal signal, Term term, double upper) {
@@ -258,8 +255,14 @@ const Coefficient* find(const fit::Result& fit, Term term) {
   return it == fit.coefficients.end() ? nullptr : &*it;
 }
 
+bool is_reading(Method method) { return method == Method::visual || method == Method::slope; }
+
+bool has_p_value(Method method) { return method == Method::gls || method == Method::whittle; }
+
+bool is_tested(const fit::Result& fit) { return has_p_value(fit.method) && fit.dof > 0; }
+
 bool is_quotable(const fit::Result& fit) {
-  const bool refused = fit.method == Method::gls && is_tested(fit) && fit.verdict == Verdict::not_described;
+  const bool refused = is_tested(fit) && fit.verdict == Verdict::not_described;
   return fit.converged && !refused;
 }
 
@@ -270,7 +273,7 @@ std::string file_name(const std::string& path) {
 
 std::string status_text(Signal signal, const Coefficient& c, const fit::Result& fit) {
   if (!c.fitted) return "left out: not fitted";
-  if (fit.method == Method::visual) return "read off the curve";
+  if (is_reading(fit.method)) return "read off the curve";
   if (!is_quotable(fit)) return "do not quote";
   const std::string limit = limit_text(signal, c.term, c.upper);
   switch (c.status) {
@@ -312,7 +315,7 @@ std::string estimator_text(std::string_view estimator) {
 }
 
 std::string verdict_headline(const fit::Result& fit) {
-  if (fit.method == Method::visual) return "read off the curve";
+  if (is_reading(fit.method)) return "read off the curve";
   if (!fit.converged) return "the fit did not converge";
   if (!is_tested(fit)) return "not tested";
   switch (fit.verdict) {
@@ -328,12 +331,18 @@ std::string verdict_headline(const fit::Result& fit) {
 
 std::string verdict_text(const fit::Result& fit) {
   const std::string range = fmt::format("from {} to {}", tau_text(fit.tau_min_s), tau_text(fit.tau_max_s));
-  const std::string misfit = fmt::format("{} beyond its 95 % scatter, at tau = {}", percent(fit.worst_misfit),
-                                         tau_text(fit.worst_misfit_tau_s));
+  const bool spectral = fit.method == Method::whittle;
+  const std::string misfit =
+      fmt::format("{} beyond its 95 % scatter, at {}{}", percent(fit.worst_misfit),
+                  spectral ? "half a period of " : "tau = ", tau_text(fit.worst_misfit_tau_s));
   const std::string worst = fit.worst_misfit > 0
                                 ? "Worst misfit: " + misfit + "."
-                                : std::string("No averaging time departs by more than its 95 % scatter.");
-  if (fit.method == Method::visual) return "Three points of the curve were read, as by eye. " + worst;
+                                : fmt::format("No {} departs by more than its 95 % scatter.",
+                                              spectral ? "band of the spectrum" : "averaging time");
+  if (is_reading(fit.method)) return "Three points of the curve were read, as by eye. " + worst;
+  if (!has_p_value(fit.method)) {
+    return "This method ignores how averaging times are correlated, so it has no p-value. " + worst;
+  }
   if (!is_tested(fit)) {
     return "Too few averaging times have the 16 clusters that a test needs; the model was fitted " + range +
            ".";
@@ -342,9 +351,9 @@ std::string verdict_text(const fit::Result& fit) {
   switch (fit.verdict) {
     case Verdict::described:
       return fmt::format(
-          "The model explains the curve {}: {}, so a record that follows it exactly would depart this "
+          "The model explains the {} {}: {}, so a record that follows it exactly would depart this "
           "much or more in {} of cases. {}",
-          range, chance, percent(fit.p_value), worst);
+          spectral ? "spectrum" : "curve", range, chance, percent(fit.p_value), worst);
     case Verdict::described_within:
       return fmt::format(
           "Chance alone does not explain how the curve departs from the model {} ({}), but the "
@@ -358,10 +367,15 @@ std::string verdict_text(const fit::Result& fit) {
 }
 
 std::string consequence_text(const fit::Result& fit) {
-  if (fit.method == Method::visual) {
+  if (is_reading(fit.method)) {
     return "Use these numbers only beside readings of others: the intervals are those of the points read, "
-           "and B so "
-           "read holds N and K as well, so it comes out too large. The default fit gives a datasheet.";
+           "and B so read holds N and K as well, so it comes out too large. The default fit gives a "
+           "datasheet.";
+  }
+  if (!has_p_value(fit.method)) {
+    return "Use these numbers only beside fits of others: the default fit is more exact and says whether the "
+           "model "
+           "holds.";
   }
   if (!fit.converged) return "Do not use these numbers: the fit stopped before it had settled.";
   if (!is_tested(fit)) return "Nothing here says whether the model fits; take a longer record.";
@@ -441,6 +455,25 @@ std::string cut_text(const AxisResult& axis) {
   if (!moves.empty()) text += fmt::format("Leaving them out moved {}.", join(moves, " and "));
   while (!text.empty() && text.back() == ' ') text.pop_back();
   return text;
+}
+
+std::string cross_check_text(const AxisResult& axis) {
+  if (!axis.cross_checked) return {};
+  const fit::CrossCheck& check = axis.cross_checked->check;
+  std::vector<std::string> parts;
+  for (const fit::Agreement& a : check.coefficients) {
+    parts.push_back(fmt::format("{} {} ({:.2g} of its std apart, at most {:.2g} expected)",
+                                noise::label(axis.signal, a.term), quantity(axis.signal, a.term, a.second),
+                                std::abs(a.difference), a.limit));
+  }
+  std::string text =
+      fmt::format("Cross-check: the likelihood of the record itself, made without the curve, gives {}.",
+                  join(parts, " and "));
+  text +=
+      check.agrees ? " The two agree." : " THE TWO DO NOT AGREE: look at the record before quoting either.";
+  if (!check.same_range) text += " They cover different ranges, so some difference is expected.";
+  return text +
+         fmt::format(" The likelihood's own test: {}.", probability(axis.cross_checked->likelihood.p_value));
 }
 
 }  // namespace gyrobudget::inline v0::report

@@ -43,6 +43,12 @@ struct CoefficientText {
 [[nodiscard]] const std::vector<noise::Term>& reading_order();
 [[nodiscard]] const fit::Coefficient* find(const fit::Result&, noise::Term);
 
+/// Read off the plot: no fit, no test.
+[[nodiscard]] bool is_reading(fit::Method);
+/// Whether a method can tell how well its model explains the record.
+[[nodiscard]] bool has_p_value(fit::Method);
+/// Whether it did: that takes more averaging times, or bands, than terms.
+[[nodiscard]] bool is_tested(const fit::Result&);
 /// False where the model does not describe the record or the fit did not converge: its coefficients must not be quoted.
 [[nodiscard]] bool is_quotable(const fit::Result&);
 /// The last part of a path, for titles.
@@ -67,5 +73,6 @@ struct Share {
 [[nodiscard]] std::string minimum_text(const AxisResult&, double rate_hz);
 [[nodiscard]] std::string beta_text(const fit::Result&);
 [[nodiscard]] std::string cut_text(const AxisResult&);
+[[nodiscard]] std::string cross_check_text(const AxisResult&);
 
 }  // namespace gyrobudget::inline v0::report

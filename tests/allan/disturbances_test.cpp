@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Outliers, steps and drifts: what is put in is found with its time and size, and noise alone has none.
-#include "gyrobudget/allan/drift.h"
+// Outliers, steps and slow departures: what is put in is found with its time and size, and noise alone has none.
+#include "gyrobudget/allan/departure.h"
 #include "gyrobudget/allan/outliers.h"
 #include "gyrobudget/allan/steps.h"
 #include "gyrobudget/noise/generate.h"
@@ -147,20 +147,21 @@ TEST(Steps, ShortEqualAndMissingRecordsHaveNone) {
   EXPECT_THROW((void)find_steps(RateRecord(equal), {1, 1}), std::invalid_argument);
 }
 
-TEST(Drifts, NoiseHasNone) {
+TEST(Departures, NoiseHasNone) {
   EXPECT_LE(alarms([](const auto& y, const Mix& mix) {
-              return find_drift(RateRecord(y), mix, {kFalseAlarm}).has_value();
+              return find_departure(RateRecord(y), mix, {kFalseAlarm}).has_value();
             }),
             kMostAlarms);
 }
 
-TEST(Drifts, AWarmUpIsFoundWithItsSizeAndTime) {
+TEST(Departures, AWarmUpIsFoundWithItsSizeAndTime) {
   const Mix mix{noise::White{1}, noise::RateRandomWalk{0.0003}};
   std::vector<double> y = record(mix, 21);
   constexpr double kSize = 0.5, kTime = 1250;  // 1/16 of the record
   for (std::size_t k = 0; k < y.size(); ++k) y[k] += kSize * std::exp(-static_cast<double>(k) / kTime);
-  const auto drift = find_drift(RateRecord(y), mix);
+  const auto drift = find_departure(RateRecord(y), mix);
   ASSERT_TRUE(drift.has_value());
+  EXPECT_EQ(drift->kind, Departure::Kind::warm_up);
   // Shapes are tried a factor of two apart; the nearest is within one of them.
   EXPECT_GE(drift->time_constant_s, kTime / 2.1);
   EXPECT_LE(drift->time_constant_s, kTime * 2.1);
@@ -168,30 +169,44 @@ TEST(Drifts, AWarmUpIsFoundWithItsSizeAndTime) {
   EXPECT_LT(drift->p_value, 1e-4);
 }
 
-TEST(Drifts, ATrendIsFoundAsOne) {
+TEST(Departures, ATrendIsFoundAsOne) {
   const Mix mix{noise::White{1}, noise::Flicker{0.01}};
   std::vector<double> y = record(mix, 22);
   for (std::size_t k = 0; k < y.size(); ++k) y[k] -= 0.3 * static_cast<double>(k) / kSamples;
-  const auto drift = find_drift(RateRecord(y), mix);
+  const auto drift = find_departure(RateRecord(y), mix);
   ASSERT_TRUE(drift.has_value());
-  EXPECT_TRUE(std::isinf(drift->time_constant_s));
+  EXPECT_EQ(drift->kind, Departure::Kind::trend);
   EXPECT_NEAR(drift->size, -0.3, 0.15);
 }
 
-TEST(Drifts, ScaleOfTheNoiseDoesNotMatter) {
+TEST(Departures, AStepTooSmallForFindStepsIsFound) {
+  // 0.6 sigma in 20 000 samples with a walk: 0.05 a second each second.
+  const Mix mix{noise::White{1}, noise::RateRandomWalk{0.002}};
+  std::vector<double> y = record(mix, 23);
+  for (std::size_t k = 7000; k < y.size(); ++k) y[k] += 0.6;
+  EXPECT_TRUE(find_steps(RateRecord(y)).empty());
+  const auto step = find_departure(RateRecord(y), mix);
+  ASSERT_TRUE(step.has_value());
+  EXPECT_EQ(step->kind, Departure::Kind::step);
+  EXPECT_NEAR(step->size, 0.6, 0.3);
+  EXPECT_NEAR(static_cast<double>(step->index), 7000, kSamples / 128.);
+}
+
+TEST(Departures, ScaleOfTheNoiseDoesNotMatter) {
   const Mix mix{noise::White{1}, noise::RateRandomWalk{0.0003}},
       far{noise::White{1e30}, noise::RateRandomWalk{3e26}};
   std::vector<double> y = record(mix, 21);
   for (std::size_t k = 0; k < y.size(); ++k) y[k] += 0.5 * std::exp(-static_cast<double>(k) / 1250);
-  EXPECT_NEAR(find_drift(RateRecord(y), mix)->p_value, find_drift(RateRecord(y), far)->p_value, 1e-12);
+  EXPECT_NEAR(find_departure(RateRecord(y), mix)->p_value, find_departure(RateRecord(y), far)->p_value,
+              1e-12);
 }
 
-TEST(Drifts, NothingToLookAtIsNoDrift) {
+TEST(Departures, NothingToLookAtIsNoDrift) {
   const std::vector<double> equal(5000, 1.);
-  EXPECT_FALSE(find_drift(RateRecord(equal), Mix{noise::White{1}}).has_value());
-  EXPECT_FALSE(find_drift(RateRecord(equal), Mix{}).has_value());
-  EXPECT_FALSE(find_drift(RateRecord(std::vector<double>(10, 1.)), Mix{noise::White{1}}).has_value());
-  EXPECT_THROW((void)find_drift(RateRecord(equal), Mix{}, {2}), std::invalid_argument);
+  EXPECT_FALSE(find_departure(RateRecord(equal), Mix{noise::White{1}}).has_value());
+  EXPECT_FALSE(find_departure(RateRecord(equal), Mix{}).has_value());
+  EXPECT_FALSE(find_departure(RateRecord(std::vector<double>(10, 1.)), Mix{noise::White{1}}).has_value());
+  EXPECT_THROW((void)find_departure(RateRecord(equal), Mix{}, {2}), std::invalid_argument);
 }
 
 }  // namespace
