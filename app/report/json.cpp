@@ -305,17 +305,20 @@ Json findings(const AxisResult& axis, double rate_hz) {
     lines.push_back(
         {{"frequency_hz", l.frequency_hz}, {"amplitude", scale(l.amplitude)}, {"ratio", l.ratio}});
   Json drift = nullptr;
-  if (found.drift) {  // a straight trend has no time constant
-    drift = {{"size", scale(found.drift->size)},
-             {"time_constant_s", found.drift->time_constant_s},
-             {"p_value", found.drift->p_value}};
+  if (found.departure) {
+    const bool warm_up = found.departure->kind == allan::Departure::Kind::warm_up;
+    drift = {{"kind", warm_up ? "warm_up" : "trend"},
+             {"size", scale(found.departure->size)},
+             {"time_constant_s", warm_up ? Json(found.departure->time_constant_s) : Json(nullptr)},
+             {"p_value", found.departure->p_value},
+             {"masked", found.warm_up_masked}};
   }
   return {
       {"unit", scale.unit()},
       {"used_from_s", at(found.first)},
       {"used_to_s", at(found.first + found.samples)},
       {"outliers", {{"count", found.outliers.size()}, {"masked", found.outliers_masked}, {"list", outliers}}},
-      {"steps", steps},
+      {"steps", {{"masked", found.steps_masked}, {"list", steps}}},
       {"drift", drift},
       {"lines", lines}};
 }

@@ -471,9 +471,13 @@ std::string cross_check_text(const AxisResult& axis) {
                   join(parts, " and "));
   text +=
       check.agrees ? " The two agree." : " THE TWO DO NOT AGREE: look at the record before quoting either.";
+  const fit::Result& likelihood = axis.cross_checked->likelihood;
+  if (axis.findings && 10 * likelihood.samples < 9 * axis.findings->samples) {
+    text += fmt::format(" It is of {} samples only, the longest stretch without a gap, so it is less exact.",
+                        count_text(likelihood.samples));
+  }
   if (!check.same_range) text += " They cover different ranges, so some difference is expected.";
-  return text +
-         fmt::format(" The likelihood's own test: {}.", probability(axis.cross_checked->likelihood.p_value));
+  return text + fmt::format(" The likelihood's own test: {}.", probability(likelihood.p_value));
 }
 
 }  // namespace gyrobudget::inline v0::report
