@@ -19,10 +19,10 @@ namespace gyrobudget::inline v0::fit {
 /// How coefficients are taken from a record. RMSE in 10 h at 1 Hz of (N, B, K) for the paper's MEMS gyro in brackets;
 /// fit_study makes the whole table.
 enum class Method {
-  gls,  ///< generalised least squares with the curve's exact covariance: the default (0.41 %, 21 %, 13 %)
-  edf,  ///< least squares weighted with each tau's own variance, correlations ignored (0.42 %, 21 %, 14 %)
-  loglog,  ///< unweighted least squares of logarithms, as most published tools do (5 %, 84 %, 43 %; see weighted.h)
-  slope,  ///< tangents of slope -1/2, 0, +1/2, as MATLAB's example does (see visual.h)
+  gls,     ///< generalised least squares with the curve's exact covariance: the default (0.41 %, 20 %, 13 %)
+  edf,     ///< least squares weighted with each tau's own variance, correlations ignored (0.42 %, 20 %, 14 %)
+  loglog,  ///< unweighted least squares of logarithms, as most published tools do (5 %, 91 %, 47 %)
+  slope,   ///< tangents of slope -1/2, 0, +1/2, as MATLAB's example does (see visual.h)
   visual,  ///< three points read off the plot, as the source paper did; here to show what that costs (see visual.h)
   whittle,  ///< maximum likelihood of the record itself, without its Allan curve (see whittle.h); as good as gls
 };
