@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: MIT
+#include <gyrobudget/earth/frames.h>
+#include <gyrobudget/earth/gravity.h>
+#include <gyrobudget/earth/gravity_model.h>
+#include <gyrobudget/earth/site.h>
+
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+
+int main() {
+  using namespace gyrobudget;
+  const auto pad = earth::LocalFrame::launch_plane(earth::alcantara().position, 90 * earth::kDegree);
+  const double up = (pad.C_el().transpose() * earth::normal_gravity(pad.p_el_e())).z();
+  bool refused = false;
+  try {
+    const earth::GravityModel none("none.egm");  // links GeographicLib
+  } catch (const std::runtime_error&) {
+    refused = true;
+  }
+  const bool sane = refused && std::abs(up + 9.7804) < 1e-3;
+  std::printf("%s\n", sane ? "ok" : "wrong");
+  return sane ? 0 : 1;
+}
