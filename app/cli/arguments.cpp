@@ -114,6 +114,7 @@ struct Texts {
   std::string rate, duration, terms, tau_min, tau_max, input = "rate", method = "gls", axes = "x,y,z";
   std::string seed = "1", skip, taps, noise_type, variant, rrw, correlation_time;
   std::vector<std::string> wishes, mask;
+  std::string records, methods, axis = "gyro", require;
 };
 
 void add_common(CLI::App& app, Common& common, bool has_json = true) {
@@ -467,6 +468,87 @@ void finish(PlanArguments& a, const Texts& texts) {
   for (const auto& text : texts.wishes) a.wishes.push_back(wish(text));
 }
 
+CLI::App* add_accuracy(CLI::App& app, AccuracyArguments& a, Texts& texts) {
+  auto* verb = app.add_subcommand(
+      "accuracy",
+      "How wrong the fits are: simulates records of known truth and compares.\n\n"
+      "  gyrobudget accuracy examples/sensors/mems.yaml --report accuracy.html\n"
+      "  gyrobudget accuracy sensor.yaml --duration 2h --rate 10 --require \"arw.rmse<1.1*crlb, coverage in "
+      "0.92..0.98\"\n"
+      "  gyrobudget accuracy sensor.yaml --sweep\n");
+  verb->add_option("sensor", a.sensor, "sensor file: the truth")->required()->type_name("SENSOR");
+  verb->add_option("--duration", texts.duration, "length of a record [10h]")->type_name("TIME");
+  verb->add_option("--rate", texts.rate, "sample rate [1 Hz]")->type_name("HZ");
+  verb->add_option("--records", texts.records, "how many [500; 200 for --sweep]")->type_name("N");
+  verb->add_option("--methods", texts.methods, "of gls, edf, loglog, slope, visual, whittle [gls,whittle]")
+      ->type_name("LIST");
+  verb->add_option("--terms", texts.terms,
+                   "terms to fit, of Q,N,B,K,R [N,B,K, and Q and R where the sensor has them]")
+      ->type_name("LIST");
+  verb->add_option("--axis", texts.axis, "which of the sensor's two")
+      ->check(CLI::IsMember({"gyro", "accelerometer"}))
+      ->capture_default_str();
+  verb->add_option("--seed", texts.seed, "of the random numbers; printed into every output")
+      ->capture_default_str();
+  verb->add_option("--require", texts.require,
+                   "limits, [METHOD.][COEFFICIENT.]QUANTITY < NUMBER[*crlb|*likelihood] or in LOW..HIGH; "
+                   "quantities: rmse, bias, coverage, coverage_identified, identified, missed, false_terms, "
+                   "p05, p01, unconverged, seconds; exit code 1 where one is broken")
+      ->type_name("LIMITS");
+  verb->add_option("--report", a.report, "write a self-contained HTML page")->type_name("FILE.html");
+  verb->add_flag("--sweep", a.sweep,
+                 "error against run time instead: over methods, taus an octave, strides and record lengths");
+  verb->add_option("--longest", a.longest, "longest record of the sweep, samples from 1e4 to 1e8 [1e7]")
+      ->check(CLI::Range(1e4, 1e8))
+      ->type_name("N");
+  add_common(*verb, a.common);
+  return verb;
+}
+
+fit::Method method_named(const std::string& name) {
+  const auto at = std::ranges::find_if(fit::kMethods, [&](fit::Method m) { return fit::name(m) == name; });
+  if (at != fit::kMethods.end()) return *at;
+  throw std::invalid_argument(
+      fmt::format("--methods: no method '{}'; there are gls, edf, loglog, slope, visual and whittle", name));
+}
+
+void finish_sweep(AccuracyArguments& a, const Texts& texts) {
+  for (const auto& [option, text] : {std::pair{"--methods", texts.methods}, {"--require", texts.require}}) {
+    if (a.sweep && !text.empty()) {
+      throw std::invalid_argument(fmt::format("{}: --sweep takes every method and has no limits", option));
+    }
+  }
+  if (a.longest && !a.sweep) throw std::invalid_argument("--longest belongs to --sweep");
+}
+
+void finish(AccuracyArguments& a, const Texts& texts) {
+  if (!texts.duration.empty()) a.duration_s = duration("--duration", texts.duration);
+  if (!texts.rate.empty()) a.rate_hz = rate("--rate", texts.rate);
+  constexpr double kFewestSamples = 16, kMostSamples = 1e8;
+  const double samples = std::round(a.duration_s * a.rate_hz);
+  if (!(samples >= kFewestSamples && samples <= kMostSamples)) {
+    throw std::invalid_argument(fmt::format("{:g} s at {:g} Hz are {:.3g} samples; a record has 16 to 1e8",
+                                            a.duration_s, a.rate_hz, samples));
+  }
+  if (!texts.records.empty()) {
+    constexpr std::uint64_t kMostRecords = 10'000'000;
+    const std::uint64_t records = whole_number("--records", texts.records);
+    if (records < 1 || records > kMostRecords) {
+      throw std::invalid_argument(fmt::format("--records {}: must be from 1 to {}", records, kMostRecords));
+    }
+    a.records = static_cast<int>(records);
+  }
+  for (const auto& name : split(texts.methods.empty() ? "gls,whittle" : texts.methods, ',')) {
+    const fit::Method method = method_named(name);
+    if (std::ranges::find(a.methods, method) == a.methods.end()) a.methods.push_back(method);
+  }
+  if (!texts.terms.empty()) a.terms = terms(texts.terms);
+  if (texts.axis == "accelerometer") a.signal = noise::Signal::specific_force;
+  a.seed = seed(texts.seed);
+  if (!texts.require.empty()) a.requirements = fit::parse_requirements(texts.require);
+  finish_sweep(a, texts);
+}
+
 CLI::App* add_paper(CLI::App& app, PaperArguments& a, Texts& texts) {
   auto* verb =
       app.add_subcommand("paper",
@@ -588,12 +670,14 @@ Arguments parse_arguments(int argc, const char* const* argv) {
   AllanArguments allan;
   CalibrateArguments calibrate;
   PlanArguments plan;
+  AccuracyArguments accuracy;
   PaperArguments paper;
   Texts texts;
   const auto* calibrate_verb = add_calibrate(app, calibrate, texts);
   const auto* allan_verb = add_allan(app, allan, texts);
   const auto* simulate_verb = add_simulate(app, simulate, texts);
   const auto* plan_verb = add_plan(app, plan, texts);
+  const auto* accuracy_verb = add_accuracy(app, accuracy, texts);
   const auto* paper_verb = add_paper(app, paper, texts);
   try {
     app.parse(argc, argv);
@@ -620,6 +704,11 @@ Arguments parse_arguments(int argc, const char* const* argv) {
     finish(plan, texts);
     plan.common.command_line = line;
     return plan;
+  }
+  if (accuracy_verb->parsed()) {
+    finish(accuracy, texts);
+    accuracy.common.command_line = line;
+    return accuracy;
   }
   if (paper_verb->parsed()) {
     paper.seed = seed(texts.seed);

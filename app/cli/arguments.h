@@ -2,8 +2,10 @@
 #pragma once
 
 #include "gyrobudget/fit/fit.h"
+#include "gyrobudget/fit/requirement.h"
 #include "gyrobudget/io/log.h"
 #include "gyrobudget/noise/bielas.h"
+#include "gyrobudget/noise/sensor.h"
 
 #include <cstdint>
 #include <optional>
@@ -98,6 +100,22 @@ struct PlanArguments {
   std::vector<Wish> wishes;
 };
 
+struct AccuracyArguments {
+  Common common;
+  std::string sensor;
+  noise::Signal signal = noise::Signal::angular_rate;  ///< which of the sensor's two
+  double duration_s = 36'000;
+  double rate_hz = 1;
+  std::optional<int> records;
+  std::vector<fit::Method> methods;
+  std::optional<std::vector<noise::Term>> terms;  ///< unset: N, B, K, and Q and R where the sensor has them
+  std::uint64_t seed = 1;
+  std::vector<fit::Requirement> requirements;
+  std::string report;             ///< path of the HTML page; empty: none
+  bool sweep = false;             ///< error against run time instead
+  std::optional<double> longest;  ///< record of the sweep [samples]; unset: 1e7
+};
+
 struct PaperArguments {
   Common common;
   std::string report;  ///< path of the HTML page; empty: none
@@ -110,7 +128,7 @@ struct Answered {
 };
 
 using Arguments = std::variant<Answered, SimulateArguments, AllanArguments, CalibrateArguments, PlanArguments,
-                               PaperArguments>;
+                               AccuracyArguments, PaperArguments>;
 
 /// Reads the command line; prints help, version and usage errors itself.
 [[nodiscard]] Arguments parse_arguments(int argc, const char* const* argv);

@@ -12,6 +12,7 @@
 #include <new>
 #include <stdexcept>
 
+#include "terminal.h"
 #include "verbs.h"
 
 namespace cli = gyrobudget::cli;
@@ -20,6 +21,7 @@ namespace io = gyrobudget::io;
 namespace {
 
 void interrupted(int) {
+  if (cli::taken_by_interruption()) return;
   io::remove_unfinished_outputs();
   _exit(cli::exit_interrupted);
 }

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <atomic>
+#include <chrono>
+#include <string>
 #include <string_view>
 
 #include "arguments.h"
@@ -12,5 +15,36 @@ void say(const Common&, std::string_view line);
 
 /// The verb's result: stdout. @throws io::OutputError where it cannot be written.
 void print(std::string_view text);
+
+/// A bar with the time left on stderr, where that is a terminal and --quiet is not given; gone when this ends.
+class Progress {
+ public:
+  /// @param of what: "records".
+  Progress(const Common&, std::string of_what);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+  /// Draws at most ten times a second.
+  void update(double done, double of);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::string of_what_;
+  bool shown_;
+  Clock::time_point start_ = Clock::now(), drawn_{};
+};
+
+/// While one exists, the first interrupt (Ctrl-C, SIGTERM) asks the work to stop, and the second ends the program.
+class Interruption {
+ public:
+  Interruption() noexcept;
+  ~Interruption();
+  Interruption(const Interruption&) = delete;
+  Interruption& operator=(const Interruption&) = delete;
+  [[nodiscard]] const std::atomic<bool>& asked() const noexcept;
+};
+
+/// For the handler of signals: true where an Interruption takes this one. Async-signal-safe.
+[[nodiscard]] bool taken_by_interruption() noexcept;
 
 }  // namespace gyrobudget::inline v0::cli

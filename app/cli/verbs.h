@@ -8,7 +8,8 @@ namespace gyrobudget::inline v0::cli {
 /// The program's exit codes.
 enum Exit : int {
   exit_done = 0,
-  exit_no_answer = 1,  ///< ran, but an axis has no answer: not described, nothing resolved, not converged
+  exit_no_answer =
+      1,  ///< ran, but an axis has no answer: not described, nothing resolved, not converged; or a limit is broken
   exit_usage = 2,
   exit_bad_input = 3,
   exit_bad_output = 4,
@@ -20,6 +21,7 @@ enum Exit : int {
 [[nodiscard]] int run(const AllanArguments&);      ///< log -> deviations
 [[nodiscard]] int run(const CalibrateArguments&);  ///< log -> datasheet
 [[nodiscard]] int run(const PlanArguments&);       ///< sensor file -> recording time or accuracy
+[[nodiscard]] int run(const AccuracyArguments&);   ///< sensor file -> how wrong the fits are
 [[nodiscard]] int run(const PaperArguments&);      ///< the source paper's tables and figures beside ours
 
 }  // namespace gyrobudget::inline v0::cli

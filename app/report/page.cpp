@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+#include "gyrobudget/report/accuracy.h"
 #include "gyrobudget/report/page_parts.h"
 #include "gyrobudget/report/paper.h"
 #include "gyrobudget/report/report.h"
@@ -102,6 +103,16 @@ std::string page(const LogResult& result) {
 std::string paper_page(const Paper& paper) {
   return whole("A paper's gyro noise, published and simulated again", kPaperHtml, paper_table(paper),
                paper_data(paper), kPaperJs);
+}
+
+std::string accuracy_page(const AccuracyStudy& study) {
+  return whole("How wrong the fits are: " + printable(study.sensor), kAccuracyHtml, accuracy_table(study),
+               accuracy_data(study), kAccuracyJs);
+}
+
+std::string sweep_page(const Sweep& sweep) {
+  return whole("Error against run time: " + printable(sweep.sensor), kSweepHtml, sweep_table(sweep),
+               sweep_data(sweep), kSweepJs);
 }
 
 }  // namespace gyrobudget::inline v0::report

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "gyrobudget/report/accuracy.h"
 #include "gyrobudget/report/paper.h"
 #include "gyrobudget/report/result.h"
 
@@ -21,9 +22,16 @@ namespace gyrobudget::inline v0::report {
 /// paper_json as "paper", and the figures in time as "drifts" and "traces".
 [[nodiscard]] std::string paper_data(const Paper&);
 
+/// What accuracy.js draws: accuracy_json as "accuracy", and counts of the estimates and p-values in bins.
+[[nodiscard]] std::string accuracy_data(const AccuracyStudy&);
+/// What sweep.js draws: sweep_json as "sweep".
+[[nodiscard]] std::string sweep_data(const Sweep&);
+
 // The files of the pages, embedded by embed.cmake.
 extern const std::string_view kShellHtml, kPageCss, kPlotJs, kChartJs;
-extern const std::string_view kPageHtml, kPageJs;    ///< datasheet
-extern const std::string_view kPaperHtml, kPaperJs;  ///< paper
+extern const std::string_view kPageHtml, kPageJs;          ///< datasheet
+extern const std::string_view kPaperHtml, kPaperJs;        ///< paper
+extern const std::string_view kAccuracyHtml, kAccuracyJs;  ///< accuracy
+extern const std::string_view kSweepHtml, kSweepJs;        ///< accuracy --sweep
 
 }  // namespace gyrobudget::inline v0::report

@@ -5,7 +5,7 @@
 (() => {
   const {
     data, axes, redraws, byId, element, list, number, compact, count, signed, colour, duration, table, curveLine,
-    bandLines, measuredPoints, marks, overlayDatasets, union, addPlot, plotFigure, padded, followSettings,
+    bandLines, measuredPoints, marks, overlayDatasets, union, addPlot, plotFigure, padded, followSettings, linearScale, addChart, plain,
   } = plotting;
   const { rows, words, seed, record, command, version } = data.paper;
 
@@ -101,29 +101,6 @@
   }
 
   // --- Figures in time ------------------------------------------------------------------------------------------------
-
-  function linearScale(title, more) {
-    return {
-      type: "linear", title: { display: true, text: title, color: colour("text") },
-      grid: { color: colour("grid"), borderColor: colour("quiet") }, ticks: { color: colour("quiet"), maxRotation: 0 }, ...more,
-    };
-  }
-
-  /** Draws now and whenever colours change. */
-  function addChart(canvas, configuration) {
-    let chart = null;
-    const draw = () => {
-      if (chart) chart.destroy();
-      chart = new Chart(canvas, configuration());
-    };
-    draw();
-    redraws.push(draw);
-  }
-
-  const plain = (scales, legend) => ({
-    animation: false, maintainAspectRatio: false, normalized: true, scales,
-    plugins: { legend: { display: legend, labels: { color: colour("text"), filter: (item) => item.text, boxWidth: 24, boxHeight: 1 } }, tooltip: { enabled: false } },
-  });
 
   const sensorInk = { mems: "measured", ifog: "term-N" };
 

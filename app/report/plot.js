@@ -5,7 +5,7 @@
 
 const plotting = (() => {
   const data = JSON.parse(document.getElementById("data").textContent);
-  const axes = data.allan.axes.map((axis, i) => ({ ...axis, ...data.calibration.axes[i], ...data.axes[i] }));
+  const axes = (data.allan?.axes ?? []).map((axis, i) => ({ ...axis, ...data.calibration.axes[i], ...data.axes[i] }));
   const state = { units: "datasheet" };
   const redraws = []; // what to do again when units or colours change
 
@@ -516,6 +516,31 @@ const plotting = (() => {
     return { x: view.x, y: view.y.map((y) => y * factor) };
   }
 
+  // --- Plain charts: axes that are not logarithms of tau and deviation ------------------------------------------------
+
+  function linearScale(title, more) {
+    return {
+      type: "linear", title: { display: true, text: title, color: colour("text") },
+      grid: { color: colour("grid"), borderColor: colour("quiet") }, ticks: { color: colour("quiet"), maxRotation: 0 }, ...more,
+    };
+  }
+
+  /** Draws now and whenever colours change. */
+  function addChart(canvas, configuration) {
+    let chart = null;
+    const draw = () => {
+      if (chart) chart.destroy();
+      chart = new Chart(canvas, configuration());
+    };
+    draw();
+    redraws.push(draw);
+  }
+
+  const plain = (scales, legend) => ({
+    animation: false, maintainAspectRatio: false, normalized: true, scales,
+    plugins: { legend: { display: legend, labels: { color: colour("text"), filter: (item) => item.text, boxWidth: 24, boxHeight: 1 } }, tooltip: { enabled: false } },
+  });
+
   // --- Parts of pages -----------------------------------------------------------------------------------------------
 
   function keepUpdated(box, make) {
@@ -564,6 +589,6 @@ const plotting = (() => {
   return {
     state, redraws, data, axes, byId, element, paragraphs, list, number, compact, count, signed, colour, duration,
     unitOf, table, logScale, tooltipLook, dashes, curveLine, bandLines, measuredPoints, marks, overlayDatasets,
-    union, addPlot, drawLegend, keepUpdated, plotFigure, padded, followSettings, insideArea,
+    union, addPlot, drawLegend, keepUpdated, plotFigure, padded, followSettings, insideArea, linearScale, addChart, plain,
   };
 })();

@@ -21,7 +21,12 @@ namespace {
 using noise::Term;
 using Clock = std::chrono::steady_clock;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr int kBlock = 64;  // records between looks at the cancellation flag
+
+// Records between two reports of progress: of some seconds at most, whatever the length.
+std::size_t block_size(const AccuracyOptions& o) {
+  constexpr std::int64_t kSamplesTogether = 1 << 21, kFewest = 16, kMost = 64;
+  return static_cast<std::size_t>(std::clamp(kSamplesTogether / o.samples, kFewest, kMost));
+}
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -121,6 +126,7 @@ CoefficientAccuracy summarise(const std::vector<One>& all, std::size_t method, T
   double errors = 0, squares = 0, covered = 0, by_status = 0, identified = 0, covered_identified = 0;
   for (const One& one : all) {
     const Coefficient& c = one.results[method][term];
+    a.values.push_back(c.value);
     const double error = c.value / truth - 1;
     errors += error, squares += error * error;
     const bool inside = c.lower <= truth && truth <= c.upper, called = c.status == Status::identified;
@@ -156,6 +162,7 @@ MethodAccuracy summarise(const std::vector<One>& all, std::size_t method,
   const double share = 1 / static_cast<double>(all.size());
   for (const One& one : all) {
     const Result& r = one.results[method];
+    m.p_values.push_back(r.p_value);
     m.false_terms += share * std::any_of(r.coefficients.begin(), r.coefficients.end(), [&](const auto& c) {
                        return c.status == Status::identified && truth_of(truth, c.term) == 0;
                      });
@@ -191,7 +198,7 @@ Accuracy measure_accuracy(const std::vector<noise::Process>& truth, const Accura
   std::vector<One> all;
   while (static_cast<int>(all.size()) < options.records && !cancelled(options)) {
     const std::size_t done = all.size();
-    const auto count = static_cast<std::size_t>(std::min(kBlock, options.records - static_cast<int>(done)));
+    const auto count = std::min(block_size(options), static_cast<std::size_t>(options.records) - done);
     std::vector<One> block(count);
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
       if (!cancelled(options)) block[i] = study.record(done + i);

@@ -26,6 +26,7 @@ struct CoefficientAccuracy {
   double coverage_identified = 0;  ///< [lower, upper] holds the truth, of the records that call it identified
   double identified = 0;           ///< zero is excluded: for a truth of 0 the rate of false terms
   double missed = 0;               ///< 1 - identified where the truth is not 0, else 0
+  std::vector<double> values;      ///< of every record, in order
 };
 
 struct MethodAccuracy {
@@ -37,7 +38,8 @@ struct MethodAccuracy {
   double cut = 0;            ///< share of records in which a part of the range was cut
   double not_described = 0;  ///< share with that verdict
   double unconverged = 0;
-  double seconds_per_fit = 0;  ///< mean of Result::seconds: curve and its covariance excluded
+  double seconds_per_fit = 0;    ///< mean of Result::seconds: curve and its covariance excluded
+  std::vector<double> p_values;  ///< of every record, in order
 };
 
 struct Accuracy {

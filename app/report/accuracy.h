@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "gyrobudget/fit/accuracy.h"
+#include "gyrobudget/fit/requirement.h"
+#include "gyrobudget/noise/sensor.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+// How wrong fits are, measured on simulated records of known truth, and what each bit of accuracy costs in time.
+namespace gyrobudget::inline v0::report {
+
+struct AccuracyStudy {
+  std::string sensor;  ///< its name
+  std::string command;
+  noise::Signal signal = noise::Signal::angular_rate;
+  int asked = 0;  ///< records; fewer where it was interrupted
+  fit::Accuracy accuracy;
+  std::vector<fit::Check> checks;  ///< of the limits that were asked for
+};
+
+/// What the numbers mean, one thing each.
+[[nodiscard]] std::vector<std::string> accuracy_words(const AccuracyStudy&);
+/// Tables and words for the terminal.
+[[nodiscard]] std::string accuracy_table(const AccuracyStudy&);
+/// Schema gyrobudget.accuracy/1: {"schema","version","command","sensor","signal","seed",
+/// "record":{"samples","rate_hz","duration_s"},"records","asked","complete","seconds","seconds_per_record",
+/// "methods":[{"method","coefficients":{"arw":{"truth","unit","bias","rmse","bound","over_bound","over_likelihood",
+/// "coverage","coverage_std","coverage_by_status","coverage_identified","coverage_identified_std","identified",
+/// "missed"}},"false_terms","p05","p01","cut","not_described","unconverged","seconds_per_fit"}],
+/// "requirements":[{"text","method","coefficient","value","low","high","met"}],"words":[…]}.
+/// Shares and errors are fractions, errors relative to the truth; `*_std` are binomial standard errors. Keys of
+/// coefficients are those of the sensor file, or the letter (G, S). null: no such number (an error relative to 0, a bound
+/// of a ramp, an infinite limit, a p-value of a method without a test).
+[[nodiscard]] std::string accuracy_json(const AccuracyStudy&);
+/// One HTML page that opens offline, with plots.
+[[nodiscard]] std::string accuracy_page(const AccuracyStudy&);
+
+/// One way to fit in the table of error against run time.
+struct SweepRow {
+  struct Coefficient {
+    noise::Term term = noise::Term::white;
+    double rmse = 0;          ///< relative to the truth
+    double over_default = 0;  ///< over that of the default on the same records
+    double over_bound = 0;
+    double coverage = 0;
+  };
+  std::string group;    ///< "taus an octave"
+  std::string setting;  ///< "2"
+  bool is_default = false;
+  std::int64_t samples = 0;
+  int records = 0;
+  int failed = 0;  ///< records without an answer: the fit did not converge or was refused
+  std::vector<Coefficient> coefficients;
+  double curve_seconds = 0, fit_seconds = 0;  ///< medians, of one record; the curve's is 0 where none is made
+  double covariance_seconds = 0;              ///< once for all axes of a log; 0 where none is made
+};
+
+struct Sweep {
+  std::string sensor;
+  std::string command;
+  noise::Signal signal = noise::Signal::angular_rate;
+  double rate_hz = 0;
+  std::uint64_t seed = 0;
+  bool complete = false;
+  double seconds = 0;
+  std::vector<SweepRow> rows;
+};
+
+/// Which defaults follow from the rows, and by how much.
+[[nodiscard]] std::vector<std::string> sweep_words(const Sweep&);
+[[nodiscard]] std::string sweep_table(const Sweep&);
+/// Schema gyrobudget.accuracy_sweep/1: {"schema","version","command","sensor","signal","rate_hz","seed","complete",
+/// "seconds","rows":[{"group","setting","default","samples","records","failed","coefficients":{"arw":{"rmse",
+/// "over_default","over_bound","coverage"}},"curve_seconds","fit_seconds","covariance_seconds"}],"words":[…]}.
+[[nodiscard]] std::string sweep_json(const Sweep&);
+[[nodiscard]] std::string sweep_page(const Sweep&);
+
+}  // namespace gyrobudget::inline v0::report

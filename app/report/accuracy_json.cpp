@@ -1,0 +1,219 @@
+// SPDX-License-Identifier: MIT
+// The accuracy of fits for programs, and the data that accuracy.js and sweep.js draw.
+#include "gyrobudget/report/accuracy.h"
+#include "gyrobudget/report/page_parts.h"
+#include "gyrobudget/report/words.h"
+#include "gyrobudget/version.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+
+namespace gyrobudget::inline v0::report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using noise::Term;
+
+Json finite(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+
+std::string key_of(noise::Signal signal, Term term) {
+  if (term == Term::gauss_markov || term == Term::sinusoid) return {static_cast<char>(term)};
+  return std::string(noise::key(signal, term));
+}
+
+std::string_view text(noise::Signal signal) {
+  return signal == noise::Signal::angular_rate ? "angular_rate" : "specific_force";
+}
+
+double binomial_std(double share, double of) { return std::sqrt(share * (1 - share) / of); }
+
+Json coefficient_json(const AccuracyStudy& study, const fit::CoefficientAccuracy& c) {
+  const double records = study.accuracy.records;
+  const std::string unit(noise::datasheet_unit(study.signal, c.term));
+  return {{"truth", noise::from_si(c.truth, unit)},
+          {"unit", unit},
+          {"bias", finite(c.bias)},
+          {"rmse", finite(c.rmse)},
+          {"bound", finite(c.bound)},
+          {"over_bound", finite(c.rmse / c.bound)},
+          {"over_likelihood", finite(c.over_likelihood)},
+          {"coverage", c.coverage},
+          {"coverage_std", binomial_std(c.coverage, records)},
+          {"coverage_by_status", c.coverage_by_status},
+          {"coverage_identified", finite(c.coverage_identified)},
+          {"coverage_identified_std", finite(binomial_std(c.coverage_identified, records * c.identified))},
+          {"identified", c.identified},
+          {"missed", c.missed}};
+}
+
+Json method_json(const AccuracyStudy& study, const fit::MethodAccuracy& m) {
+  Json coefficients = Json::object();
+  for (const auto& c : m.coefficients)
+    coefficients[key_of(study.signal, c.term)] = coefficient_json(study, c);
+  return {{"method", fit::name(m.method)},       {"coefficients", coefficients},
+          {"false_terms", m.false_terms},        {"p05", finite(m.p_below_5_percent)},
+          {"p01", finite(m.p_below_1_percent)},  {"cut", m.cut},
+          {"not_described", m.not_described},    {"unconverged", m.unconverged},
+          {"seconds_per_fit", m.seconds_per_fit}};
+}
+
+Json check_json(noise::Signal signal, const fit::Check& c) {
+  return {{"text", c.text},
+          {"method", fit::name(c.method)},
+          {"coefficient", c.term ? Json(key_of(signal, *c.term)) : Json(nullptr)},
+          {"value", finite(c.value)},
+          {"low", finite(c.low)},
+          {"high", finite(c.high)},
+          {"met", c.met}};
+}
+
+Json document(const AccuracyStudy& study) {
+  const auto& a = study.accuracy;
+  Json methods = Json::array(), checks = Json::array();
+  for (const auto& m : a.methods) methods.push_back(method_json(study, m));
+  for (const auto& c : study.checks) checks.push_back(check_json(study.signal, c));
+  return {{"schema", "gyrobudget.accuracy/1"},
+          {"version", kVersion},
+          {"command", study.command},
+          {"sensor", study.sensor},
+          {"signal", text(study.signal)},
+          {"seed", a.seed},
+          {"record",
+           {{"samples", a.samples},
+            {"rate_hz", 1 / a.dt},
+            {"duration_s", static_cast<double>(a.samples) * a.dt}}},
+          {"records", a.records},
+          {"asked", study.asked},
+          {"complete", a.complete},
+          {"seconds", a.seconds},
+          {"seconds_per_record", a.seconds_per_record},
+          {"methods", methods},
+          {"requirements", checks},
+          {"words", accuracy_words(study)}};
+}
+
+Json sweep_row_json(noise::Signal signal, const SweepRow& row) {
+  Json coefficients = Json::object();
+  for (const auto& c : row.coefficients) {
+    coefficients[key_of(signal, c.term)] = {{"rmse", finite(c.rmse)},
+                                            {"over_default", finite(c.over_default)},
+                                            {"over_bound", finite(c.over_bound)},
+                                            {"coverage", finite(c.coverage)}};
+  }
+  return {{"group", row.group},
+          {"setting", row.setting},
+          {"default", row.is_default},
+          {"samples", row.samples},
+          {"records", row.records},
+          {"failed", row.failed},
+          {"coefficients", coefficients},
+          {"curve_seconds", row.curve_seconds},
+          {"fit_seconds", row.fit_seconds},
+          {"covariance_seconds", row.covariance_seconds}};
+}
+
+Json document(const Sweep& sweep) {
+  Json rows = Json::array();
+  for (const auto& row : sweep.rows) rows.push_back(sweep_row_json(sweep.signal, row));
+  return {{"schema", "gyrobudget.accuracy_sweep/1"},
+          {"version", kVersion},
+          {"command", sweep.command},
+          {"sensor", sweep.sensor},
+          {"signal", text(sweep.signal)},
+          {"rate_hz", sweep.rate_hz},
+          {"seed", sweep.seed},
+          {"complete", sweep.complete},
+          {"seconds", sweep.seconds},
+          {"rows", rows},
+          {"words", sweep_words(sweep)}};
+}
+
+// Names and command lines may hold any bytes.
+std::string text_of(const Json& json, int indent) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+// --- The page ---------------------------------------------------------------------------------------------------------
+
+/// Counts in equal bins from 0 to `reach`; what lies beyond is in the last.
+Json counts(const std::vector<double>& values, double reach, std::size_t bins) {
+  std::vector<std::int64_t> all(bins);
+  for (const double v : values) {
+    if (std::isnan(v)) continue;
+    const double bin = std::clamp(v / reach * static_cast<double>(bins), 0.0, static_cast<double>(bins - 1));
+    ++all[static_cast<std::size_t>(bin)];
+  }
+  return all;
+}
+
+/// Estimates over the truth: 40 bins up to what 4 of the largest RMSE reach, with what is at zero apart.
+Json estimates(const AccuracyStudy& study, std::size_t coefficient_index) {
+  const auto& methods = study.accuracy.methods;
+  const auto& first = methods.front().coefficients[coefficient_index];
+  if (!(first.truth > 0)) return nullptr;
+  constexpr double kReach = 4;
+  constexpr std::size_t kBins = 40;
+  double spread = first.rmse;
+  for (const auto& m : methods) {
+    if (m.method == fit::Method::gls || m.method == fit::Method::whittle) {
+      for (const auto& c : m.coefficients) spread = c.term == first.term ? c.rmse : spread;
+    }
+  }
+  const double low = std::max(0.0, 1 - kReach * spread), high = 1 + kReach * spread;
+  Json series = Json::array();
+  for (const auto& m : methods) {
+    const auto at = std::ranges::find(m.coefficients, first.term, &fit::CoefficientAccuracy::term);
+    if (at == m.coefficients.end()) continue;
+    std::vector<double> inside;
+    std::int64_t zero = 0, outside = 0;
+    for (const double v : at->values) {
+      const double x = v / first.truth;
+      if (x == 0)
+        ++zero;
+      else if (x < low || x > high)
+        ++outside;
+      else
+        inside.push_back(x - low);
+    }
+    series.push_back({{"method", fit::name(m.method)},
+                      {"counts", counts(inside, high - low, kBins)},
+                      {"zero", zero},
+                      {"outside", outside}});
+  }
+  return {{"key", key_of(study.signal, first.term)},
+          {"label", noise::label(study.signal, first.term)},
+          {"letter", std::string(1, static_cast<char>(first.term))},
+          {"low", low},
+          {"high", high},
+          {"bound", finite(first.bound)},
+          {"series", series}};
+}
+
+std::string data_text(const Json& data) { return without_markup(text_of(data, -1)); }
+
+}  // namespace
+
+std::string accuracy_json(const AccuracyStudy& study) { return text_of(document(study), 2) + "\n"; }
+std::string sweep_json(const Sweep& sweep) { return text_of(document(sweep), 2) + "\n"; }
+
+std::string accuracy_data(const AccuracyStudy& study) {
+  Json histograms = Json::array(), p_values = Json::array();
+  const auto& methods = study.accuracy.methods;
+  for (std::size_t i = 0; !methods.empty() && i < methods.front().coefficients.size(); ++i) {
+    if (Json one = estimates(study, i); !one.is_null()) histograms.push_back(std::move(one));
+  }
+  constexpr std::size_t kBins = 20;
+  for (const auto& m : methods) {
+    if (!std::isfinite(m.p_below_5_percent)) continue;
+    p_values.push_back({{"method", fit::name(m.method)}, {"counts", counts(m.p_values, 1, kBins)}});
+  }
+  return data_text({{"accuracy", document(study)}, {"estimates", histograms}, {"p_values", p_values}});
+}
+
+std::string sweep_data(const Sweep& sweep) { return data_text({{"sweep", document(sweep)}}); }
+
+}  // namespace gyrobudget::inline v0::report
