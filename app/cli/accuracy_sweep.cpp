@@ -58,7 +58,7 @@ std::vector<std::int64_t> factors_of(std::int64_t samples, int taus_an_octave) {
 
 // What one way says of one record.
 struct Fitted {
-  bool answered = false;
+  bool converged = false;
   double curve_seconds = 0, fit_seconds = 0;
   std::vector<fit::Coefficient> coefficients;  // in the order of the terms
 };
@@ -109,13 +109,13 @@ class Bench {
     std::vector<double> curve, fit;
     for (const auto& record : records) {
       const Fitted& one = record[at];
-      row.failed += !one.answered;
+      row.unconverged += !one.converged;
       curve.push_back(one.curve_seconds);
       fit.push_back(one.fit_seconds);
     }
     row.curve_seconds = median(std::move(curve));
     row.fit_seconds = median(std::move(fit));
-    if (entry.way.method != Method::whittle)
+    if (needs_covariance(entry.way.method))
       row.covariance_seconds = covariances_.at(entry.way.taus_an_octave).seconds;
     for (std::size_t t = 0; t < options_.terms.size(); ++t) {
       const double truth = truth_of(options_.terms[t]);
@@ -129,6 +129,11 @@ class Bench {
     allan::CurveCovariance matrix;
     double seconds;
   };
+
+  // loglog for its intervals only.
+  static bool needs_covariance(Method m) {
+    return m == Method::gls || m == Method::edf || m == Method::loglog;
+  }
 
   [[nodiscard]] std::vector<double> samples_of(noise::StreamKey key) const {
     if (generator_) return (*generator_)(key);
@@ -153,15 +158,12 @@ class Bench {
       record.curve = &curve;
       record.covariance = &covariance;
     }
-    fit::Options options{.terms = options_.terms, .method = way.method};
+    const fit::Options options{.terms = options_.terms, .method = way.method, .tau_min_s = options_.dt};
     const auto start = Clock::now();
     const fit::Result result = fit::fit(record, options);
     one.fit_seconds = seconds_since(start);
-    one.answered = result.converged;
-    for (const noise::Term t : options_.terms) {
-      one.coefficients.push_back(result[t]);
-      one.answered = one.answered && one.coefficients.back().fitted;
-    }
+    one.converged = result.converged;
+    for (const noise::Term t : options_.terms) one.coefficients.push_back(result[t]);
     return one;
   }
 
@@ -169,16 +171,15 @@ class Bench {
   [[nodiscard]] SweepRow::Coefficient coefficient(const std::vector<std::vector<Fitted>>& records,
                                                   std::size_t way, std::size_t term, double truth) const {
     const auto standard = static_cast<std::size_t>(std::ranges::find(ways_, Way{}) - ways_.begin());
-    double squares = 0, of_default = 0, covered = 0, used = 0;
+    double squares = 0, of_default = 0, covered = 0;
     for (const auto& record : records) {
-      if (!record[way].answered) continue;
       const fit::Coefficient& c = record[way].coefficients[term];
-      used += 1;
+      if (!c.fitted) return {options_.terms[term], kNaN, kNaN, kNaN, kNaN};
       squares += std::pow(c.value / truth - 1, 2);
       of_default += std::pow(record[standard].coefficients[term].value / truth - 1, 2);
       covered += c.lower <= truth && truth <= c.upper_two_sided;
     }
-    if (used == 0) return {options_.terms[term], kNaN, kNaN, kNaN, kNaN};
+    const auto used = static_cast<double>(records.size());
     const double rmse = std::sqrt(squares / used);
     return {.term = options_.terms[term],
             .rmse = rmse,
@@ -219,6 +220,9 @@ class Bench {
 std::vector<Entry> entries_of_one_length() {
   std::vector<Entry> list;
   for (const Method m : fit::kMethods) list.push_back({"method", std::string(fit::name(m)), {.method = m}});
+  list.push_back({"covariance", "exact", {}});
+  list.push_back({"covariance", "its diagonal (edf)", {.method = Method::edf}});
+  list.push_back({"covariance", "none (loglog)", {.method = Method::loglog}});
   for (const int n : {1, 2, 4})
     list.push_back({"taus an octave", fmt::format("{}", n), {.taus_an_octave = n}});
   list.push_back({"stride", "1 sample", {}});

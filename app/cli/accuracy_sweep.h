@@ -25,6 +25,7 @@ struct SweepOptions {
 /// Fits the same records in many ways, each way timed by itself: methods, taus an octave (1, 2, 4), strides m/1 to
 /// m/64, and lengths. The errors are the same for any number of threads, the times are not.
 ///
+/// Every fit uses every tau (tau_min is dt): what cuts of the range cost is not the question here.
 /// Taus between the octaves are the whole numbers next to 2^(i/2) and 2^(i/4). Strided curves are fitted with the
 /// covariance of full overlap: their weights, and so their coverage, are those of a curve that is better than they are.
 /// Records over 500 000 samples are made by the streaming generator, whose flicker is 0.016 % from exact.

@@ -27,7 +27,7 @@ struct AccuracyStudy {
 [[nodiscard]] std::string accuracy_table(const AccuracyStudy&);
 /// Schema gyrobudget.accuracy/1: {"schema","version","command","sensor","signal","seed",
 /// "record":{"samples","rate_hz","duration_s"},"records","asked","complete","seconds","seconds_per_record",
-/// "methods":[{"method","coefficients":{"arw":{"truth","unit","bias","rmse","bound","over_bound","over_likelihood",
+/// "methods":[{"method","coefficients":{"arw":{"term","truth","unit","bias","rmse","bound","over_bound","over_likelihood",
 /// "coverage","coverage_std","coverage_by_status","coverage_identified","coverage_identified_std","identified",
 /// "missed"}},"false_terms","p05","p01","cut","not_described","unconverged","seconds_per_fit"}],
 /// "requirements":[{"text","method","coefficient","value","low","high","met"}],"words":[…]}.
@@ -52,7 +52,7 @@ struct SweepRow {
   bool is_default = false;
   std::int64_t samples = 0;
   int records = 0;
-  int failed = 0;  ///< records without an answer: the fit did not converge or was refused
+  int unconverged = 0;
   std::vector<Coefficient> coefficients;
   double curve_seconds = 0, fit_seconds = 0;  ///< medians, of one record; the curve's is 0 where none is made
   double covariance_seconds = 0;              ///< once for all axes of a log; 0 where none is made
@@ -73,7 +73,7 @@ struct Sweep {
 [[nodiscard]] std::vector<std::string> sweep_words(const Sweep&);
 [[nodiscard]] std::string sweep_table(const Sweep&);
 /// Schema gyrobudget.accuracy_sweep/1: {"schema","version","command","sensor","signal","rate_hz","seed","complete",
-/// "seconds","rows":[{"group","setting","default","samples","records","failed","coefficients":{"arw":{"rmse",
+/// "seconds","rows":[{"group","setting","default","samples","records","unconverged","coefficients":{"arw":{"term","rmse",
 /// "over_default","over_bound","coverage"}},"curve_seconds","fit_seconds","covariance_seconds"}],"words":[…]}.
 [[nodiscard]] std::string sweep_json(const Sweep&);
 [[nodiscard]] std::string sweep_page(const Sweep&);

@@ -17,7 +17,7 @@
   const known = (x) => x !== null && x !== undefined;
   const share = (x) => (known(x) ? `${(100 * x).toFixed(1)} %` : "-");
   const spread = (x, std) => (known(x) && known(std) ? `${(100 * x).toFixed(1)} ± ${(100 * std).toFixed(1)} %` : share(x));
-  const percent = (x) => (known(x) ? `${number(100 * x, 2)} %` : "-");
+  const percent = (x) => (known(x) ? `${number(100 * x, 3)} %` : "-");
   const ratio = (x) => (known(x) ? x.toFixed(3) : "-");
   const binomial = (x) => (known(x) ? Math.sqrt(x * (1 - x) / records) : null);
   const numeric = (text) => [text, "number"];
@@ -27,12 +27,12 @@
     return seconds < 1 ? `${number(1e3 * seconds, 2)} ms` : `${number(seconds, 3)} s`;
   }
 
-  const signedPercent = (x) => (known(x) ? `${x < 0 ? "\u2212" : "+"}${number(100 * Math.abs(x), 2)} %` : "-");
+  const signedPercent = (x) => (known(x) ? `${x < 0 ? "\u2212" : "+"}${number(100 * Math.abs(x), 3)} %` : "-");
 
-  function coefficientLine([key, c]) {
+  function coefficientLine(c) {
     const there = c.truth > 0;
     return {
-      cells: [[`${key}, ${number(c.truth, 3)} ${c.unit}`, "", "row"], numeric(signedPercent(c.bias)), numeric(percent(c.rmse)), numeric(ratio(c.over_bound)),
+      cells: [[`${c.term}  ${number(c.truth, 3)} ${c.unit}`, "", "row"], numeric(signedPercent(c.bias)), numeric(percent(c.rmse)), numeric(ratio(c.over_bound)),
         numeric(ratio(c.over_likelihood)), numeric(spread(c.coverage, c.coverage_std)), numeric(spread(c.coverage_identified, c.coverage_identified_std)),
         numeric(there ? share(c.missed) : "-"), numeric(there ? "-" : share(c.identified))],
     };
@@ -40,7 +40,7 @@
 
   function addTables() {
     const head = [["truth"], ...["bias", "RMSE", "/ bound", "/ likelihood", "95 % covers", "if identified", "missed", "false"].map(numeric)];
-    const lines = methods.flatMap((m) => [{ className: "group", cells: [[m.method, "", "row"]] }, ...Object.entries(m.coefficients).map(coefficientLine)]);
+    const lines = methods.flatMap((m) => [{ className: "group", cells: [[m.method, "", "row"]] }, ...Object.values(m.coefficients).map(coefficientLine)]);
     byId("coefficients").append(table("Relative to the truth; ± is one standard error of so many records", head, lines));
     const methodHead = [[""], ...["any false term", "p < 5 %", "p < 1 %", "range cut", "not described", "unconverged", "time a fit"].map(numeric)];
     const methodLines = methods.map((m) => ({
@@ -174,7 +174,6 @@
 
   function addCoverage() {
     const kBand = 1.96 * Math.sqrt(0.95 * 0.05 / records);
-    const labels = keys;
     const filled = methods.map((m) => keys.map((key) => m.coefficients[key]?.coverage ?? null));
     const open = methods.map((m) => keys.map((key) => m.coefficients[key]?.coverage_identified ?? null));
     const lowest = Math.min(0.95 - 2 * kBand, ...[...filled, ...open].flat().filter(known));
@@ -188,7 +187,8 @@
         { label: "", data: points(open[i], i), pointRadius: 8, backgroundColor: "transparent", borderColor: inkOf(m.method), borderWidth: 1.6 },
       ]) },
       options: plain({
-        x: linearScale("", { min: -0.5, max: keys.length - 0.5, ticks: { stepSize: 1, color: colour("text"), callback: (k) => labels[k] ?? "" }, grid: { display: false } }),
+        x: linearScale("", { min: -0.5, max: keys.length - 0.5, ticks: { color: colour("text"), callback: (k) => keys[k] ?? "" }, grid: { display: false },
+          afterBuildTicks(scale) { scale.ticks = keys.map((_, value) => ({ value })); } }),
         y: linearScale("covers the truth [%]", { min: Math.max(0, Math.floor(100 * lowest - 1)), max: 100 }),
       }, true),
       plugins: [drawn((chart, ctx, area) => {

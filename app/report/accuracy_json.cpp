@@ -34,7 +34,8 @@ double binomial_std(double share, double of) { return std::sqrt(share * (1 - sha
 Json coefficient_json(const AccuracyStudy& study, const fit::CoefficientAccuracy& c) {
   const double records = study.accuracy.records;
   const std::string unit(noise::datasheet_unit(study.signal, c.term));
-  return {{"truth", noise::from_si(c.truth, unit)},
+  return {{"term", std::string(1, static_cast<char>(c.term))},
+          {"truth", noise::from_si(c.truth, unit)},
           {"unit", unit},
           {"bias", finite(c.bias)},
           {"rmse", finite(c.rmse)},
@@ -99,7 +100,8 @@ Json document(const AccuracyStudy& study) {
 Json sweep_row_json(noise::Signal signal, const SweepRow& row) {
   Json coefficients = Json::object();
   for (const auto& c : row.coefficients) {
-    coefficients[key_of(signal, c.term)] = {{"rmse", finite(c.rmse)},
+    coefficients[key_of(signal, c.term)] = {{"term", std::string(1, static_cast<char>(c.term))},
+                                            {"rmse", finite(c.rmse)},
                                             {"over_default", finite(c.over_default)},
                                             {"over_bound", finite(c.over_bound)},
                                             {"coverage", finite(c.coverage)}};
@@ -109,7 +111,7 @@ Json sweep_row_json(noise::Signal signal, const SweepRow& row) {
           {"default", row.is_default},
           {"samples", row.samples},
           {"records", row.records},
-          {"failed", row.failed},
+          {"unconverged", row.unconverged},
           {"coefficients", coefficients},
           {"curve_seconds", row.curve_seconds},
           {"fit_seconds", row.fit_seconds},

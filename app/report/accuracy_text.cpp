@@ -33,11 +33,13 @@ std::string share(double fraction, double of) {
   return fmt::format("{:.1f} ± {:.1f} %", 100 * fraction, 100 * std);
 }
 
-std::string error(double relative) { return std::isfinite(relative) ? percent(relative) : "-"; }
+std::string error(double relative) {
+  return std::isfinite(relative) ? number(100 * relative, 3) + " %" : "-";
+}
 
 std::string signed_error(double relative) {
   if (!std::isfinite(relative)) return "-";
-  return fmt::format("{}{}", relative < 0 ? '-' : '+', percent(std::abs(relative)));
+  return fmt::format("{}{}", relative < 0 ? '-' : '+', error(std::abs(relative)));
 }
 
 std::string ratio(double x) { return std::isfinite(x) ? fmt::format("{:.3f}", x) : "-"; }
@@ -255,8 +257,6 @@ std::string taus_words(const Sweep& sweep, const SweepRow& standard) {
     if (row == nullptr) continue;
     text += fmt::format(" {} an octave give {} of its RMSE for {:.1f} times the fit", taus, ratios(*row),
                         row->fit_seconds / standard.fit_seconds);
-    if (row->failed > 0)
-      text += fmt::format(" ({} of {} records without an answer)", row->failed, row->records);
     text += ".";
   }
   return text;
@@ -298,7 +298,7 @@ std::vector<std::string> sweep_cells(const SweepRow& row) {
   cells.push_back(time_text(row.curve_seconds));
   cells.push_back(time_text(row.fit_seconds));
   cells.push_back(time_text(row.covariance_seconds));
-  cells.push_back(row.failed > 0 ? fmt::format("{} without answer", row.failed) : "");
+  cells.push_back(row.unconverged > 0 ? fmt::format("{} unconverged", row.unconverged) : "");
   return cells;
 }
 

@@ -8,11 +8,13 @@
   } = plotting;
   const { rows, words } = data.sweep;
 
+  // Covariances are methods by another name.
   const groups = { method: ["model", "rect"], "taus an octave": ["term-B", "triangle"], stride: ["term-K", "circle"], "record length": ["term-N", "rectRot"] };
   const standard = rows.find((row) => row.default);
   const keys = standard ? Object.keys(standard.coefficients) : [];
+  const letterOf = (key) => standard.coefficients[key].term;
   const known = (x) => x !== null && x !== undefined;
-  const percent = (x) => (known(x) ? `${number(100 * x, 2)} %` : "-");
+  const percent = (x) => (known(x) ? `${number(100 * x, 3)} %` : "-");
   const numeric = (text) => [text, "number"];
   const milliseconds = (row) => 1e3 * (row.curve_seconds + row.fit_seconds);
 
@@ -28,12 +30,12 @@
       const c = row.coefficients[key];
       cells.push(numeric(percent(c?.rmse)), numeric(known(c?.over_default) ? c.over_default.toFixed(3) : "-"), numeric(known(c?.coverage) ? `${(100 * c.coverage).toFixed(1)} %` : "-"));
     }
-    cells.push(...[row.curve_seconds, row.fit_seconds, row.covariance_seconds].map((s) => numeric(time(s))), [row.failed > 0 ? `${row.failed} without answer` : ""]);
+    cells.push(...[row.curve_seconds, row.fit_seconds, row.covariance_seconds].map((s) => numeric(time(s))), [row.unconverged > 0 ? `${row.unconverged} unconverged` : ""]);
     return { cells };
   }
 
   function addTable() {
-    const head = [[""], numeric("samples"), numeric("records"), ...keys.flatMap((key) => [numeric(`${key} RMSE`), numeric("/ default"), numeric("covers")]),
+    const head = [[""], numeric("samples"), numeric("records"), ...keys.flatMap((key) => [numeric(`${letterOf(key)} RMSE`), numeric("/ default"), numeric("covers")]),
       ...["curve", "fit", "covariance"].map(numeric), [""]];
     const lines = rows.flatMap((row, i) => (row.group === rows[i - 1]?.group ? [rowLine(row)] : [{ className: "group", cells: [[row.group, "", "row"]] }, rowLine(row)]));
     byId("rows").append(table("Times are medians of one record; the covariance is made once for all axes of a log", head, lines));
@@ -72,7 +74,7 @@
     const canvas = element("canvas", "");
     canvas.setAttribute("role", "img");
     canvas.setAttribute("aria-label", `Error of ${key} against run time`);
-    byId("charts").append(element("div", "", element("h3", "", key), element("div", "canvas-box middle", canvas)));
+    byId("charts").append(element("div", "", element("h3", "", `${letterOf(key)}, ${key}`), element("div", "canvas-box middle", canvas)));
     addChart(canvas, () => {
       const sets = datasets(key);
       const range = (values, pad) => [Math.min(...values) / pad, Math.max(...values) * pad];
