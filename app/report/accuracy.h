@@ -54,8 +54,9 @@ struct SweepRow {
   int records = 0;
   int unconverged = 0;
   std::vector<Coefficient> coefficients;
-  double curve_seconds = 0, fit_seconds = 0;  ///< medians, of one record; the curve's is 0 where none is made
-  double covariance_seconds = 0;              ///< once for all axes of a log; 0 where none is made
+  double curve_seconds = 0,
+         fit_seconds = 0;         ///< of one record, the first decile; the curve's is 0 where none is made
+  double covariance_seconds = 0;  ///< once for all axes of a log; 0 where none is made
 };
 
 struct Sweep {

@@ -245,9 +245,10 @@ std::string methods_words(const Sweep& sweep, const SweepRow& standard) {
                           time_text(row->curve_seconds + row->fit_seconds));
     }
   }
-  return text +
-         fmt::format(" The exact covariance takes {} once a log, so nothing is saved by an approximate one.",
-                     time_text(standard.covariance_seconds));
+  return text + fmt::format(
+                    " The exact covariance takes {} once a log, which is all that an approximate one could "
+                    "save.",
+                    time_text(standard.covariance_seconds));
 }
 
 std::string taus_words(const Sweep& sweep, const SweepRow& standard) {
@@ -265,11 +266,15 @@ std::string taus_words(const Sweep& sweep, const SweepRow& standard) {
 std::string stride_words(const Sweep& sweep, const SweepRow& standard) {
   const auto *sixteenth = find(sweep, "stride", "m/16"), *whole = find(sweep, "stride", "m/1");
   if (sixteenth == nullptr || whole == nullptr) return {};
-  return fmt::format(
+  std::string text = fmt::format(
       "Full overlap is the default: a stride of m/16 gives {} of its RMSE and the curve takes {} for {}; "
-      "adjacent clusters (m/1) give {}. Where the curve must be cheaper, m/16 costs nothing that matters.",
+      "adjacent clusters (m/1) give {}.",
       ratios(*sixteenth), time_text(sixteenth->curve_seconds), time_text(standard.curve_seconds),
       ratios(*whole));
+  constexpr double kMatters = 1.02;
+  const bool cheap = std::ranges::all_of(sixteenth->coefficients,
+                                         [](const auto& c) { return !(c.over_default > kMatters); });
+  return cheap ? text + " Where the curve must be cheaper, m/16 loses nothing that matters." : text;
 }
 
 std::string length_words(const Sweep& sweep) {
@@ -335,8 +340,8 @@ std::vector<std::string> sweep_words(const Sweep& sweep) {
       methods_words(sweep, *standard), taus_words(sweep, *standard), stride_words(sweep, *standard),
       length_words(sweep),
       "RMSE is relative to the truth; / default is over the RMSE of the default on the same records, which "
-      "cancels most of the chance. Times are medians of one record on this machine; the covariance is made "
-      "once for all axes of a log."};
+      "cancels most of the chance. Times are of one record on this machine, the first decile over all, which "
+      "other programs disturb least; the covariance is made once for all axes of a log."};
   std::erase(words, "");
   return words;
 }

@@ -38,7 +38,7 @@
     const head = [[""], numeric("samples"), numeric("records"), ...keys.flatMap((key) => [numeric(`${letterOf(key)} RMSE`), numeric("/ default"), numeric("covers")]),
       ...["curve", "fit", "covariance"].map(numeric), [""]];
     const lines = rows.flatMap((row, i) => (row.group === rows[i - 1]?.group ? [rowLine(row)] : [{ className: "group", cells: [[row.group, "", "row"]] }, rowLine(row)]));
-    byId("rows").append(table("Times are medians of one record; the covariance is made once for all axes of a log", head, lines));
+    byId("rows").append(table("Times are of one record, the first decile over all; the covariance is made once for all axes of a log", head, lines));
   }
 
   /** Names beside the marks of methods and lengths; the others crowd about the default and show on hover. */
