@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "analysis.h"
 
-#include "gyrobudget/allan/confidence.h"
 #include "gyrobudget/allan/factors.h"
-#include "gyrobudget/allan/identify.h"
+#include "gyrobudget/allan/statistics.h"
 #include "gyrobudget/io/output.h"
 #include "gyrobudget/report/report.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
-#include <array>
 #include <cmath>
 
 #include "terminal.h"
@@ -22,6 +19,14 @@ std::vector<std::int64_t> factors_for(const CurveArguments& a, std::int64_t samp
   if (a.taus == "decade") return allan::decade_factors(samples);
   if (a.taus == "all") return allan::all_factors(samples);
   return allan::log_factors(samples, std::stoll(a.taus));
+}
+
+// The lists of factors.h end at n/2; an estimator that reaches further is given the list of a longer record.
+std::vector<std::int64_t> factors_for(const CurveArguments& a, allan::Estimator estimator,
+                                      std::int64_t samples) {
+  if (estimator == allan::Estimator::oadev) return factors_for(a, samples);
+  const double longest = allan::averaging_time(estimator, allan::factor_range(estimator, samples).most, 1);
+  return allan::usable_factors(estimator, samples, factors_for(a, 2 * static_cast<std::int64_t>(longest)));
 }
 
 io::Record read_record(const CurveArguments& a, const Common& common) {
@@ -50,25 +55,25 @@ allan::Form form_of(const CurveArguments& a) { return a.ieee_form ? allan::Form:
 std::vector<report::DeviationPoint> with_intervals(const allan::Curve& curve,
                                                    std::span<const allan::Identified> identified,
                                                    std::span<const noise::Process> mix) {
-  std::vector<report::DeviationPoint> points(curve.points.size());
-  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+  std::vector<allan::Identified> types(identified.begin(), identified.end());
+  types.resize(curve.points.size());  // white noise where nothing is known
+  const auto statistics = mix.empty() ? allan::statistics(curve, types) : allan::statistics(curve, mix);
+  std::vector<report::DeviationPoint> points;
+  for (std::size_t i = 0; i < curve.points.size(); ++i) {
     const allan::Point& p = curve.points[i];
-    if (p.terms < 1 || !std::isfinite(p.variance)) return;
-    const allan::Identified type = identified.empty() ? allan::Identified{} : identified[i];
-    const std::array single{noise::unit_process(type.term)};
-    const double edf = allan::equivalent_dof(curve.samples, p.m, curve.dt, mix.empty() ? single : mix,
-                                             curve.form, curve.mask.get());
-    const allan::Interval interval = allan::chi_square_interval(p.variance, edf);
-    points[i] = {.m = p.m,
-                 .tau_s = curve.tau(i),
-                 .deviation = std::sqrt(p.variance),
-                 .lower = std::sqrt(interval.lower),
-                 .upper = std::sqrt(interval.upper),
-                 .edf = edf,
-                 .terms = p.terms,
-                 .alpha = type.alpha};
-  });
-  std::erase_if(points, [](const auto& p) { return p.terms < 1; });
+    const allan::PointStatistics& known = statistics[i];
+    if (p.terms < 1 || !std::isfinite(p.variance)) continue;
+    points.push_back({.m = p.m,
+                      .tau_s = curve.tau(i),
+                      .deviation = std::sqrt(known.variance),
+                      .lower = std::sqrt(known.interval.lower),
+                      .upper = std::sqrt(known.interval.upper),
+                      .edf = known.edf,
+                      .terms = p.terms,
+                      .alpha = types[i].alpha,
+                      .stride = p.stride,
+                      .bias = known.bias});
+  }
   return points;
 }
 

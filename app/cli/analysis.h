@@ -2,6 +2,7 @@
 #pragma once
 
 #include "gyrobudget/allan/deviation.h"
+#include "gyrobudget/allan/estimator.h"
 #include "gyrobudget/allan/identify.h"
 #include "gyrobudget/io/log.h"
 #include "gyrobudget/report/result.h"
@@ -17,6 +18,10 @@ namespace gyrobudget::inline v0::cli {
 
 /// The averaging factors that --taus asks for.
 [[nodiscard]] std::vector<std::int64_t> factors_for(const CurveArguments&, std::int64_t samples);
+
+/// The same for any estimator: in the range that it has terms for.
+[[nodiscard]] std::vector<std::int64_t> factors_for(const CurveArguments&, allan::Estimator,
+                                                    std::int64_t samples);
 
 /// Reads the log and says its notes on stderr.
 [[nodiscard]] io::Record read_record(const CurveArguments&, const Common&);

@@ -113,8 +113,9 @@ PlanArguments::Wish wish(const std::string& text) {
 struct Texts {
   std::string rate, duration, terms, tau_min, tau_max, input = "rate", method = "gls", axes = "x,y,z";
   std::string seed = "1", skip, taps, noise_type, variant, rrw, correlation_time;
-  std::vector<std::string> wishes, mask;
   std::string records, methods, axis = "gyro", require;
+  std::string estimators = "oadev", stride = "1", format, psd, window;
+  std::vector<std::string> wishes, mask, logs;
 };
 
 void add_common(CLI::App& app, Common& common, bool has_json = true) {
@@ -133,10 +134,14 @@ void add_pictures(CLI::App& app, Pictures& pictures) {
   group->add_option("--plot", pictures.plot, "write the figure")->type_name("FILE.svg|.png|.pdf");
 }
 
-void add_log(CLI::App& app, CurveArguments& curve, Texts& texts, bool required) {
+void add_format(CLI::App& app, Texts& texts, const std::string& help) {
+  app.add_option("--format", texts.format, help)
+      ->check(CLI::IsMember({"csv", "f32", "f64", "npy"}))
+      ->type_name("FORMAT");
+}
+
+void add_log(CLI::App& app, CurveArguments& curve, Texts& texts) {
   auto* group = app.add_option_group("Log");
-  auto* path = app.add_option("log", curve.log.path, "CSV or text, also .gz; - is stdin")->type_name("LOG");
-  if (required) path->required();
   group->add_option("--rate", texts.rate, "sample rate, where the log has no time column")->type_name("HZ");
   group->add_option(
       "--unit", curve.log.unit,
@@ -146,6 +151,11 @@ void add_log(CLI::App& app, CurveArguments& curve, Texts& texts, bool required) 
   group->add_option("--scale", curve.log.scale, "units per count");
   group->add_option("--column", curve.log.columns, "names or numbers (from 1) of the columns to use")
       ->type_name("NAME|N ...");
+  add_format(*group, texts,
+             "csv, or binary: f32, f64 (raw, little-endian), npy; needs --rate and --unit [by the ending]");
+  group->add_option("--columns", curve.log.file_columns, "numbers a sample has in a raw binary log [1]")
+      ->check(CLI::Range(1, 65536))
+      ->type_name("K");
   group->add_flag("--strict-gaps", curve.strict_gaps,
                   "use a cluster only where none of its samples is missing (else 95 %)");
 }
@@ -167,6 +177,7 @@ void finish_log(CurveArguments& curve, const Texts& texts) {
   curve.log.input = texts.input == "angle"       ? io::Input::angle
                     : texts.input == "increment" ? io::Input::increment
                                                  : io::Input::rate;
+  if (!texts.format.empty()) curve.log.format = io::format_named(texts.format);
   const bool named = curve.taus == "octave" || curve.taus == "decade" || curve.taus == "all";
   const bool count = !curve.taus.empty() && curve.taus.size() < 7 &&
                      curve.taus.find_first_not_of("0123456789") == std::string::npos &&
@@ -265,9 +276,11 @@ CLI::App* add_simulate(CLI::App& app, SimulateArguments& a, Texts& texts) {
       ->capture_default_str();
   verb->add_option("--axes", texts.axes, "axes to simulate")->capture_default_str();
   verb->add_option("--unit", a.unit, "of the gyro columns [rad/s]");
-  verb->add_option("-o,--output", a.output, "log to write; .gz compresses; - is stdout")
+  verb->add_option("-o,--output", a.output,
+                   "log to write; .gz compresses; .npy, .f64 and .f32 are binary; - is stdout")
       ->type_name("FILE")
       ->capture_default_str();
+  add_format(*verb, texts, "csv, or binary: f32, f64 (raw, little-endian), npy [by the ending of -o]");
   add_model(*verb, a, texts);
   add_common(*verb, a.common, false);
   return verb;
@@ -337,6 +350,14 @@ void finish_extent(SimulateArguments& a, const Texts& texts) {
 void finish(SimulateArguments& a, const Texts& texts) {
   finish_extent(a, texts);
   finish_model(a, texts);
+  a.format = texts.format.empty() ? io::format_of(a.output) : *io::format_named(texts.format);
+  if (a.format == io::Format::npy && std::isinf(a.duration_s)) {
+    throw std::invalid_argument(
+        "--format npy: its header holds the length, which an endless log has not; use f64");
+  }
+  if (a.format != io::Format::csv && a.output.ends_with(".gz")) {
+    throw std::invalid_argument(fmt::format("-o {}: only text is compressed; leave out .gz", a.output));
+  }
   a.seed = seed(texts.seed);
   a.axes = split(texts.axes, ',');
   for (const auto& axis : a.axes) {
@@ -351,14 +372,138 @@ void finish(SimulateArguments& a, const Texts& texts) {
   }
 }
 
+std::vector<allan::Estimator> estimators(const std::string& text) {
+  if (text == "all") return {std::begin(allan::kEstimators), std::end(allan::kEstimators)};
+  std::vector<allan::Estimator> list;
+  for (const auto& name : split(text, ',')) {
+    const auto estimator = allan::estimator_named(name);
+    if (!estimator) {
+      std::string known;
+      for (const auto e : allan::kEstimators)
+        known += fmt::format("{}{}", known.empty() ? "" : ", ", allan::name(e));
+      throw std::invalid_argument(
+          fmt::format("--estimator: no estimator '{}'; there are {}, or all", name, known));
+    }
+    if (std::ranges::find(list, *estimator) == list.end()) list.push_back(*estimator);
+  }
+  return list;
+}
+
+// "1", "m" or "m/16": how many terms begin in a cluster; 0 for all.
+std::int64_t overlap(const std::string& text) {
+  constexpr std::uint64_t kMost = 4096;
+  if (text == "1") return 0;
+  if (text == "m") return 1;
+  if (text.starts_with("m/")) {
+    const std::uint64_t parts = whole_number("--stride", text.substr(2));
+    if (parts >= 1 && parts <= kMost) return static_cast<std::int64_t>(parts);
+  }
+  throw std::invalid_argument(fmt::format(
+      "--stride {}: must be 1 (a term at every sample), m, or m/N with N from 1 to {}", text, kMost));
+}
+
+void add_estimators(CLI::App& app, Texts& texts) {
+  auto* group = app.add_option_group("Estimator");
+  group
+      ->add_option(
+          "--estimator", texts.estimators,
+          "adev, oadev, mdev, tdev, hdev, ohdev, totdev, mtotdev, ttotdev, htotdev, theo1; several with "
+          "commas; or all")
+      ->type_name("NAME,...")
+      ->capture_default_str();
+  group
+      ->add_option(
+          "--stride", texts.stride,
+          "terms begin at every sample (1), or every m/N samples: m/16 costs white noise 0.5 % of the "
+          "degrees of freedom, m/4 8 %, m 56 %; below 8 samples it is taken as 1")
+      ->type_name("1|m/N|m")
+      ->capture_default_str();
+}
+
+void add_views(CLI::App& app, Texts& texts) {
+  auto* group = app.add_option_group("Other views, for --report and --json");
+  group
+      ->add_option("--psd", texts.psd,
+                   "root of the two-sided power spectral density, deg/h/sqrt(Hz) for a gyro, by welch or "
+                   "multitaper (sine tapers)")
+      ->check(CLI::IsMember({"welch", "multitaper"}))
+      ->type_name("METHOD");
+  group->add_option("--dynamic", texts.window, "Allan deviation over time, of windows of this length")
+      ->type_name("WINDOW");
+}
+
+void finish_views(AllanArguments& a, const Texts& texts) {
+  if (!texts.psd.empty()) {
+    a.psd = texts.psd == "welch" ? AllanArguments::Psd::welch : AllanArguments::Psd::multitaper;
+  }
+  if (!texts.window.empty()) a.dynamic_s = duration("--dynamic", texts.window);
+  const std::string option = a.psd ? "--psd" : "--dynamic";
+  if (!a.psd && !a.dynamic_s) return;
+  if (!a.common.json && a.pictures.report.empty())
+    throw std::invalid_argument(
+        fmt::format("{} goes into --report FILE.html and --json; give one of them", option));
+  if (!a.segments.empty()) throw std::invalid_argument(fmt::format("{} looks at one log", option));
+  if (a.stream)
+    throw std::invalid_argument(
+        fmt::format("{} needs the whole log; leave out --stream and --follow", option));
+}
+
+void add_streaming(CLI::App& app, AllanArguments& a) {
+  auto* group = app.add_option_group("Endless logs");
+  group->add_flag("--stream", a.stream,
+                  "read in constant memory: oadev at octaves, terms every m/16 samples");
+  group->add_flag(
+      "--follow", a.follow,
+      "the same, with a table while the log grows: each second on a terminal, else at each doubling; "
+      "Ctrl-C prints the last one");
+}
+
+void check_stream(const AllanArguments& a, const std::string& default_taus) {
+  const std::string option = a.follow ? "--follow" : "--stream";
+  const auto refuse = [&](bool wrong, const std::string& what) {
+    if (wrong) throw std::invalid_argument(fmt::format("{} {}", option, what));
+  };
+  refuse(!a.segments.empty(), "reads one log");
+  refuse(a.estimators != std::vector{allan::Estimator::oadev}, "knows the oadev only; leave out --estimator");
+  refuse(a.curve.taus != "octave" && a.curve.taus != default_taus, "has octaves only; leave out --taus");
+  refuse(a.curve.ieee_form, "counts n - 2m + 1 terms; leave out --ieee");
+  refuse((a.overlap & (a.overlap - 1)) != 0, "needs a stride of m/N with N a power of two");
+}
+
+constexpr const char* kTaus = "50";
+
+void finish(AllanArguments& a, const Texts& texts) {
+  a.curve.log.path = texts.logs.front();
+  a.segments.assign(texts.logs.begin() + 1, texts.logs.end());
+  finish_log(a.curve, texts);
+  a.estimators = estimators(texts.estimators);
+  a.overlap = overlap(texts.stride);
+  a.stream = a.stream || a.follow;
+  if (a.stream) check_stream(a, kTaus);
+  finish_views(a, texts);
+  const bool full = a.estimators == std::vector{allan::Estimator::oadev} && a.overlap == 0;
+  if (a.curve.ieee_form && !full) {
+    throw std::invalid_argument(
+        "--ieee counts the terms of the oadev at every sample; leave out --estimator and --stride");
+  }
+}
+
 CLI::App* add_allan(CLI::App& app, AllanArguments& a, Texts& texts) {
-  auto* verb = app.add_subcommand(
-      "allan",
-      "Allan deviation of a log, with degrees of freedom and 95 % intervals.\n\n"
-      "  gyrobudget allan imu.csv --plot allan.svg\n"
-      "  gyrobudget allan counts.txt --rate 100 --unit deg/h --scale 0.1 --taus octave --json\n");
-  add_log(*verb, a.curve, texts, true);
-  add_curve(*verb, a.curve, "50");
+  auto* verb = app.add_subcommand("allan",
+                                  "Allan deviation of a log, with degrees of freedom and 95 % intervals.\n\n"
+                                  "  gyrobudget allan imu.csv --plot allan.svg\n"
+                                  "  gyrobudget allan counts.txt --rate 100 --unit deg/h --scale 0.1 "
+                                  "--estimator oadev,mdev,totdev --json\n");
+  verb->add_option(
+          "log", texts.logs,
+          "CSV or text, also .gz; - is stdin. Several are power-ups of one sensor, pooled into one curve")
+      ->required()
+      ->type_name("LOG ...");
+  add_log(*verb, a.curve, texts);
+  add_curve(*verb, a.curve, kTaus);
+  add_estimators(*verb, texts);
+  add_views(*verb, texts);
+  add_streaming(*verb, a);
   add_pictures(*verb, a.pictures);
   add_common(*verb, a.common);
   return verb;
@@ -370,7 +515,8 @@ CLI::App* add_calibrate(CLI::App& app, CalibrateArguments& a, Texts& texts) {
       "From a static log to the datasheet: ARW, bias instability and RRW with intervals and a verdict.\n\n"
       "  gyrobudget calibrate imu.csv --report datasheet.html -o sensor.yaml\n"
       "  gyrobudget calibrate gyro.txt --rate 200 --unit deg/s --kalibr imu.yaml\n");
-  add_log(*verb, a.curve, texts, false);
+  verb->add_option("log", a.curve.log.path, "CSV or text, also .gz; - is stdin")->type_name("LOG");
+  add_log(*verb, a.curve, texts);
   verb->get_option("--rate")->description(
       "sample rate, where the log has no time column; of the record behind --curve");
   auto* fit = verb->add_option_group("Fit");
@@ -691,7 +837,7 @@ Arguments parse_arguments(int argc, const char* const* argv) {
     return calibrate;
   }
   if (allan_verb->parsed()) {
-    finish_log(allan.curve, texts);
+    finish(allan, texts);
     allan.common.command_line = line;
     return allan;
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "gyrobudget/allan/estimator.h"
 #include "gyrobudget/fit/fit.h"
 #include "gyrobudget/fit/requirement.h"
 #include "gyrobudget/io/log.h"
@@ -49,6 +50,7 @@ struct SimulateArguments {
   std::vector<std::string> axes;  ///< x, y, z
   std::string unit;               ///< of the gyro columns; empty: rad/s
   std::string output = "-";
+  io::Format format = io::Format::csv;
 };
 
 /// How a log is turned into a curve, shared by allan and calibrate.
@@ -60,9 +62,19 @@ struct CurveArguments {
 };
 
 struct AllanArguments {
+  enum class Psd { welch, multitaper };
+
   Common common;
   Pictures pictures;
   CurveArguments curve;
+  std::vector<std::string> segments;  ///< further logs, pooled with the first into one curve
+  std::vector<allan::Estimator> estimators{allan::Estimator::oadev};
+  std::int64_t overlap =
+      0;  ///< terms begin every m/overlap samples; 0: at every sample, of a stream every m/16
+  std::optional<Psd> psd;           ///< beside the deviation, in the page and the JSON
+  std::optional<double> dynamic_s;  ///< window of the dynamic deviation
+  bool stream = false;              ///< read piece by piece, in constant memory
+  bool follow = false;              ///< stream, and show the table while the log grows
 };
 
 /// What calibrate leaves out of the record before it fits.

@@ -154,7 +154,7 @@ void write_whole(const SimulateArguments& a, const std::vector<Channel>& list, c
                        noise::generate_record(c.model.processes, static_cast<std::int64_t>(sample_count(a)),
                                               1 / a.rate_hz, c.key)});
   }
-  io::write_log(a.output, columns, a.rate_hz, head.comment);
+  io::write_log(a.output, columns, a.rate_hz, head.comment, head.format);
 }
 
 // --- The others: rows are made while they are written -----------------------------------------------------------------
@@ -186,13 +186,26 @@ std::string comment(const SimulateArguments& a, const noise::SensorModel& sensor
                      a.skipped > 0 ? fmt::format(", without the first {} samples", a.skipped) : "");
 }
 
+// A binary log does not say what it holds.
+std::string how_to_read(const SimulateArguments& a, const io::LogHead& head) {
+  std::string columns;
+  for (const auto& c : head.columns) {
+    columns += fmt::format("{}{} ({})", columns.empty() ? "" : ", ", c.name, c.unit);
+  }
+  return fmt::format("each sample is {}; read it with --format {} --rate {} --unit {}{}", columns,
+                     io::name(a.format), a.rate_hz, head.columns.front().unit,
+                     a.format == io::Format::npy || head.columns.size() == 1
+                         ? ""
+                         : fmt::format(" --columns {}", head.columns.size()));
+}
+
 }  // namespace
 
 int run(const SimulateArguments& a) {
   if (a.output != "-") check_outputs(a.sensor, {{"-o", a.output}});
   const noise::SensorModel sensor = io::read_sensor(a.sensor);
   const auto list = channels(a, sensor);
-  io::LogHead head{{}, a.rate_hz, comment(a, sensor), a.skipped};
+  io::LogHead head{{}, a.rate_hz, comment(a, sensor), a.skipped, a.format};
   for (const Channel& c : list) head.columns.push_back(c.column);
   if (a.model == Model::spectral) {
     write_whole(a, list, head);
@@ -202,6 +215,7 @@ int run(const SimulateArguments& a) {
   say(a.common, fmt::format("simulated {} samples of {} axes at {} Hz ({} model, seed {}){}",
                             sample_count(a) - a.skipped, list.size(), a.rate_hz, a.model_name, a.seed,
                             a.output == "-" ? "" : " into " + a.output));
+  if (a.format != io::Format::csv) say(a.common, how_to_read(a, head));
   return exit_done;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/io/log.h"
 
+#include "gyrobudget/io/binary.h"
 #include "gyrobudget/io/columns.h"
 #include "gyrobudget/io/grid.h"
 #include "gyrobudget/io/layout.h"
@@ -28,6 +29,10 @@ void check(const LogOptions& options) {
   }
   if (!std::isfinite(options.scale) || options.scale == 0) {
     throw std::invalid_argument(fmt::format("scale is {}; it must be finite and not 0", options.scale));
+  }
+  if (options.file_columns < 1) {
+    throw std::invalid_argument(
+        fmt::format("file_columns is {}; it must be at least 1", options.file_columns));
   }
 }
 
@@ -121,36 +126,73 @@ Grid grid_of(Table& table, const Choice& choice, const TableReader& reader, cons
                    {source, choice.time_name, [&](std::size_t row) { return reader.line_of_row(row); }});
 }
 
+/// Columns of numbers, read but not yet rates.
+struct Raw {
+  std::string source;
+  Choice choice;
+  Table table;
+  Grid grid;
+  std::vector<std::string> notes;
+};
+
+Raw read_text(const LogOptions& options) {
+  const Source source(options.path);
+  const Layout layout = read_layout(source);
+  Raw raw{source.name(), choose_columns(source.name(), layout, options), {}, {}, {}};
+  const TableReader reader(source, layout, options.chunk_bytes);
+  raw.table = reader.read(raw.choice);
+  check_length(raw.source, static_cast<std::int64_t>(raw.table.rows), options.input, "sample", "");
+  raw.grid = grid_of(raw.table, raw.choice, reader, raw.source, options);
+  raw.notes = notes_on_text(source, layout, raw.table);
+  return raw;
+}
+
+Raw read_binary(const LogOptions& options, Format format) {
+  const Source source(options.path, Content::bytes);
+  const std::string_view bytes = source.text();
+  const BinaryLayout layout = binary_layout(source.name(), bytes, format, options.file_columns);
+  const std::string_view body = bytes.substr(layout.offset);
+  const std::int64_t rows = count_rows(source.name(), layout, body.size());
+  check_length(source.name(), rows, options.input, "sample", "");
+  Raw raw{source.name(),
+          choose_binary_columns(source.name(), layout, options),
+          {},
+          {*options.rate_hz, rows, {}, {}},
+          {}};
+  raw.table.rows = static_cast<std::size_t>(rows);
+  raw.table.complete = false;
+  raw.table.numbers.assign(raw.choice.data.size(), std::vector<double>(raw.table.rows));
+  decode(body, layout, raw.choice,
+         std::vector<std::span<double>>(raw.table.numbers.begin(), raw.table.numbers.end()));
+  return raw;
+}
+
 }  // namespace
 
 Record read_log(const LogOptions& options) {
   check(options);
-  const Source source(options.path);
-  const Layout layout = read_layout(source);
-  Choice choice = choose_columns(source.name(), layout, options);
-  const TableReader reader(source, layout, options.chunk_bytes);
-  Table table = reader.read(choice);
-  check_length(source.name(), static_cast<std::int64_t>(table.rows), options.input, "sample", "");
-  Grid grid = grid_of(table, choice, reader, source.name(), options);
+  const Format format = options.format.value_or(format_of(options.path));
+  Raw raw = format == Format::csv ? read_text(options) : read_binary(options, format);
+  Table& table = raw.table;
 
   Record record;
-  record.source = source.name();
-  record.rate_hz = grid.rate_hz;
-  record.notes = notes_on_text(source, layout, table);
-  append(record.notes, std::move(choice.notes));
-  append(record.notes, std::move(grid.notes));
+  record.source = raw.source;
+  record.rate_hz = raw.grid.rate_hz;
+  record.notes = std::move(raw.notes);
+  append(record.notes, std::move(raw.choice.notes));
+  append(record.notes, std::move(raw.grid.notes));
 
-  const bool complete = table.complete && grid.places.empty();
-  const std::size_t axes = choice.data.size();
+  const bool complete = table.complete && raw.grid.places.empty();
+  const std::size_t axes = raw.choice.data.size();
   std::vector<std::int64_t> turns(axes), numbers(axes);
   tbb::parallel_for(std::size_t{0}, axes, [&](std::size_t i) {
-    put_on_grid(grid, table.numbers[i]);
+    put_on_grid(raw.grid, table.numbers[i]);
     numbers[i] = complete ? static_cast<std::int64_t>(table.rows) : count_numbers(table.numbers[i]);
-    turns[i] = to_rate(table.numbers[i], options.input, choice.data[i].signal, grid.rate_hz);
+    turns[i] = to_rate(table.numbers[i], options.input, raw.choice.data[i].signal, raw.grid.rate_hz);
   });
   for (std::size_t i = 0; i < axes; ++i) {
-    const DataColumn& column = choice.data[i];
-    check_length(source.name(), numbers[i], options.input, "number", " in column " + quoted(column.name));
+    const DataColumn& column = raw.choice.data[i];
+    check_length(raw.source, numbers[i], options.input, "number", " in column " + quoted(column.name));
     if (turns[i] > 0) {
       record.notes.push_back(fmt::format("{} is unwrapped {} times", quoted(column.name), turns[i]));
     }

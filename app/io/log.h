@@ -2,6 +2,7 @@
 #pragma once
 
 #include "gyrobudget/io/error.h"
+#include "gyrobudget/io/format.h"
 #include "gyrobudget/noise/sensor.h"
 
 #include <cstddef>
@@ -24,6 +25,8 @@ struct LogOptions {
   Input input = Input::rate;
   double scale = 1;                       ///< units per count, for all data columns
   std::vector<std::string> columns = {};  ///< names or numbers (from 1); empty: every data column
+  std::optional<Format> format = {};      ///< unset: what the ending of the path says
+  std::int64_t file_columns = 1;          ///< numbers a row of a raw binary log has
   /// Text that one task parses, in bytes; the result does not depend on it.
   std::size_t chunk_bytes = std::size_t{1} << 20;
 };
@@ -68,6 +71,9 @@ inline constexpr double kLargestJitter = 0.25;  ///< rms of the stamps about the
 /// LogOptions::rate_hz. The rate is the slope of the stamps over the sample number. Gaps become missing samples; a
 /// stamp that repeats masks its grid point; jitter is tolerated up to kLargestJitter and said. Time that goes back is
 /// an error.
+///
+/// **Binary** (Format::f32, f64, npy): numbers without time or names; rate_hz and unit must be given, and the columns are
+/// named "column 1" and so on. What is not finite is missing.
 ///
 /// **Memory**: a plain file is mapped and parsed in chunks on all cores; the peak is about the numbers read, as
 /// doubles. gzip, pipes and standard input take the length of the text beside that.

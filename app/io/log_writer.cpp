@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/io/log_writer.h"
 
+#include "gyrobudget/io/binary.h"
 #include "gyrobudget/io/output.h"
 #include "gyrobudget/noise/units.h"
 
@@ -12,6 +13,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstring>
 #include <new>
 #include <stdexcept>
 #include <utility>
@@ -38,7 +40,9 @@ void check(const LogHead& head) {
   }
 }
 
-std::string header(const LogHead& head) {
+std::string header(const LogHead& head, std::uint64_t samples) {
+  if (head.format == Format::npy) return npy_header(samples, head.columns.size(), true);
+  if (head.format != Format::csv) return {};
   std::string text = head.comment.empty() ? std::string() : fmt::format("# {}\n", head.comment);
   text += "time (s)";
   for (const LogHead::Column& c : head.columns) text += fmt::format(",{} ({})", c.name, c.unit);
@@ -74,11 +78,17 @@ struct Rows {
 
 class Formatter {
  public:
-  explicit Formatter(const LogHead& head) : rate_hz_(head.rate_hz) {
+  explicit Formatter(const LogHead& head) : rate_hz_(head.rate_hz), format_(head.format) {
     for (const LogHead::Column& c : head.columns) to_si_.push_back(noise::parse_unit(c.unit).to_si);
   }
 
   [[nodiscard]] std::string operator()(const Rows& rows) const {
+    if (format_ == Format::csv) return text(rows);
+    return format_ == Format::f32 ? bytes<float>(rows) : bytes<double>(rows);
+  }
+
+ private:
+  [[nodiscard]] std::string text(const Rows& rows) const {
     constexpr std::size_t kLongestNumber = 25;  // -1.7976931348623157e+308 and a delimiter
     std::string text(rows.count * (to_si_.size() + 1) * kLongestNumber, '\0');
     char* at = text.data();
@@ -94,7 +104,19 @@ class Formatter {
     return text;
   }
 
- private:
+  template <class Number>
+  [[nodiscard]] std::string bytes(const Rows& rows) const {
+    std::string text(rows.count * to_si_.size() * sizeof(Number), '\0');
+    char* at = text.data();
+    for (std::size_t row = 0; row < rows.count; ++row) {
+      for (std::size_t i = 0; i < to_si_.size(); ++i, at += sizeof(Number)) {
+        const auto number = static_cast<Number>(rows.values[i * rows.count + row] / to_si_[i]);
+        std::memcpy(at, &number, sizeof(Number));
+      }
+    }
+    return text;
+  }
+
   static char* number(char* at, double value) {
     constexpr std::ptrdiff_t kRoom = 24;
     if (std::isnan(value)) return std::copy_n("nan", 3, at);  // never -nan
@@ -102,6 +124,7 @@ class Formatter {
   }
 
   double rate_hz_;
+  Format format_;
   std::vector<double> to_si_;
 };
 
@@ -123,9 +146,9 @@ void write_log(const std::string& path, const LogHead& head, std::uint64_t sampl
                const LogProducer& produce) {
   check(head);
   const Formatter formatter(head);
-  const bool gzip = path.ends_with(".gz");
+  const bool gzip = head.format == Format::csv && path.ends_with(".gz");
   OutputFile file(path);
-  const std::string top = header(head);
+  const std::string top = header(head, samples);
   file.write(gzip ? compressed(top) : top);
 
   const std::uint64_t end = head.first_sample + samples;
@@ -153,8 +176,8 @@ void write_log(const std::string& path, const LogHead& head, std::uint64_t sampl
 }
 
 void write_log(const std::string& path, std::span<const LogColumn> columns, double rate_hz,
-               std::string_view comment) {
-  LogHead head{{}, rate_hz, std::string(comment), 0};
+               std::string_view comment, Format format) {
+  LogHead head{{}, rate_hz, std::string(comment), 0, format};
   for (const LogColumn& c : columns) {
     if (c.values.size() != columns[0].values.size()) {
       throw std::invalid_argument(

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "gyrobudget/io/error.h"
+#include "gyrobudget/io/format.h"
 
 #include <cstdint>
 #include <functional>
@@ -25,10 +26,12 @@ struct LogColumn {
 ///
 /// A path that ends in .gz is compressed; "-" is standard output; see OutputFile for what a failure leaves behind.
 /// Formatting and compressing run on all cores; the bytes do not depend on their number.
+///
+/// In a binary format the columns are written row by row in their units, without time, names and comment.
 /// @throws OutputError, and std::invalid_argument where columns differ in length, a name or the comment has a line
 /// break, a unit is unknown, or rate_hz is not above 0.
 void write_log(const std::string& path, std::span<const LogColumn> columns, double rate_hz,
-               std::string_view comment = {});
+               std::string_view comment = {}, Format = Format::csv);
 
 /// What a log says before its rows.
 struct LogHead {
@@ -40,6 +43,7 @@ struct LogHead {
   double rate_hz = 0;
   std::string comment;             ///< one line; empty: none
   std::uint64_t first_sample = 0;  ///< k of the first row: its time is k / rate_hz
+  Format format = Format::csv;
 };
 
 /// Fills the next rows, one span for each column, all equally long. Called by one thread at a time, in order.

@@ -68,7 +68,7 @@ constexpr Signature kSignatures[] = {
     {"SQLite format 3"sv, "an SQLite data base, perhaps a ROS 2 bag", "export the IMU topic as CSV first"},
     {"MATLAB 5.0 MAT-file"sv, "a MATLAB file", kExport},
     {"\x89HDF\r\n"sv, "an HDF5 or MATLAB 7.3 file", kExport},
-    {"\x93NUMPY"sv, "a NumPy file", "write it with numpy.savetxt first"},
+    {"\x93NUMPY"sv, "a NumPy file", "let its name end in .npy, or give --format npy"},
     {"\xff\xfe"sv, "text in UTF-16", "save it as UTF-8"},
     {"\xfe\xff"sv, "text in UTF-16", "save it as UTF-8"},
 };
@@ -232,27 +232,28 @@ void Pages::release(std::string_view part) const noexcept {
 
 // --- Source ----------------------------------------------------------------------------------------------------
 
-Source::Source(const std::string& path) : name_(path == "-" ? "standard input" : path) {
+Source::Source(const std::string& path, Content content) : name_(path == "-" ? "standard input" : path) {
   const Descriptor descriptor(
       path == "-" ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY), path != "-");
   try {
     if (descriptor < 0) throw std::system_error(errno, std::generic_category());
-    load(descriptor);
-    if (is_gzip(pages_.text())) unpack();
+    load(descriptor, content);
+    if (content == Content::text && is_gzip(pages_.text())) unpack();
   } catch (const std::system_error& error) {
     fail(name_,
          fmt::format("cannot be read: {}; {}", reason(error.code().value()), mend(error.code().value())));
   } catch (const std::bad_alloc&) {
-    fail(name_, "its text does not fit into memory; cut the log into pieces, or give it as an unpacked file");
+    fail(name_, "does not fit into memory; cut the log into pieces, or give it as an unpacked file");
   }
   text_ = pages_.text();
   if (text_.empty()) fail(name_, "is empty, expected a log or a sensor file; check how it was written");
+  if (content == Content::bytes) return;
   check_head(name_, text_);
   if (text_.starts_with("\xef\xbb\xbf")) text_.remove_prefix(3);
   if (line_end(text_, 0) == std::string_view::npos) fail_long_line(name_, 1, text_);
 }
 
-void Source::load(int descriptor) {
+void Source::load(int descriptor, Content content) {
   struct stat status = {};
   if (::fstat(descriptor, &status) != 0) throw std::system_error(errno, std::generic_category());
   if (S_ISDIR(status.st_mode)) fail(name_, "is a folder, expected a file; name a file in it");
@@ -267,7 +268,7 @@ void Source::load(int descriptor) {
     if (got < 0) throw std::system_error(errno, std::generic_category());
     if (got == 0) return;
     pages_.grow(static_cast<std::size_t>(got));
-    if (!is_gzip(pages_.text())) guard.check(pages_.text());
+    if (content == Content::text && !is_gzip(pages_.text())) guard.check(pages_.text());
   }
 }
 
@@ -275,6 +276,8 @@ void Source::unpack() {
   pages_ = Inflater(name_).unpack(pages_.text());
   unpacked_ = true;
 }
+
+void check_text(std::string_view name, std::string_view head) { check_head(name, head); }
 
 void fail_long_line(std::string_view name, std::int64_t line, std::string_view start) {
   fail_at(

@@ -42,13 +42,17 @@ class Pages {
   bool is_file_ = false;
 };
 
-/// An input as text. A regular file is mapped, not copied. A pipe, a device and "-" (standard input) are read to their
+enum class Content { text, bytes };
+
+/// An input as text, or as the bytes of a binary log. A regular file is mapped, not copied. A pipe, a device and "-" (standard input) are read to their
 /// end, and gzip is unpacked, into memory: as much as the text is long.
 class Source {
  public:
-  /// @throws InputError where it cannot be read, is a folder, empty, binary, a damaged or truncated gzip, or begins
-  /// with a line of more than kLongestLine bytes (found without reading further).
-  explicit Source(const std::string& path);
+  /// @throws InputError where it cannot be read, is a folder or empty; as text also where it is binary, a damaged or
+  /// truncated gzip, or begins with a line of more than kLongestLine bytes (found without reading further).
+  explicit Source(const std::string& path, Content = Content::text);
+  /// A piece of an input that is read piece by piece. It refers to the text.
+  Source(std::string name, std::string_view piece) : name_(std::move(name)), text_(piece) {}
 
   /// The path; "standard input" for "-".
   [[nodiscard]] const std::string& name() const { return name_; }
@@ -59,7 +63,7 @@ class Source {
   void release(std::string_view part) const noexcept { pages_.release(part); }
 
  private:
-  void load(int descriptor);
+  void load(int descriptor, Content);
   void unpack();
 
   std::string name_;
@@ -76,6 +80,9 @@ class Source {
   if (found != std::string_view::npos) return begin + found;
   return within.size() <= kLongestLine ? text.size() : std::string_view::npos;
 }
+
+/// @throws InputError for what is no text, seen from its first bytes.
+void check_text(std::string_view name, std::string_view head);
 
 /// @throws InputError for a line longer than kLongestLine.
 [[noreturn]] void fail_long_line(std::string_view name, std::int64_t line, std::string_view start);

@@ -122,6 +122,10 @@ class Scale {
   double to_si_;
 };
 
+allan::Estimator first_estimator(const LogResult& result) {
+  return result.axes.empty() ? allan::Estimator::oadev : result.axes.front().estimator;
+}
+
 Json head(const LogResult& result, std::string_view schema) {
   return {{"schema", schema},
           {"version", kVersion},
@@ -132,25 +136,60 @@ Json head(const LogResult& result, std::string_view schema) {
             {"rate_hz", result.rate_hz},
             {"duration_s", static_cast<double>(result.samples) / result.rate_hz},
             {"missing_samples", result.missing_samples}}},
-          {"estimator", result.estimator},
+          {"estimator", allan::name(first_estimator(result))},
           {"notes", result.notes}};
 }
 
 Json axis_head(const AxisResult& axis) {
-  const Scale scale(axis.signal);
+  const Scale scale(deviation_unit(axis)), mean(axis.signal);
   return {{"name", axis.name},
+          {"estimator", allan::name(axis.estimator)},
           {"signal", text(axis.signal)},
+          {"unit", scale.unit()},
+          {"si_unit", si_unit(deviation_dimension(axis))},
+          {"si_per_unit", scale.to_si()},
+          {"mean", mean(axis.mean)},
+          {"mean_unit", mean.unit()}};
+}
+
+/// The root of the density, so that white noise reads N.
+Json spectrum(const AxisResult& axis) {
+  const Scale scale(spectrum_unit(axis.signal));
+  Json points = Json::array();
+  for (const SpectrumResult::Point& p : axis.psd->points) {
+    points.push_back({{"frequency_hz", p.frequency_hz},
+                      {"amplitude", scale(p.amplitude)},
+                      {"lower", scale(p.lower)},
+                      {"upper", scale(p.upper)},
+                      {"dof", p.dof}});
+  }
+  return {{"method", axis.psd->method},
+          {"sides", "two-sided"},
+          {"unit", scale.unit()},
+          {"si_unit", si_unit(noise::dimension_of(axis.signal, Term::white))},
+          {"si_per_unit", scale.to_si()},
+          {"bandwidth_hz", axis.psd->bandwidth_hz},
+          {"points", points}};
+}
+
+Json surface(const AxisResult& axis) {
+  const Scale scale(axis.signal);
+  Json rows = Json::array();
+  for (const auto& row : axis.dynamic->deviation) rows.push_back(scale(row));
+  return {{"window_s", axis.dynamic->window_s},
           {"unit", scale.unit()},
           {"si_unit", si_unit(noise::dimension_of(axis.signal))},
           {"si_per_unit", scale.to_si()},
-          {"mean", scale(axis.mean)}};
+          {"time_s", axis.dynamic->time_s},
+          {"tau_s", axis.dynamic->tau_s},
+          {"deviation", rows}};
 }
 
 Json allan_document(const LogResult& result) {
   Json document = head(result, "gyrobudget.allan/1");
   Json& axes = document["axes"] = Json::array();
   for (const AxisResult& axis : result.axes) {
-    const Scale scale(axis.signal);
+    const Scale scale(deviation_unit(axis));
     Json out = axis_head(axis);
     Json& points = out["points"] = Json::array();
     for (const DeviationPoint& p : axis.points) {
@@ -161,8 +200,12 @@ Json allan_document(const LogResult& result) {
                         {"upper", scale(p.upper)},
                         {"edf", p.edf},
                         {"terms", p.terms},
-                        {"alpha", p.alpha}});
+                        {"alpha", p.alpha},
+                        {"stride", p.stride},
+                        {"bias", p.bias}});
     }
+    if (axis.psd) out["psd"] = spectrum(axis);
+    if (axis.dynamic) out["dynamic"] = surface(axis);
     axes.push_back(std::move(out));
   }
   return document;
@@ -368,7 +411,7 @@ Json rows(const AxisResult& axis) {
 }
 
 Json curves(const AxisResult& axis, double rate_hz) {
-  const Scale scale(axis.signal);
+  const Scale scale(deviation_unit(axis));
   const AxisCurves curves = axis_curves(axis, rate_hz);
   Json terms = Json::array(), marks = Json::array();
   for (const TermCurve& t : curves.terms) {
@@ -402,6 +445,14 @@ Json words(const AxisResult& axis, double rate_hz) {
           {"cut", cut_text(axis)}};
 }
 
+std::string estimators_text(const LogResult& result) {
+  std::string list;
+  for (const allan::Estimator estimator : estimators_of(result)) {
+    list += (list.empty() ? "" : "; ") + estimator_text(estimator);
+  }
+  return list;
+}
+
 }  // namespace
 
 std::string allan_json(const LogResult& result) { return document(allan_document(result)); }
@@ -414,13 +465,15 @@ std::string page_data(const LogResult& result) {
   Json data = {{"allan", allan_document(small)},
                {"calibration", calibration_document(small)},
                {"record_text", record_text(result)},
-               {"estimator_text", estimator_text(result.estimator)}};
+               {"estimator_text", estimators_text(result)}};
   for (Json& axis : data["calibration"]["axes"]) {
     if (!axis["fit"].is_null()) axis["fit"].erase("seconds");  // the same command shall give the same page
   }
   Json& axes = data["axes"] = Json::array();
   for (const AxisResult& axis : small.axes) {
-    axes.push_back({{"curves", curves(axis, result.rate_hz)},
+    axes.push_back({{"name", curve_name(axis, result)},
+                    {"deviation_name", deviation_name(axis.estimator)},
+                    {"curves", curves(axis, result.rate_hz)},
                     {"rows", axis.fit ? rows(axis) : Json::array()},
                     {"words", axis.fit ? words(axis, result.rate_hz) : Json(nullptr)}});
   }

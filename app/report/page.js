@@ -6,7 +6,7 @@
   const {
     state, redraws, data, axes, byId, element, paragraphs, list, number, compact, count, signed, colour, duration,
     unitOf, table, logScale, tooltipLook, dashes, curveLine, bandLines, measuredPoints, marks, overlayDatasets,
-    union, addPlot, keepUpdated, plotFigure, padded, followSettings,
+    union, addPlot, keepUpdated, plotFigure, padded, followSettings, insideArea,
   } = plotting;
 
   // --- Curves of an axis ---------------------------------------------------------------------------------------------
@@ -102,6 +102,132 @@
   function residualText({ raw: { residual: r } }) {
     return [`measured/model \u2212 1 = ${signed(100 * r.misfit, 3)} %`,
       `${signed(r.misfit / r.relative_std, 2)} standard deviations of ${number(100 * r.relative_std, 2)} %`];
+  }
+
+  // --- Spectrum -------------------------------------------------------------------------------------------------------
+
+  function addSpectrum(figure, axis) {
+    const { psd } = axis;
+    if (!psd || !psd.points.length) return;
+    figure.hidden = false;
+    const canvas = figure.querySelector("canvas");
+    canvas.setAttribute("aria-label", `${axis.name}: root of the two-sided power spectral density, by ${psd.method}`);
+    let chart = null;
+    const draw = () => {
+      if (chart) chart.destroy();
+      const unit = unitOf(psd);
+      const line = (value, look) => ({
+        data: psd.points.map((p) => ({ x: p.frequency_hz, y: value(p) * unit.factor, point: p })), showLine: true, pointRadius: 0, borderWidth: 0, ...look,
+      });
+      const frequencies = psd.points.map((p) => p.frequency_hz);
+      const values = psd.points.flatMap((p) => [p.lower, p.amplitude, p.upper]).filter((v) => v > 0 && Number.isFinite(v)).map((v) => v * unit.factor);
+      chart = new Chart(canvas, {
+        type: "scatter",
+        data: {
+          datasets: [
+            line((p) => p.upper, { backgroundColor: colour("band"), fill: "+1" }),
+            line((p) => p.lower, {}),
+            line((p) => p.amplitude, { borderColor: colour("measured"), borderWidth: 1.5, pointRadius: 1.8, backgroundColor: colour("measured") }),
+          ],
+        },
+        options: {
+          animation: false, maintainAspectRatio: false, interaction: { mode: "nearest", axis: "x", intersect: false },
+          scales: {
+            x: logScale("frequency [Hz]", padded([frequencies[0], frequencies[frequencies.length - 1]])),
+            y: logScale(`\u221aPSD [${unit.name}]`, padded([Math.min(...values), Math.max(...values)])),
+          },
+          plugins: {
+            legend: { display: false },
+            tooltip: {
+              ...tooltipLook(), filter: (item) => item.datasetIndex === 2,
+              callbacks: { title: ([item]) => (item ? `${compact(item.raw.x, 5)} Hz` : ""), label: ({ raw: { point: p } }) => [
+                `${number(p.amplitude * unit.factor)} ${unit.name}`, `95 %: ${number(p.lower * unit.factor)} to ${number(p.upper * unit.factor)}`,
+                `${number(p.dof, 3)} degrees of freedom`] },
+            },
+          },
+        },
+      });
+    };
+    draw();
+    redraws.push(draw);
+  }
+
+  // --- Deviation over time --------------------------------------------------------------------------------------------
+
+  const kRamp = [[33, 102, 172], [146, 197, 222], [247, 247, 247], [244, 165, 130], [178, 24, 43]]; // as .ramp in page.css
+
+  /** Blue to white to red for 0 to 1. */
+  function rampColour(part) {
+    const at = Math.min(Math.max(part, 0), 1) * (kRamp.length - 1), i = Math.min(Math.floor(at), kRamp.length - 2);
+    const mixed = kRamp[i].map((from, c) => Math.round(from + (kRamp[i + 1][c] - from) * (at - i)));
+    return `rgb(${mixed.join(",")})`;
+  }
+
+  function median(values) {
+    const sorted = values.filter((v) => v > 0).sort((a, b) => a - b);
+    return sorted.length ? sorted[Math.floor(sorted.length / 2)] : NaN;
+  }
+
+  /** The cells of a surface: where they are, what they hold, and their ratio to the median at their tau. */
+  function cellsOf({ time_s: times, tau_s: taus, deviation, window_s: window }) {
+    const medians = taus.map((_, j) => median(deviation.map((row) => row[j])));
+    const half = times.length > 1 ? (times[1] - times[0]) / 2 : window / 2;
+    return times.flatMap((time, i) => taus.map((tau, j) => ({
+      x: time, y: tau, deviation: deviation[i][j], ratio: deviation[i][j] / medians[j],
+      box: [time - half, time + half, tau / Math.SQRT2, tau * Math.SQRT2],
+    }))).filter((cell) => cell.deviation > 0 && Number.isFinite(cell.ratio));
+  }
+
+  function addSurface(figure, axis) {
+    const cells = axis.dynamic ? cellsOf(axis.dynamic) : [];
+    if (!cells.length) return;
+    figure.hidden = false;
+    const canvas = figure.querySelector("canvas");
+    canvas.setAttribute("aria-label", `${axis.name}: Allan deviation of windows over time`);
+    const largest = Math.max(1.5, ...cells.map((c) => Math.max(c.ratio, 1 / c.ratio)));
+    const part = (ratio) => 0.5 + 0.5 * Math.log(ratio) / Math.log(largest);
+    figure.querySelector(".scale-low").textContent = `1/${compact(largest, 3)}`;
+    figure.querySelector(".scale-high").textContent = `${compact(largest, 3)} \u00d7 median.`;
+    figure.querySelector(".window").textContent = duration(axis.dynamic.window_s);
+    const painter = {
+      id: "painter",
+      beforeDatasetsDraw(chart) {
+        const { x, y } = chart.scales;
+        insideArea(chart, (ctx) => cells.forEach(({ box: [x0, x1, y0, y1], ratio }) => {
+          const left = x.getPixelForValue(x0), top = y.getPixelForValue(y1);
+          ctx.fillStyle = rampColour(part(ratio));
+          ctx.fillRect(left, top, x.getPixelForValue(x1) - left + 0.5, y.getPixelForValue(y0) - top + 0.5);
+        }));
+      },
+    };
+    let chart = null;
+    const draw = () => {
+      if (chart) chart.destroy();
+      const unit = unitOf(axis.dynamic);
+      const range = (low, high) => [Math.min(...cells.map((c) => c.box[low])), Math.max(...cells.map((c) => c.box[high]))];
+      const [first, last] = range(0, 1);
+      chart = new Chart(canvas, {
+        type: "scatter",
+        data: { datasets: [{ data: cells, pointRadius: 0, pointHoverRadius: 4, pointHitRadius: 0, borderColor: colour("text") }] },
+        plugins: [painter],
+        options: {
+          animation: false, maintainAspectRatio: false, interaction: { mode: "nearest", axis: "xy", intersect: false },
+          scales: {
+            x: { type: "linear", min: first, max: last, title: { display: true, text: "time [s]", color: colour("text") }, grid: { display: false }, ticks: { color: colour("quiet") } },
+            y: logScale("averaging time \u03c4 [s]", range(2, 3)),
+          },
+          plugins: {
+            legend: { display: false },
+            tooltip: { ...tooltipLook(), callbacks: {
+              title: ([item]) => (item ? `window around ${compact(item.raw.x, 5)} s, tau = ${compact(item.raw.y, 5)} s` : ""),
+              label: ({ raw }) => [`deviation ${number(raw.deviation * unit.factor)} ${unit.name}`, `${number(raw.ratio, 3)} of the median at this tau`],
+            } },
+          },
+        },
+      });
+    };
+    draw();
+    redraws.push(draw);
   }
 
   // --- Tables ---------------------------------------------------------------------------------------------------------
@@ -205,7 +331,7 @@
 
   function description(axis) {
     const first = axis.points[0], last = axis.points[axis.points.length - 1];
-    return `${axis.name}: Allan deviation from ${compact(first.tau_s)} s to ${compact(last.tau_s)} s. ` +
+    return `${axis.name}: ${axis.deviation_name} from ${compact(first.tau_s)} s to ${compact(last.tau_s)} s. ` +
       (axis.words ? `${axis.words.verdict} ${axis.words.minimum}` : "") + " The numbers stand in the table below.";
   }
 
@@ -214,7 +340,7 @@
     section.id = `axis-${i}`;
     section.querySelector(".name").textContent = axis.name;
     keepUpdated(section.querySelector(".mean"), () => {
-      const unit = unitOf(axis);
+      const unit = axis.mean_unit === axis.unit ? unitOf(axis) : { name: axis.mean_unit, factor: 1 };
       return `Mean of the record: ${number(axis.mean * unit.factor)} ${unit.name}`;
     });
     byId("main").append(section);
@@ -226,6 +352,8 @@
     } else {
       figure.replaceWith(element("p", "note", "No averaging time has enough samples for a point."));
     }
+    addSpectrum(section.querySelector(".spectrum"), axis);
+    addSurface(section.querySelector(".surface"), axis);
     if (axis.fit) addFit(section, axis);
     else section.querySelector(".residuals").hidden = true;
     addWords(section.querySelector(".words"), axis);
@@ -233,10 +361,13 @@
   }
 
   /** Axes that measure the same, beside each other. */
-  function addOverview(signal) {
-    const group = axes.filter((axis) => axis.signal === signal && axis.points.length);
+  function addOverview(unit) {
+    const group = axes.filter((axis) => axis.unit === unit && axis.points.length);
     if (group.length < 2) return;
-    const title = { angular_rate: "All gyro axes", specific_force: "All accelerometer axes" }[signal] || "All columns";
+    const alike = new Set(group.map((axis) => axis.estimator)).size === 1;
+    const kinds = { angular_rate: "All gyro axes", specific_force: "All accelerometer axes" };
+    const title = alike ? kinds[group[0].signal] || "All columns" : `All curves in ${unit}`;
+    const name = alike ? group[0].deviation_name : "deviation";
     const section = element("section", "axis", element("h2", "", title));
     byId("main").append(section);
     const fitted = group.filter((axis) => axis.fit);
@@ -249,10 +380,11 @@
     section.append(figure);
     const measured = group.flatMap((axis) => axis.points.map((p) => p.deviation)).filter((d) => d > 0);
     const ranges = {
+      name,
       tau: padded(union(group.map((axis) => axis.curves.tau_range_s))),
       deviation: [Math.min(...measured) / 3, Math.max(...measured) * 2],
     };
-    addPlot(figure, group[0], ranges, () => overlayDatasets(group), `${title}: Allan deviations of ${group.map((a) => a.name).join(", ")}`, 0);
+    addPlot(figure, group[0], ranges, () => overlayDatasets(group), `${title}: ${name} of ${group.map((a) => a.name).join(", ")}`, 0);
   }
 
   function addFacts() {
@@ -279,7 +411,7 @@
 
   addFacts();
   addContents();
-  ["angular_rate", "specific_force", "dimensionless"].forEach(addOverview);
+  [...new Set(axes.map((axis) => axis.unit))].forEach(addOverview);
   axes.forEach(addAxis);
   followSettings();
 })();

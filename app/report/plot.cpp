@@ -73,7 +73,7 @@ std::vector<Panel> panels_of(const LogResult& result) {
   std::vector<Panel> panels;
   for (const AxisResult& axis : result.axes) {
     if (axis.points.empty()) continue;
-    const std::string unit(noise::datasheet_unit(axis.signal));
+    const std::string unit(deviation_unit(axis));
     panels.push_back({&axis, axis_curves(axis, result.rate_hz), unit, noise::parse_unit(unit).to_si});
   }
   if (panels.empty())
@@ -81,11 +81,15 @@ std::vector<Panel> panels_of(const LogResult& result) {
   return panels;
 }
 
+bool comparable(const Panel& a, const Panel& b) {
+  return a.axis->signal == b.axis->signal && a.unit == b.unit;
+}
+
 /// Axes that measure the same share their range, so that panels can be compared.
 void share_ranges(std::vector<Panel>& panels) {
   for (Panel& panel : panels) {
     for (const Panel& other : panels) {
-      if (other.axis->signal != panel.axis->signal) continue;
+      if (!comparable(other, panel)) continue;
       panel.curves.tau_low_s = std::min(panel.curves.tau_low_s, other.curves.tau_low_s);
       panel.curves.tau_high_s = std::max(panel.curves.tau_high_s, other.curves.tau_high_s);
       panel.curves.deviation_low = std::min(panel.curves.deviation_low, other.curves.deviation_low);
@@ -183,9 +187,9 @@ std::vector<std::string> layers(const std::vector<Panel>& panels, std::size_t at
   std::vector<std::string> out;
   bool first_other = true;
   for (std::size_t i = 0; i < panels.size(); ++i) {
-    if (i == at || panels[i].axis->signal != panel.axis->signal) continue;
+    if (i == at || !comparable(panels[i], panel)) continue;
     out.push_back(fmt::format("$points{} using 1:2 with lines lc rgb '#b8b8b8' lw 1 {}", i,
-                              first_other ? "title 'other axes'" : "notitle"));
+                              first_other ? "title 'other curves'" : "notitle"));
     first_other = false;
   }
   out.push_back(
@@ -231,7 +235,7 @@ std::string shortened(const std::string& text, std::size_t limit) {
 /// A gnuplot string expression of one or two lines.
 std::string title_of(const Panel& panel, const LogResult& result, bool single) {
   constexpr std::size_t kLongestName = 40;
-  std::string first = shortened(printable(panel.axis->name), kLongestName), second;
+  std::string first = shortened(printable(curve_name(*panel.axis, result)), kLongestName), second;
   if (single) {
     first += fmt::format("  ({})", shortened(printable(file_name(result.source)), kLongestName));
     second = record_text(result);
@@ -262,8 +266,9 @@ std::string panel_script(const std::vector<Panel>& panels, std::size_t at, const
   std::string script = "unset object\nunset label\n" + unused_range(panel);
   script +=
       fmt::format("set title {} noenhanced offset 0,-0.4\n", title_of(panel, result, panels.size() == 1));
-  script += fmt::format("set ylabel {} noenhanced offset 0.6,0\n",
-                        gnuplot_string(fmt::format("Allan deviation [{}]", panel.unit)));
+  script +=
+      fmt::format("set ylabel {} noenhanced offset 0.6,0\n",
+                  gnuplot_string(fmt::format("{} [{}]", deviation_name(panel.axis->estimator), panel.unit)));
   script += fmt::format(
       "set xrange [{0:.8g}:{1:.8g}]\nset x2range [{0:.8g}:{1:.8g}]\nset yrange [{2:.8g}:{3:.8g}]\n",
       c.tau_low_s / kSide, c.tau_high_s * kSide, c.deviation_low / panel.to_si,

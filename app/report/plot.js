@@ -490,7 +490,7 @@ const plotting = (() => {
           interaction: { mode: "curve", intersect: false },
           scales: {
             x: logScale("averaging time \u03c4 [s]", view.x),
-            y: logScale(`Allan deviation [${unitOf(axis).name}]`, view.y),
+            y: logScale(`${ranges.name || axis.deviation_name} [${unitOf(axis).name}]`, view.y),
           },
           plugins: {
             legend: { display: false },

@@ -20,8 +20,13 @@ namespace gyrobudget::inline v0::report {
 [[nodiscard]] std::string datasheet(const LogResult&);
 
 /// Schema gyrobudget.allan/1: {"schema","version","command","source","record":{"samples","rate_hz","duration_s",
-/// "missing_samples"},"estimator","notes","axes":[{"name","signal","unit","si_unit","si_per_unit","mean",
-/// "points":[{"tau_s","m","deviation","lower","upper","edf","terms","alpha"}]}]}.
+/// "missing_samples"},"estimator","notes","axes":[{"name","estimator","signal","unit","si_unit","si_per_unit","mean",
+/// "mean_unit","points":[{"tau_s","m","deviation","lower","upper","edf","terms","alpha","stride","bias"}]}]}.
+/// With a spectrum an axis has "psd":{"method","sides":"two-sided","unit","si_unit","si_per_unit","bandwidth_hz",
+/// "points":[{"frequency_hz","amplitude","lower","upper","dof"}]}, roots of densities; with a surface
+/// "dynamic":{"window_s","unit","si_unit","si_per_unit","time_s","tau_s","deviation"}, rows of the last being windows.
+/// A column has one entry in "axes" for each estimator asked for; "estimator" at the top is the first of them. The
+/// estimator's bias is divided out: its own variance is "bias" times the square of "deviation".
 /// Doubles survive a round trip; what is not finite is null. Keys keep this order; the text ends in a newline.
 [[nodiscard]] std::string allan_json(const LogResult&);
 

@@ -3,6 +3,7 @@
 
 #include "gyrobudget/allan/departure.h"
 #include "gyrobudget/allan/deviation.h"
+#include "gyrobudget/allan/estimator.h"
 #include "gyrobudget/allan/lines.h"
 #include "gyrobudget/allan/outliers.h"
 #include "gyrobudget/allan/steps.h"
@@ -17,16 +18,18 @@
 
 namespace gyrobudget::inline v0::report {
 
-/// One averaging time of a measured curve. Deviations in SI units of the axis' signal.
+/// One averaging time of a measured curve. Deviations in SI units of the axis' signal; time deviations in those times s.
 struct DeviationPoint {
-  std::int64_t m = 1;  ///< averaging factor, samples
-  double tau_s = 0;    ///< m / rate
-  double deviation = 0;
-  double lower = 0;        ///< 95 %, chi-square with `edf`
-  double upper = 0;        ///< 95 %
-  double edf = 0;          ///< equivalent degrees of freedom
-  std::int64_t terms = 0;  ///< overlapping differences averaged
-  int alpha = 0;           ///< power law S ~ f^alpha identified at this tau
+  std::int64_t m = 1;       ///< averaging factor, samples
+  double tau_s = 0;         ///< averaging time: m / rate, for Theo1 0.75 m / rate
+  double deviation = 0;     ///< its bias divided out
+  double lower = 0;         ///< 95 %, chi-square with `edf`
+  double upper = 0;         ///< 95 %
+  double edf = 0;           ///< equivalent degrees of freedom
+  std::int64_t terms = 0;   ///< overlapping differences averaged
+  int alpha = 0;            ///< power law S ~ f^alpha identified at this tau
+  std::int64_t stride = 1;  ///< samples from one term to the next
+  double bias = 1;          ///< expectation of the estimator's variance over the one it is named for
 };
 
 /// What an axis holds beside noise. Indices count samples of the whole record.
@@ -46,15 +49,40 @@ struct CrossChecked {
   fit::CrossCheck check;
 };
 
-/// One column of a log.
+/// A two-sided power spectral density, as its root: white noise reads N. SI units of the axis' signal per sqrt(Hz).
+struct SpectrumResult {
+  struct Point {
+    double frequency_hz = 0;
+    double amplitude = 0;
+    double lower = 0;  ///< 95 %, chi-square with `dof`
+    double upper = 0;  ///< 95 %
+    double dof = 0;    ///< equivalent degrees of freedom
+  };
+  std::string method;       ///< "welch" or "multitaper"
+  double bandwidth_hz = 0;  ///< points of the estimate this far apart are as good as independent
+  std::vector<Point> points;
+};
+
+/// The overlapped Allan deviation of windows of a record.
+struct SurfaceResult {
+  double window_s = 0;
+  std::vector<double> time_s;                  ///< middle of each window, from the start
+  std::vector<double> tau_s;                   ///< octaves
+  std::vector<std::vector<double>> deviation;  ///< [time][tau], SI; NaN where no term counts
+};
+
+/// One curve of one column of a log. Columns with several estimators have several, one behind the other.
 struct AxisResult {
   std::string name;                                    ///< as the log has it: any bytes
   noise::Signal signal = noise::Signal::angular_rate;  ///< decides units and names
-  double mean = 0;                                     ///< SI
+  allan::Estimator estimator = allan::Estimator::oadev;
+  double mean = 0;                            ///< of the signal, SI
   std::vector<DeviationPoint> points;         ///< ascending m; NaN deviations (no terms left) are not in it
   std::optional<fit::Result> fit;             ///< calibrate only
   std::optional<CrossChecked> cross_checked;  ///< where asked for
   std::optional<Findings> findings;           ///< calibrate of a log only
+  std::optional<SpectrumResult> psd;          ///< allan --psd, with the first curve of a column
+  std::optional<SurfaceResult> dynamic;       ///< allan --dynamic, likewise
   std::vector<std::string> advice;            ///< plain words, one thing to know or do each
 };
 
@@ -65,7 +93,6 @@ struct LogResult {
   double rate_hz = 0;        ///< above zero
   std::int64_t samples = 0;  ///< of the time grid, missing ones included
   std::int64_t missing_samples = 0;
-  std::string estimator = "oadev";
   std::vector<std::string> notes;  ///< how the log was read
   std::vector<AxisResult> axes;
 };

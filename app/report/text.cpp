@@ -31,19 +31,25 @@ std::string heading(const LogResult& result) {
   return fmt::format("{}: {}\n", printable(result.source), record_text(result));
 }
 
-std::string axis_heading(const AxisResult& axis) {
-  return fmt::format("{}  (mean {})\n", printable(axis.name),
+std::string axis_heading(std::string_view name, const AxisResult& axis) {
+  return fmt::format("{}  (mean {})\n", printable(name),
                      in_unit(axis.mean, noise::datasheet_unit(axis.signal)));
 }
 
 std::string curve_table(const AxisResult& axis) {
-  const auto unit = noise::datasheet_unit(axis.signal);
+  const auto unit = deviation_unit(axis);
   const auto in_unit = [&](double si) { return number(noise::from_si(si, unit)); };
-  Table table(std::vector<Align>(6, Align::right));
-  table.row({"tau [s]", fmt::format("deviation [{}]", unit), "95 % from", "to", "edf", "terms"});
+  const bool strided = std::ranges::any_of(axis.points, [](const auto& p) { return p.stride > 1; });
+  Table table(std::vector<Align>(strided ? 7 : 6, Align::right));
+  const auto row = [&](std::vector<std::string> cells, std::string stride) {
+    if (strided) cells.push_back(std::move(stride));
+    table.row(std::move(cells));
+  };
+  row({"tau [s]", fmt::format("deviation [{}]", unit), "95 % from", "to", "edf", "terms"}, "stride");
   for (const DeviationPoint& p : axis.points) {
-    table.row({fmt::format("{:.6g}", p.tau_s), in_unit(p.deviation), in_unit(p.lower), in_unit(p.upper),
-               fmt::format("{:.1f}", p.edf), fmt::format("{}", p.terms)});
+    row({fmt::format("{:.6g}", p.tau_s), in_unit(p.deviation), in_unit(p.lower), in_unit(p.upper),
+         fmt::format("{:.1f}", p.edf), fmt::format("{}", p.terms)},
+        fmt::format("{}", p.stride));
   }
   return table.text();
 }
@@ -79,7 +85,7 @@ std::string left_out(const AxisResult& axis) {
 }
 
 std::string axis_sheet(const AxisResult& axis, double rate_hz) {
-  std::string out = '\n' + axis_heading(axis);
+  std::string out = '\n' + axis_heading(axis.name, axis);
   if (!axis.fit)
     return out + paragraph("No coefficients were fitted.") + bullets("What to know or do", axis.advice);
   const fit::Result& fit = *axis.fit;
@@ -137,10 +143,13 @@ std::string summary(const LogResult& result) {
 }  // namespace
 
 std::string allan_table(const LogResult& result) {
-  std::string out = heading(result) + paragraph(estimator_text(result.estimator));
+  const auto estimators = estimators_of(result);
+  std::string out = heading(result);
+  if (estimators.size() == 1) out += paragraph(estimator_text(estimators.front()));
   for (const AxisResult& axis : result.axes) {
-    out += '\n' + axis_heading(axis) + curve_table(axis);
-    out += bullets("What to know or do", axis.advice);
+    out += '\n' + axis_heading(curve_name(axis, result), axis);
+    if (estimators.size() > 1) out += paragraph(estimator_text(axis.estimator));
+    out += curve_table(axis) + bullets("What to know or do", axis.advice);
   }
   return out + bullets("How the log was read", result.notes);
 }

@@ -310,8 +310,96 @@ std::string record_text(const LogResult& result) {
   return text + fmt::format(", {} missing ({})", count_text(result.missing_samples), percent(part));
 }
 
-std::string estimator_text(std::string_view estimator) {
-  return estimator == "oadev" ? "fully overlapped Allan deviation (oadev)" : std::string(estimator);
+bool is_time_deviation(allan::Estimator estimator) {
+  return estimator == allan::Estimator::tdev || estimator == allan::Estimator::ttotdev;
+}
+
+// Rate times s is what quantization has: an angle.
+std::string_view deviation_unit(const AxisResult& axis) {
+  return is_time_deviation(axis.estimator) ? noise::datasheet_unit(axis.signal, Term::quantization)
+                                           : noise::datasheet_unit(axis.signal);
+}
+
+noise::Dimension deviation_dimension(const AxisResult& axis) {
+  return is_time_deviation(axis.estimator) ? noise::dimension_of(axis.signal, Term::quantization)
+                                           : noise::dimension_of(axis.signal);
+}
+
+std::string_view spectrum_unit(noise::Signal signal) {
+  switch (signal) {
+    case noise::Signal::angular_rate:
+      return "deg/h/sqrt(Hz)";
+    case noise::Signal::specific_force:
+      return "ug/sqrt(Hz)";
+    case noise::Signal::dimensionless:
+      break;
+  }
+  return "1/sqrt(Hz)";
+}
+
+std::string_view deviation_name(allan::Estimator estimator) {
+  using enum allan::Estimator;
+  switch (estimator) {
+    case mdev:
+      return "modified Allan deviation";
+    case tdev:
+      return "time deviation";
+    case hdev:
+    case ohdev:
+      return "Hadamard deviation";
+    case totdev:
+      return "total deviation";
+    case mtotdev:
+      return "modified total deviation";
+    case ttotdev:
+      return "time total deviation";
+    case htotdev:
+      return "Hadamard total deviation";
+    case theo1:
+      return "Theo1 deviation";
+    case adev:
+    case oadev:
+      break;
+  }
+  return "Allan deviation";
+}
+
+std::vector<allan::Estimator> estimators_of(const LogResult& result) {
+  std::vector<allan::Estimator> list;
+  for (const AxisResult& axis : result.axes) {
+    if (std::ranges::find(list, axis.estimator) == list.end()) list.push_back(axis.estimator);
+  }
+  return list;
+}
+
+std::string curve_name(const AxisResult& axis, const LogResult& result) {
+  return estimators_of(result).size() < 2 ? axis.name
+                                          : fmt::format("{}, {}", axis.name, allan::name(axis.estimator));
+}
+
+std::string estimator_text(allan::Estimator estimator) {
+  using enum allan::Estimator;
+  const auto text = [&](std::string_view before, std::string_view after = "") {
+    return fmt::format("{}{} ({}){}", before, deviation_name(estimator), allan::name(estimator), after);
+  };
+  switch (estimator) {
+    case adev:
+    case hdev:
+      return text("", " of adjacent clusters");
+    case oadev:
+    case ohdev:
+      return text("overlapped ");
+    case totdev:
+    case mtotdev:
+    case ttotdev:
+    case htotdev:
+    case theo1:
+      return text("", ", its bias divided out");
+    case mdev:
+    case tdev:
+      break;
+  }
+  return text("");
 }
 
 std::string verdict_headline(const fit::Result& fit) {

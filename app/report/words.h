@@ -28,6 +28,20 @@ namespace gyrobudget::inline v0::report {
 /// "rad/sqrt(s)", "m/s^2", "1": the SI unit of a dimension.
 [[nodiscard]] std::string si_unit(const noise::Dimension&);
 
+/// Tdev and ttotdev: their unit is the signal's times s.
+[[nodiscard]] bool is_time_deviation(allan::Estimator);
+/// The unit in which an axis' deviations are quoted: deg/h, ug or 1; of a time deviation arcsec, m/s or s.
+[[nodiscard]] std::string_view deviation_unit(const AxisResult&);
+[[nodiscard]] noise::Dimension deviation_dimension(const AxisResult&);
+/// The unit of the root of a power spectral density: deg/h/sqrt(Hz), ug/sqrt(Hz) or 1/sqrt(Hz).
+[[nodiscard]] std::string_view spectrum_unit(noise::Signal);
+/// "Allan deviation", "modified Allan deviation", "Theo1".
+[[nodiscard]] std::string_view deviation_name(allan::Estimator);
+/// The estimators of a result's curves, in their order.
+[[nodiscard]] std::vector<allan::Estimator> estimators_of(const LogResult&);
+/// The name of a curve, unique in its result: that of the column, and where there are several estimators theirs.
+[[nodiscard]] std::string curve_name(const AxisResult&, const LogResult&);
+
 /// A coefficient's numbers in one unit, all at the resolution its standard deviation deserves (two digits of it).
 struct CoefficientText {
   std::string value;     ///< "0.70 ± 0.12"; "0"; "-" where not fitted
@@ -66,7 +80,7 @@ struct Share {
 
 // Sentences; every number with its unit, every verdict with what follows from it. Empty where there is nothing to say.
 [[nodiscard]] std::string record_text(const LogResult&);
-[[nodiscard]] std::string estimator_text(std::string_view estimator);
+[[nodiscard]] std::string estimator_text(allan::Estimator);
 [[nodiscard]] std::string verdict_headline(const fit::Result&);
 [[nodiscard]] std::string verdict_text(const fit::Result&);
 [[nodiscard]] std::string consequence_text(const fit::Result&);

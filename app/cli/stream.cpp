@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: MIT
+// allan --stream and --follow: deviations of a log that is never in memory as a whole.
+#include "stream.h"
+
+#include "gyrobudget/allan/streaming.h"
+#include "gyrobudget/io/stream.h"
+#include "gyrobudget/report/report.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <utility>
+
+#include "analysis.h"
+#include "paths.h"
+#include "terminal.h"
+#include "verbs.h"
+
+namespace gyrobudget::inline v0::cli {
+namespace {
+
+constexpr std::int64_t kOverlap = 16;
+
+// --- Interrupts ---------------------------------------------------------------------------------------------------------
+
+volatile std::sig_atomic_t interrupted = 0;
+
+/// While it lives, Ctrl-C asks for the last table instead of ending the program; a second one ends it.
+class Interrupts {
+ public:
+  Interrupts() {
+    struct sigaction action = {};
+    action.sa_handler = [](int) { interrupted = 1; };
+    action.sa_flags = static_cast<int>(SA_RESETHAND);  // and no SA_RESTART: a wait for input ends
+    sigaction(SIGINT, &action, &before_);
+  }
+  ~Interrupts() { sigaction(SIGINT, &before_, nullptr); }
+  Interrupts(const Interrupts&) = delete;
+  Interrupts& operator=(const Interrupts&) = delete;
+
+ private:
+  struct sigaction before_ = {};
+};
+
+// --- What the noise is, without the samples -----------------------------------------------------------------------------
+
+/// The power law at each octave from the slope of the curve over its two neighbours: the Allan variance goes as
+/// tau^-2, -1, 0, 1 for quantization, white, flicker, random walk. Where fewer than 30 clusters are left it is that of
+/// the longest tau that has more, as in lag-1 identification.
+std::vector<allan::Identified> noises_by_slope(const allan::Curve& curve) {
+  constexpr std::int64_t kFewestClusters = 30;
+  std::vector<allan::Identified> found(curve.points.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const std::size_t before = i > 0 ? i - 1 : 0, after = std::min(i + 1, found.size() - 1);
+    const bool known = after > before && curve.points[after].m * kFewestClusters <= curve.samples;
+    const double slope = std::log(curve.points[after].variance / curve.points[before].variance) /
+                         std::log(curve.tau(after) / curve.tau(before));
+    if (i > 0 && (!known || !std::isfinite(slope))) {
+      found[i] = found[i - 1];
+    } else if (known && std::isfinite(slope)) {
+      constexpr std::pair<int, noise::Term> kLaws[] = {{2, noise::Term::quantization},
+                                                       {0, noise::Term::white},
+                                                       {-1, noise::Term::flicker},
+                                                       {-2, noise::Term::rate_random_walk}};
+      const auto law = static_cast<std::size_t>(std::clamp(std::lround(slope), -2L, 1L) + 2);
+      found[i].alpha = kLaws[law].first;
+      found[i].term = kLaws[law].second;
+    }
+    found[i].m = curve.points[i].m;
+  }
+  return found;
+}
+
+// --- The stream ---------------------------------------------------------------------------------------------------------
+
+std::string efficiency_note(std::int64_t overlap) {
+  // Of the degrees of freedom of white noise, in percent; statistics.h.
+  const double loss = overlap >= 4 ? 125.0 / static_cast<double>(overlap * overlap) : overlap == 2 ? 27 : 56;
+  return fmt::format(
+      "read as a stream: octaves only, terms begin every m/{0} samples above m = {0}; that costs white noise "
+      "{1:.2g} % of the degrees of freedom, flicker and random walk less, quantization more; they stand in "
+      "the "
+      "table",
+      overlap, loss);
+}
+
+/// The log so far.
+class Streamed {
+ public:
+  explicit Streamed(const AllanArguments& a)
+      : arguments_(a), log_(a.curve.log), overlap_(a.overlap > 0 ? a.overlap : kOverlap) {
+    const allan::StreamingOptions options{.overlap = overlap_,
+                                          .minimum_fill = a.curve.strict_gaps ? 1 : allan::kMinimumFill};
+    axes_.assign(log_.columns().size(), allan::StreamingDeviation(1 / log_.rate_hz(), options));
+    for (const auto& note : log_.notes()) say(a.common, "note: " + note);
+  }
+
+  /// @returns false at the end
+  bool advance() {
+    constexpr std::chrono::milliseconds kPatience{200};
+    const auto progress = log_.read(rates_, kPatience);
+    tbb::parallel_for(std::size_t{0}, axes_.size(), [&](std::size_t i) { axes_[i].push(rates_[i]); });
+    return progress != io::LogStream::Progress::end;
+  }
+
+  [[nodiscard]] std::int64_t samples() const { return axes_.front().samples(); }
+
+  void require_samples() const {
+    if (samples() >= 2) return;
+    throw io::InputError(
+        fmt::format("{}: holds {} samples, expected at least 2; record longer", log_.source(), samples()));
+  }
+
+  [[nodiscard]] report::LogResult result() const {
+    report::LogResult result;
+    result.source = log_.source();
+    result.command = arguments_.common.command_line;
+    result.rate_hz = log_.rate_hz();
+    result.samples = samples();
+    result.missing_samples = log_.missing_samples();
+    result.notes = log_.notes();
+    result.notes.push_back(efficiency_note(overlap_));
+    for (std::size_t i = 0; i < axes_.size(); ++i) {
+      const allan::Curve curve = axes_[i].curve();
+      report::AxisResult& out = result.axes.emplace_back();
+      out.name = log_.columns()[i].name;
+      out.signal = log_.columns()[i].signal;
+      out.mean = curve.mean;
+      out.points = with_intervals(curve, noises_by_slope(curve));
+    }
+    return result;
+  }
+
+ private:
+  const AllanArguments& arguments_;
+  io::LogStream log_;
+  std::int64_t overlap_;
+  std::vector<allan::StreamingDeviation> axes_;
+  std::vector<std::vector<double>> rates_;
+};
+
+// --- Showing it -----------------------------------------------------------------------------------------------------------
+
+/// Prints the table while the log grows: once a second in place of the last one on a terminal, else at each doubling.
+class Display {
+ public:
+  void update(const Streamed& log) {
+    if (log.samples() < 2 || !due(log.samples())) return;
+    print(terminal_ ? "\x1b[H\x1b[2J" + report::allan_table(log.result())
+                    : report::allan_table(log.result()) + '\n');
+    shown_ = log.samples();
+  }
+  /// The last one, before the final table.
+  void clear() const {
+    if (terminal_) print("\x1b[H\x1b[2J");
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  bool due(std::int64_t samples) {
+    if (!terminal_) {
+      if (samples < next_) return false;
+      while (next_ <= samples) next_ *= 2;
+      return true;
+    }
+    const auto now = Clock::now();
+    if (samples == shown_ || now - last_ < std::chrono::seconds{1}) return false;
+    last_ = now;
+    return true;
+  }
+
+  bool terminal_ = isatty(STDOUT_FILENO) == 1;
+  Clock::time_point last_;
+  std::int64_t shown_ = 0;
+  std::int64_t next_ = 1024;
+};
+
+}  // namespace
+
+int run_stream(const AllanArguments& a) {
+  check_outputs(a.curve.log.path, {{"--report", a.pictures.report}, {"--plot", a.pictures.plot}});
+  Streamed log(a);
+  Display display;
+  const bool shows = a.follow && !a.common.json;
+  std::optional<Interrupts> interrupts;
+  if (a.follow) interrupts.emplace();
+  while (interrupted == 0 && log.advance()) {
+    if (shows) display.update(log);
+  }
+  log.require_samples();
+  const report::LogResult result = log.result();
+  if (shows) display.clear();
+  print(a.common.json ? report::allan_json(result) : report::allan_table(result));
+  write_pictures(result, a.pictures, a.common);
+  return interrupted != 0 ? exit_interrupted : exit_done;
+}
+
+}  // namespace gyrobudget::inline v0::cli

@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: MIT
+// allan: estimators, segments, binary logs and streams, as the program gives them. The numbers themselves are tested
+// where they are made; here, that each option reaches them.
+#include <gtest/gtest.h>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "program.h"
+
+namespace gyrobudget::tests {
+namespace {
+
+using nlohmann::json;
+
+constexpr int kUsage = 2, kBadInput = 3, kInterrupted = 130;
+
+json json_of(const Outcome& run) {
+  EXPECT_EQ(run.exit_code, 0) << run.err;
+  return json::parse(run.out, nullptr, false);
+}
+
+/// White noise of variance 1/12, the same on every machine.
+std::vector<double> noise(int samples, unsigned state = 1) {
+  std::vector<double> values;
+  for (int i = 0; i < samples; ++i) {
+    state = state * 1664525U + 1013904223U;
+    values.push_back(state / 4294967296.0 - 0.5);
+  }
+  return values;
+}
+
+std::string csv(const std::vector<double>& values) {
+  std::string text = "time (s),gyro_x (deg/h)\n";
+  for (std::size_t i = 0; i < values.size(); ++i) text += fmt::format("{:.1f},{}\n", 0.1 * i, values[i]);
+  return text;
+}
+
+template <class Number>
+std::string raw(const std::vector<double>& values) {
+  std::string bytes;
+  for (const double v : values) {
+    const auto number = static_cast<Number>(v);
+    bytes.append(reinterpret_cast<const char*>(&number), sizeof(Number));
+  }
+  return bytes;
+}
+
+constexpr const char* kBinary = " --rate 10 --unit deg/h ";
+
+class Allan : public testing::Test {
+ protected:
+  [[nodiscard]] json run(const std::string& arguments) const {
+    return json_of(gyrobudget_run("allan " + arguments + " --json"));
+  }
+  void expect_refused(const std::string& arguments, int code, const std::string& because) const {
+    const Outcome outcome = gyrobudget_run("allan " + arguments);
+    EXPECT_EQ(outcome.exit_code, code) << arguments;
+    EXPECT_NE(outcome.err.find(because), std::string::npos) << because << " is not in: " << outcome.err;
+    EXPECT_EQ(outcome.out, "");
+  }
+  const Scratch scratch_;
+};
+
+// --- Estimators -----------------------------------------------------------------------------------------------------------
+
+/// Plain sums of NIST SP 1065 at one m, in deg/h (time deviation: deg/h s).
+double textbook(const std::vector<double>& y, std::size_t m, const std::string& estimator) {
+  std::vector<double> x{0};
+  for (const double v : y) x.push_back(x.back() + v);
+  const auto third = estimator == "ohdev" || estimator == "hdev";
+  const std::size_t step = estimator == "adev" || estimator == "hdev" ? m : 1, span = (third ? 3 : 2) * m;
+  double sum = 0;
+  int terms = 0;
+  if (estimator == "mdev") {
+    for (std::size_t j = 0; j + 3 * m <= y.size() + 1; ++j, ++terms) {
+      double mean = 0;
+      for (std::size_t k = j; k < j + m; ++k) mean += (x[k + 2 * m] - 2 * x[k + m] + x[k]) / m;
+      sum += mean * mean;
+    }
+  } else {
+    for (std::size_t k = 0; k + span <= y.size(); k += step, ++terms) {
+      const double d =
+          third ? x[k + 3 * m] - 3 * x[k + 2 * m] + 3 * x[k + m] - x[k] : x[k + 2 * m] - 2 * x[k + m] + x[k];
+      sum += d * d;
+    }
+  }
+  return std::sqrt(sum / terms / (third ? 6 : 2)) / m;
+}
+
+TEST_F(Allan, EveryEstimatorIsACurveOfItsOwnName) {
+  const auto y = noise(2000);
+  const auto document =
+      run(scratch_.file("log.csv", csv(y)) + " --taus octave --estimator adev,oadev,mdev,hdev,ohdev");
+  EXPECT_EQ(document["schema"], "gyrobudget.allan/1");
+  EXPECT_EQ(document["estimator"], "adev");
+  ASSERT_EQ(document["axes"].size(), 5U);
+  for (const auto& axis : document["axes"]) {
+    EXPECT_EQ(axis["name"], "gyro_x");
+    EXPECT_EQ(axis["unit"], "deg/h");
+    const auto& point = axis["points"][4];
+    ASSERT_EQ(point["m"], 16);
+    constexpr double kRounding = 1e-10;
+    const double expected = textbook(y, 16, axis["estimator"]);
+    EXPECT_NEAR(point["deviation"].get<double>() / expected, 1, kRounding) << axis["estimator"];
+    EXPECT_LT(point["lower"], point["deviation"]);
+    EXPECT_GT(point["upper"], point["deviation"]);
+    EXPECT_GT(point["edf"], 10);
+  }
+}
+
+TEST_F(Allan, AllOfThemHaveIntervalsAtEveryTau) {
+  const auto document = run(scratch_.file("log.csv", csv(noise(600))) + " --taus octave --estimator all");
+  ASSERT_EQ(document["axes"].size(), 11U);
+  for (const auto& axis : document["axes"]) {
+    SCOPED_TRACE(axis["estimator"]);
+    EXPECT_GT(axis["points"].size(), 5U);
+    for (const auto& p : axis["points"]) {
+      for (const char* number : {"deviation", "lower", "upper", "edf", "bias"})
+        EXPECT_GT(p[number], 0) << number;
+    }
+  }
+}
+
+TEST_F(Allan, TimeDeviationsAreAngles) {
+  const auto document =
+      run(scratch_.file("log.csv", csv(noise(2000))) + " --taus octave --estimator mdev,tdev");
+  const auto &mdev = document["axes"][0], &tdev = document["axes"][1];
+  EXPECT_EQ(tdev["unit"], "arcsec");
+  EXPECT_EQ(tdev["si_unit"], "rad");
+  EXPECT_EQ(tdev["mean_unit"], "deg/h");
+  EXPECT_EQ(tdev["mean"], mdev["mean"]);
+  const auto &m = mdev["points"][3], &t = tdev["points"][3];  // 1 deg/h is 1 arcsec/s
+  EXPECT_NEAR(t["deviation"].get<double>(), m["deviation"].get<double>() * 0.8 / std::sqrt(3.), 1e-12);
+}
+
+TEST_F(Allan, TotalAndTheo1ReachBeyondHalfTheRecord) {
+  const auto document = run(scratch_.file("log.csv", csv(noise(1000))) + " --estimator oadev,totdev,theo1");
+  const auto longest = [&](int i) { return document["axes"][i]["points"].back()["tau_s"].get<double>(); };
+  EXPECT_NEAR(longest(0), 50, 1e-9);
+  EXPECT_GT(longest(1), 95);
+  EXPECT_NEAR(longest(2), 75, 1e-9);
+}
+
+TEST_F(Allan, AStrideIsSaidAndCostsDegreesOfFreedom) {
+  const std::string log = scratch_.file("log.csv", csv(noise(4000)));
+  const auto full = run(log + " --taus octave"), strided = run(log + " --taus octave --stride m/4");
+  const auto &a = full["axes"][0]["points"][6], &b = strided["axes"][0]["points"][6];
+  EXPECT_EQ(a["stride"], 1);
+  EXPECT_EQ(b["stride"], 16);                                                 // m = 64
+  EXPECT_NEAR(a["edf"].get<double>() / b["edf"].get<double>(), 1.078, 0.01);  // white noise: 7.8 %
+  EXPECT_NE(gyrobudget_run("allan " + log + " --stride m/4").out.find("stride"), std::string::npos);
+}
+
+TEST_F(Allan, PicturesAndPagesTakeSeveralEstimators) {
+  const std::string page = scratch_.path("page.html"), picture = scratch_.path("picture.svg");
+  const Outcome outcome = gyrobudget_run("allan " + scratch_.file("log.csv", csv(noise(500))) +
+                                         " --estimator mdev,tdev --report " + page + " --plot " + picture);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  std::ostringstream text;
+  text << std::ifstream(page).rdbuf() << std::ifstream(picture).rdbuf();
+  for (const char* part : {"gyro_x, tdev", "time deviation [arcsec]", "modified Allan deviation [deg/h]"}) {
+    EXPECT_NE(text.str().find(part), std::string::npos) << part;
+  }
+}
+
+TEST_F(Allan, RefusesWhatNoEstimatorIs) {
+  const std::string log = scratch_.file("log.csv", csv(noise(100)));
+  expect_refused(log + " --estimator foo", kUsage, "no estimator 'foo'; there are adev, oadev");
+  expect_refused(log + " --estimator mdev --ieee", kUsage, "--ieee");
+  expect_refused(log + " --stride m/0", kUsage, "--stride m/0");
+  expect_refused(log + " --stride 7", kUsage, "--stride 7");
+}
+
+// --- Segments ---------------------------------------------------------------------------------------------------------------
+
+TEST_F(Allan, SeveralLogsArePooledByDegreesOfFreedom) {
+  const std::string a = scratch_.file("a.csv", csv(noise(4000, 1))),
+                    b = scratch_.file("b.csv", csv(noise(1000, 2)));
+  const auto one = run(a + " --taus octave"), other = run(b + " --taus octave"),
+             both = run(a + " " + b + " --taus octave");
+  EXPECT_EQ(both["record"]["samples"], 5000);
+  for (std::size_t i = 0; i < other["axes"][0]["points"].size(); ++i) {
+    const auto &p = one["axes"][0]["points"][i], &q = other["axes"][0]["points"][i],
+               &pooled = both["axes"][0]["points"][i];
+    const double v = p["edf"], w = q["edf"];
+    EXPECT_NEAR(pooled["edf"].get<double>(), v + w, 1e-9 * v);
+    const double expected = std::sqrt(
+        (v * std::pow(p["deviation"].get<double>(), 2) + w * std::pow(q["deviation"].get<double>(), 2)) /
+        (v + w));
+    EXPECT_NEAR(pooled["deviation"].get<double>() / expected, 1, 1e-9);
+  }
+  EXPECT_EQ(both["axes"][0]["points"].back()["m"], one["axes"][0]["points"].back()["m"]);
+}
+
+TEST_F(Allan, OnlyLikeLogsArePooled) {
+  const std::string a = scratch_.file("a.csv", csv(noise(100)));
+  std::string renamed = csv(noise(100));
+  renamed.replace(renamed.find("gyro_x"), 6, "gyro_y");
+  expect_refused(a + " " + scratch_.file("renamed.csv", renamed), kBadInput, "its columns are not those of");
+  std::string slow = "time (s),gyro_x (deg/h)\n";
+  for (int i = 0; i < 100; ++i) slow += fmt::format("{},{}\n", i, i % 7);
+  expect_refused(a + " " + scratch_.file("slow.csv", slow), kBadInput, "its rate is 1 Hz");
+  expect_refused(a + " " + a, kUsage, "twice");
+}
+
+// --- Binary logs --------------------------------------------------------------------------------------------------------------
+
+TEST_F(Allan, BinaryLogsAreTheTextInOtherClothes) {
+  const auto y = noise(3000);
+  const auto text = run(scratch_.file("log.csv", csv(y)) + " --taus octave");
+  const std::string f64 = scratch_.file("log.f64", raw<double>(y));
+  for (const std::string& line : {f64 + kBinary, "- --format f64" + (kBinary + ("<" + f64)),
+                                  "/dev/stdin --format f64" + (kBinary + ("<" + f64))}) {
+    const auto binary = run(line + " --taus octave");
+    EXPECT_EQ(binary["axes"][0]["points"], text["axes"][0]["points"]) << line;
+  }
+  const auto f32 = run(scratch_.file("log.f32", raw<float>(y)) + kBinary + " --taus octave");
+  EXPECT_NEAR(f32["axes"][0]["points"][0]["deviation"].get<double>() /
+                  text["axes"][0]["points"][0]["deviation"].get<double>(),
+              1, 1e-7);
+}
+
+TEST_F(Allan, SimulatedBinaryLogsReadBack) {
+  const std::string sensor = GYROBUDGET_EXAMPLES "/sensors/mems.yaml";
+  const auto simulate = [&](const std::string& file) {
+    const std::string path = scratch_.path(file);
+    const Outcome outcome =
+        gyrobudget_run("simulate " + sensor + " --duration 30 --rate 10 --unit deg/h -o " + path);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return path;
+  };
+  const auto text = run(simulate("log.csv") + " --taus octave");
+  const auto npy = run(simulate("log.npy") + kBinary + " --taus octave");
+  const auto f64 = run(simulate("log.f64") + kBinary + "--columns 3 --taus octave");
+  ASSERT_EQ(npy["axes"].size(), 3U);
+  EXPECT_EQ(npy["axes"], f64["axes"]);
+  EXPECT_EQ(npy["axes"][1]["name"], "column 2");
+  for (std::size_t i = 0; i < 3; ++i) {
+    constexpr double kLastDigit = 1e-12;
+    EXPECT_NEAR(npy["axes"][i]["points"][2]["deviation"].get<double>() /
+                    text["axes"][i]["points"][2]["deviation"].get<double>(),
+                1, kLastDigit);
+  }
+  const auto one = run(simulate("log.f32") + kBinary + "--columns 3 --column 2 --taus octave");
+  ASSERT_EQ(one["axes"].size(), 1U);
+  EXPECT_EQ(one["axes"][0]["name"], "column 2");
+  const Outcome piped = shell("%P simulate " + sensor +
+                              " --duration 60 --rate 10 --unit deg/h --format npy -o - | "
+                              "%P calibrate - --format npy --json" +
+                              kBinary);
+  EXPECT_NE(piped.out.find("gyrobudget.calibration/1"), std::string::npos) << piped.err;
+}
+
+TEST_F(Allan, BinaryLogsNeedToBeTold) {
+  const std::string log = scratch_.file("log.f64", raw<double>(noise(10)));
+  expect_refused(log + " --unit deg/h", kBadInput, "--rate HZ");
+  expect_refused(log + " --rate 10", kBadInput, "--unit deg/s");
+  expect_refused(log + kBinary + "--columns 3", kBadInput, "a multiple of 24");
+  expect_refused(log + kBinary + "--column 2", kBadInput, "no column '2'");
+  expect_refused(scratch_.file("log.npy", raw<double>(noise(10))) + kBinary, kBadInput,
+                 "expected the mark of a .npy");
+  const Outcome endless = gyrobudget_run("simulate " GYROBUDGET_EXAMPLES
+                                         "/sensors/mems.yaml --duration endless --model 1 --format npy");
+  EXPECT_EQ(endless.exit_code, kUsage);
+  EXPECT_NE(endless.err.find("use f64"), std::string::npos) << endless.err;
+}
+
+}  // namespace
+}  // namespace gyrobudget::tests
