@@ -155,9 +155,10 @@ class Display {
                     : report::allan_table(log.result()) + '\n');
     shown_ = log.samples();
   }
-  /// The last one, before the final table.
-  void clear() const {
-    if (terminal_) print("\x1b[H\x1b[2J");
+  /// The table of the whole, unless it is the last that was shown.
+  void finish(const Streamed& log, const report::LogResult& result) {
+    if (log.samples() == shown_) return;
+    print((terminal_ ? "\x1b[H\x1b[2J" : "") + report::allan_table(result));
   }
 
  private:
@@ -193,10 +194,14 @@ int run_stream(const AllanArguments& a) {
   while (interrupted == 0 && log.advance()) {
     if (shows) display.update(log);
   }
+  if (interrupted != 0 && log.samples() < 2) return exit_interrupted;
   log.require_samples();
   const report::LogResult result = log.result();
-  if (shows) display.clear();
-  print(a.common.json ? report::allan_json(result) : report::allan_table(result));
+  if (shows) {
+    display.finish(log, result);
+  } else {
+    print(a.common.json ? report::allan_json(result) : report::allan_table(result));
+  }
   write_pictures(result, a.pictures, a.common);
   return interrupted != 0 ? exit_interrupted : exit_done;
 }

@@ -234,7 +234,7 @@ TEST_F(Allan, SimulatedBinaryLogsReadBack) {
   const auto simulate = [&](const std::string& file) {
     const std::string path = scratch_.path(file);
     const Outcome outcome =
-        gyrobudget_run("simulate " + sensor + " --duration 30 --rate 10 --unit deg/h -o " + path);
+        gyrobudget_run("simulate " + sensor + " --duration 30s --rate 10 --unit deg/h -o " + path);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     return path;
   };
@@ -254,7 +254,7 @@ TEST_F(Allan, SimulatedBinaryLogsReadBack) {
   ASSERT_EQ(one["axes"].size(), 1U);
   EXPECT_EQ(one["axes"][0]["name"], "column 2");
   const Outcome piped = shell("%P simulate " + sensor +
-                              " --duration 60 --rate 10 --unit deg/h --format npy -o - | "
+                              " --duration 60s --rate 10 --unit deg/h --format npy -o - | "
                               "%P calibrate - --format npy --json" +
                               kBinary);
   EXPECT_NE(piped.out.find("gyrobudget.calibration/1"), std::string::npos) << piped.err;
@@ -272,6 +272,126 @@ TEST_F(Allan, BinaryLogsNeedToBeTold) {
                                          "/sensors/mems.yaml --duration endless --model 1 --format npy");
   EXPECT_EQ(endless.exit_code, kUsage);
   EXPECT_NE(endless.err.find("use f64"), std::string::npos) << endless.err;
+}
+
+// --- Streams --------------------------------------------------------------------------------------------------------------------
+
+TEST_F(Allan, AStreamHasTheTermsOfTheWholeLogAtEveryStride) {
+  const auto y = noise(20000);
+  const std::string text = scratch_.file("log.csv", csv(y)), bytes = scratch_.file("log.f64", raw<double>(y));
+  const auto whole = run(text + " --taus octave")["axes"][0]["points"];
+  for (const std::string& line :
+       {text + " --stream", "- --stream <" + text, "- --stream --format f64" + (kBinary + ("<" + bytes))}) {
+    const auto document = run(line);
+    EXPECT_EQ(document["record"]["samples"], 20000);
+    const auto& points = document["axes"][0]["points"];
+    ASSERT_EQ(points.size(), whole.size()) << line;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const int m = 1 << i, stride = m > 16 ? m / 16 : 1;
+      EXPECT_EQ(points[i]["stride"], stride);
+      const double ratio = points[i]["deviation"].get<double>() / whole[i]["deviation"].get<double>();
+      // 0.5 % of the degrees of freedom are lost: the value moves by 0.07 of its scatter, itself 0.6 sqrt(m/n).
+      const double lost = 0.042 * std::sqrt(m / 20000.0);
+      EXPECT_NEAR(ratio, 1, stride == 1 ? 1e-12 : 5 * lost) << m;
+      // White noise, but where few clusters make the slope uncertain.
+      if (m > 256) continue;
+      EXPECT_NEAR(points[i]["edf"].get<double>() / whole[i]["edf"].get<double>(), 1, 0.01) << m;
+    }
+  }
+  const Outcome said = gyrobudget_run("allan " + text + " --stream");
+  EXPECT_NE(said.out.find("every m/16 samples above m = 16"), std::string::npos) << said.out;
+  EXPECT_EQ(run(text + " --stream --stride m/4")["axes"][0]["points"][4]["stride"], 4);
+}
+
+TEST_F(Allan, FollowingPrintsATableAtEachDoublingAndAtTheEnd) {
+  const auto y = noise(5000);
+  const std::string first = scratch_.file("first", raw<double>({y.begin(), y.begin() + 1500})),
+                    rest = scratch_.file("rest", raw<double>({y.begin() + 1500, y.end()}));
+  const Outcome outcome =
+      shell("( cat " + first + "; sleep 0.5; cat " + rest + ") | %P allan - --follow --format f64" + kBinary);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  std::vector<std::string> tables;
+  for (std::size_t at = 0; (at = outcome.out.find("standard input: ", at)) != std::string::npos; ++at) {
+    tables.push_back(outcome.out.substr(at + 16, 13));
+  }
+  EXPECT_EQ(tables, (std::vector<std::string>{"1 500 samples", "5 000 samples"}));
+  EXPECT_EQ(outcome.out.find('\x1b'), std::string::npos);  // no terminal, no control codes
+}
+
+TEST_F(Allan, AnInterruptPrintsTheLastTable) {
+  const std::string log = scratch_.file("log", raw<double>(noise(3000)));
+  const Outcome outcome = shell("( cat " + log +
+                                "; sleep 2 ) | timeout --preserve-status -s INT 1 %P allan - --follow "
+                                "--json --format f64" +
+                                kBinary);
+  EXPECT_EQ(outcome.exit_code, kInterrupted) << outcome.err;
+  const auto document = json::parse(outcome.out, nullptr, false);
+  ASSERT_FALSE(document.is_discarded()) << outcome.out;
+  EXPECT_EQ(document["record"]["samples"], 3000);
+}
+
+TEST_F(Allan, StreamsRefuseWhatNeedsTheWholeLog) {
+  const std::string log = scratch_.file("log.csv", csv(noise(200)));
+  expect_refused(log + " --stream --estimator mdev", kUsage, "the oadev only");
+  expect_refused(log + " --stream --taus all", kUsage, "octaves only");
+  expect_refused(log + " --follow --stride m/3", kUsage, "a power of two");
+  expect_refused(log + " --stream --ieee", kUsage, "--ieee");
+  expect_refused(log + " other.csv --stream", kUsage, "one log");
+  expect_refused(log + " --stream --psd welch --json", kUsage, "needs the whole log");
+  expect_refused(log + " --stream --input angle --unit deg", kUsage, "rates or increments");
+  expect_refused("- --stream --format npy" + (kBinary + ("<" + log)), kBadInput,
+                 "expected the mark of a .npy");
+  expect_refused(scratch_.file("one.f64", raw<double>({1})) + kBinary + "--stream", kBadInput,
+                 "expected at least 2");
+}
+
+// --- Other views ------------------------------------------------------------------------------------------------------------------
+
+TEST_F(Allan, SpectraReadWhiteNoiseAsItsCoefficient) {
+  const std::string log = scratch_.file("log.csv", csv(noise(20000)));
+  for (const std::string method : {"welch", "multitaper"}) {
+    const auto psd = run(log + " --taus octave --psd " + method)["axes"][0]["psd"];
+    EXPECT_EQ(psd["method"], method);
+    EXPECT_EQ(psd["sides"], "two-sided");
+    EXPECT_EQ(psd["unit"], "deg/h/sqrt(Hz)");
+    EXPECT_EQ(psd["si_unit"], "rad/sqrt(s)");
+    ASSERT_GT(psd["points"].size(), 20U);
+    const double density = std::sqrt(0.1 / 12);  // variance times sample interval
+    int outside = 0;
+    for (const auto& p : psd["points"]) {
+      outside += p["lower"] > density || p["upper"] < density ? 1 : 0;
+      EXPECT_LT(p["frequency_hz"], 5.001);
+    }
+    // 95 % intervals: of 100 independent points 16 fall outside with probability 4e-5.
+    EXPECT_LT(outside, 0.16 * static_cast<double>(psd["points"].size())) << method;
+  }
+}
+
+TEST_F(Allan, DeviationOverTimeShowsWhatChanges) {
+  auto y = noise(12000);
+  for (std::size_t i = 6000; i < y.size(); ++i) y[i] *= 3;
+  const std::string log = scratch_.file("log.csv", csv(y)), page = scratch_.path("page.html");
+  const auto surface = run(log + " --dynamic 100s --report " + page)["axes"][0]["dynamic"];
+  EXPECT_EQ(surface["window_s"], 100);
+  EXPECT_EQ(surface["unit"], "deg/h");
+  const auto& rows = surface["deviation"];
+  ASSERT_EQ(rows.size(), surface["time_s"].size());
+  EXPECT_EQ(surface["time_s"][0], 50);
+  ASSERT_EQ(rows[0].size(), surface["tau_s"].size());
+  constexpr double kScatter =
+      0.15;  // of a ratio of deviations with about 600 degrees of freedom each: 5 sigma
+  EXPECT_NEAR(rows.back()[0].get<double>() / rows[0][0].get<double>(), 3, 3 * kScatter);
+  std::ostringstream text;
+  text << std::ifstream(page).rdbuf();
+  EXPECT_NE(text.str().find("\"dynamic\":{\"window_s\":100"), std::string::npos);
+}
+
+TEST_F(Allan, ViewsNeedAPlaceAndAWindow) {
+  const std::string log = scratch_.file("log.csv", csv(noise(200)));
+  expect_refused(log + " --psd welch", kUsage, "--psd goes into --report FILE.html and --json");
+  expect_refused(log + " --dynamic 10s", kUsage, "--dynamic goes into");
+  expect_refused(log + " --dynamic 1s --json", kUsage, "a window of 10 samples");
+  expect_refused(log + " --dynamic 1h --json", kUsage, "the 200 of the record");
 }
 
 }  // namespace
