@@ -6,7 +6,8 @@
   const {
     state, redraws, data, axes, byId, element, paragraphs, list, number, compact, count, signed, colour, duration,
     unitOf, table, logScale, tooltipLook, dashes, curveLine, bandLines, measuredPoints, marks, overlayDatasets,
-    union, addPlot, keepUpdated, plotFigure, padded, followSettings, insideArea,
+    union, addPlot, keepUpdated, plotFigure, padded, followSettings, insideArea, linearScale,
+    addChart,
   } = plotting;
 
   // --- Curves of an axis ---------------------------------------------------------------------------------------------
@@ -112,16 +113,14 @@
     figure.hidden = false;
     const canvas = figure.querySelector("canvas");
     canvas.setAttribute("aria-label", `${axis.name}: root of the two-sided power spectral density, by ${psd.method}`);
-    let chart = null;
-    const draw = () => {
-      if (chart) chart.destroy();
+    addChart(canvas, () => {
       const unit = unitOf(psd);
       const line = (value, look) => ({
         data: psd.points.map((p) => ({ x: p.frequency_hz, y: value(p) * unit.factor, point: p })), showLine: true, pointRadius: 0, borderWidth: 0, ...look,
       });
       const frequencies = psd.points.map((p) => p.frequency_hz);
       const values = psd.points.flatMap((p) => [p.lower, p.amplitude, p.upper]).filter((v) => v > 0 && Number.isFinite(v)).map((v) => v * unit.factor);
-      chart = new Chart(canvas, {
+      return {
         type: "scatter",
         data: {
           datasets: [
@@ -146,10 +145,8 @@
             },
           },
         },
-      });
-    };
-    draw();
-    redraws.push(draw);
+      };
+    });
   }
 
   // --- Deviation over time --------------------------------------------------------------------------------------------
@@ -200,20 +197,18 @@
         }));
       },
     };
-    let chart = null;
-    const draw = () => {
-      if (chart) chart.destroy();
+    addChart(canvas, () => {
       const unit = unitOf(axis.dynamic);
       const range = (low, high) => [Math.min(...cells.map((c) => c.box[low])), Math.max(...cells.map((c) => c.box[high]))];
       const [first, last] = range(0, 1);
-      chart = new Chart(canvas, {
+      return {
         type: "scatter",
         data: { datasets: [{ data: cells, pointRadius: 0, pointHoverRadius: 4, pointHitRadius: 0, borderColor: colour("text") }] },
         plugins: [painter],
         options: {
           animation: false, maintainAspectRatio: false, interaction: { mode: "nearest", axis: "xy", intersect: false },
           scales: {
-            x: { type: "linear", min: first, max: last, title: { display: true, text: "time [s]", color: colour("text") }, grid: { display: false }, ticks: { color: colour("quiet") } },
+            x: linearScale("time [s]", { min: first, max: last, ticks: { color: colour("quiet"), maxRotation: 0, includeBounds: false } }),
             y: logScale("averaging time \u03c4 [s]", range(2, 3)),
           },
           plugins: {
@@ -224,10 +219,8 @@
             } },
           },
         },
-      });
-    };
-    draw();
-    redraws.push(draw);
+      };
+    });
   }
 
   // --- Tables ---------------------------------------------------------------------------------------------------------
