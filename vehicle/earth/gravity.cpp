@@ -49,6 +49,22 @@ constexpr std::array<double, kZonals> zonals() {
 }
 constexpr std::array<double, kZonals> kJ = zonals();
 
+/// One even degree of the series with the recurrence of P'_n, a Gegenbauer polynomial's:
+/// (n - 1) P'_n = (2n - 1) s P'_(n-1) - n P'_(n-2), divided out beforehand.
+struct Step {
+  double J, odd_rise, odd_fall, even_rise, even_fall;
+};
+
+constexpr std::array<Step, kZonals> steps() {
+  std::array<Step, kZonals> steps{};
+  for (std::size_t k = 0; k < kZonals; ++k) {
+    const double n = 2.0 * static_cast<double>(k) + 2;
+    steps[k] = {kJ[k], (2 * n + 1) / n, (n + 1) / n, (2 * n + 3) / (n + 1), (n + 2) / (n + 1)};
+  }
+  return steps;
+}
+constexpr std::array<Step, kZonals> kSteps = steps();
+
 double checked_distance(const Eigen::Vector3d& p_eb_e) {
   const double r = p_eb_e.norm();
   if (!(r >= kNearest) || !std::isfinite(r))
@@ -68,20 +84,17 @@ Eigen::Vector3d normal_gravitation(const Eigen::Vector3d& p_eb_e) {
   const double r = checked_distance(p_eb_e);
   const double s = p_eb_e.z() / r;
   const double ratio2 = (kA / r) * (kA / r);
-  // P'_n by the recurrence of Gegenbauer polynomials: (n - 1) P'_n = (2n - 1) s P'_(n-1) - n P'_(n-2).
   double odd = 1;       // P'_(n-1), n even
   double even = 3 * s;  // P'_n
   double power = 1;     // (a/r)^n
   double radial = 0;
   double axial = 0;
-  for (int n = 2;; n += 2) {
+  for (const Step& step : kSteps) {
     power *= ratio2;
-    odd = ((2 * n + 1) * s * even - (n + 1) * odd) / n;  // P'_(n+1)
-    const double term = kJ[static_cast<std::size_t>(n / 2 - 1)] * power;
-    radial += term * odd;
-    axial += term * even;
-    if (n == kHighest) break;
-    even = ((2 * n + 3) * s * odd - (n + 2) * even) / (n + 1);  // P'_(n+2)
+    odd = step.odd_rise * s * even - step.odd_fall * odd;  // P'_(n+1)
+    radial += step.J * power * odd;
+    axial += step.J * power * even;
+    even = step.even_rise * s * odd - step.even_fall * even;  // P'_(n+2)
   }
   const double pull = wgs84::kGM / (r * r);
   Eigen::Vector3d g = p_eb_e * (-pull * (1 - radial) / r);
