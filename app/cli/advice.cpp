@@ -80,9 +80,11 @@ bool all_equal(const allan::Curve& curve) {
 }  // namespace
 
 bool holds_no_answer(const fit::Result& fit) {
-  constexpr std::array kAnswers{Term::white, Term::flicker, Term::rate_random_walk};
-  return std::none_of(kAnswers.begin(), kAnswers.end(),
-                      [&](Term t) { return fit[t].fitted && fit[t].status == Status::identified; });
+  constexpr std::array kAnswers{Term::white, Term::flicker, Term::rate_random_walk, Term::gauss_markov};
+  return std::none_of(kAnswers.begin(), kAnswers.end(), [&](Term t) {
+    const auto* c = report::find(fit, t);
+    return c != nullptr && c->fitted && c->status == Status::identified;
+  });
 }
 
 std::string one_line_verdict(const fit::Result& fit) {

@@ -72,13 +72,17 @@ const std::map<std::string, Term> kTermNames{
     {"rrw", Term::rate_random_walk},
     {"R", Term::rate_ramp},
     {"rate_ramp", Term::rate_ramp},
+    {"G", Term::gauss_markov},
+    {"gauss_markov", Term::gauss_markov},
+    {"S", Term::sinusoid},
+    {"sinusoid", Term::sinusoid},
 };
 
 Term term_named(const std::string& option, const std::string& name) {
   if (const auto at = kTermNames.find(name); at != kTermNames.end()) return at->second;
   throw std::invalid_argument(
-      fmt::format("{}: no term '{}'; there are Q (quantization), N (arw), B (bias_instability), K (rrw) and "
-                  "R (rate_ramp)",
+      fmt::format("{}: no term '{}'; there are Q (quantization), N (arw), B (bias_instability), K (rrw), "
+                  "R (rate_ramp), G (gauss_markov) and S (sinusoid)",
                   option, name));
 }
 
@@ -104,7 +108,10 @@ PlanArguments::Wish wish(const std::string& text) {
   if (parts.size() != 2)
     throw std::invalid_argument(fmt::format("--want '{}': write TERM=ACCURACY, e.g. B=10%", text));
   const double accuracy = quantity("--want", parts[1], noise::dimension::kNumber);
-  return {term_named("--want", parts[0]), positive("--want", accuracy, text)};
+  const Term term = term_named("--want", parts[0]);
+  if (term == Term::gauss_markov || term == Term::sinusoid)
+    throw std::invalid_argument(fmt::format("--want {}: plan knows Q, N, B, K and R only", text));
+  return {term, positive("--want", accuracy, text)};
 }
 
 // --- The options that verbs share ---------------------------------------------------------------------------------
@@ -514,15 +521,22 @@ CLI::App* add_calibrate(CLI::App& app, CalibrateArguments& a, Texts& texts) {
       "calibrate",
       "From a static log to the datasheet: ARW, bias instability and RRW with intervals and a verdict.\n\n"
       "  gyrobudget calibrate imu.csv --report datasheet.html -o sensor.yaml\n"
+      "  gyrobudget calibrate day1.csv day2.csv day3.csv -o type.yaml\n"
       "  gyrobudget calibrate gyro.txt --rate 200 --unit deg/s --kalibr imu.yaml\n");
-  verb->add_option("log", a.curve.log.path, "CSV or text, also .gz; - is stdin")->type_name("LOG");
+  verb->add_option("log", a.logs,
+                   "CSV or text, also .gz; - is stdin; several: records of one sensor type, each fitted by "
+                   "itself, then combined")
+      ->type_name("LOG ...");
   add_log(*verb, a.curve, texts);
   verb->get_option("--rate")->description(
       "sample rate, where the log has no time column; of the record behind --curve");
   auto* fit = verb->add_option_group("Fit");
-  fit->add_option("--terms", texts.terms,
-                  "terms to fit, of Q,N,B,K,R [N,B,K, and Q where the shortest taus show quantization]")
-      ->type_name("LIST");
+  fit->add_option(
+         "--terms", texts.terms,
+         "terms to fit, of Q,N,B,K,R, G (one Gauss-Markov process) and S (one sinusoid); auto: those that "
+         "the record holds, by likelihood ratios [N,B,K, and Q where the shortest taus show "
+         "quantization]")
+      ->type_name("LIST|auto");
   fit->add_option(
          "--method", texts.method,
          "gls: least squares with the exact covariance; edf: each tau's own variance; loglog: no weights; "
@@ -560,16 +574,27 @@ CLI::App* add_calibrate(CLI::App& app, CalibrateArguments& a, Texts& texts) {
 
 void finish(CalibrateArguments& a, const Texts& texts) {
   finish_log(a.curve, texts);
-  if (a.curve.log.path.empty() == a.curve_file.empty()) {
+  if (a.logs.empty() == a.curve_file.empty()) {
     throw std::invalid_argument(
         fmt::format("calibrate needs a log (or - for stdin), or a table with --curve{}",
                     a.curve.log.columns.empty() ? "" : "; put the log before --column"));
   }
+  for (auto log = a.logs.begin(); log != a.logs.end(); ++log) {
+    if (std::find(a.logs.begin(), log, *log) == log) continue;
+    throw std::invalid_argument(fmt::format("{} is given twice: one record counts once", *log));
+  }
+  if (!a.logs.empty()) a.curve.log.path = a.logs.front();
   const bool of_samples = texts.method == "whittle" || a.cross_check || !texts.mask.empty();
   if (of_samples && !a.curve_file.empty())
     throw std::invalid_argument(
         "--method whittle, --cross-check and --mask need the log, not a table (--curve)");
-  if (!texts.terms.empty()) a.terms = terms(texts.terms);
+  if (texts.terms == "auto")
+    a.choose_terms = true;
+  else if (!texts.terms.empty())
+    a.terms = terms(texts.terms);
+  const auto asked = [&](Term t) { return a.terms && std::ranges::find(*a.terms, t) != a.terms->end(); };
+  if (!a.curve_file.empty() && (a.choose_terms || asked(Term::gauss_markov) || asked(Term::sinusoid)))
+    throw std::invalid_argument("--terms auto, G and S need the log, not a table (--curve)");
   a.method = *std::find_if(fit::kMethods.begin(), fit::kMethods.end(),
                            [&](fit::Method m) { return fit::name(m) == texts.method; });
   const auto masks = [&](const char* what) {

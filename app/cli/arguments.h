@@ -88,9 +88,11 @@ struct CalibrateArguments {
   Common common;
   Pictures pictures;
   CurveArguments curve;
+  std::vector<std::string> logs;                  ///< several: records of one sensor type
   std::string curve_file;                         ///< a table of deviations instead of a log
   std::optional<double> duration_s;               ///< of the record behind a curve file
   std::optional<std::vector<noise::Term>> terms;  ///< unset: N, B, K, and Q where the first tau shows it
+  bool choose_terms = false;                      ///< --terms auto
   fit::Method method = fit::Method::gls;
   bool cross_check = false;  ///< the likelihood beside the fit
   Masking masking;

@@ -2,49 +2,27 @@
 // calibrate: log -> datasheet: the coefficients with intervals and verdicts, and the files to use next.
 #include "gyrobudget/io/curve_table.h"
 #include "gyrobudget/io/output.h"
-#include "gyrobudget/io/sensor_file.h"
 #include "gyrobudget/report/report.h"
-#include "gyrobudget/report/words.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <limits>
 #include <utility>
+#include <vector>
 
 #include "advice.h"
 #include "analysis.h"
 #include "fitting.h"
 #include "paths.h"
+#include "runs.h"
+#include "sensor_output.h"
 #include "terminal.h"
 #include "verbs.h"
 
 namespace gyrobudget::inline v0::cli {
 namespace {
-
-using noise::Term;
-
-constexpr std::int64_t kFewestSamples = 16;  // 4 octaves: three terms and one tau more
-
-report::LogResult calibrate_log(const CalibrateArguments& a) {
-  const io::Record record = read_record(a.curve, a.common);
-  if (record.samples < kFewestSamples) {
-    throw io::InputError(
-        fmt::format("{}: found {} samples, expected at least {}; a datasheet needs hours of record "
-                    "(gyrobudget plan tells how many)",
-                    record.source, record.samples, kFewestSamples));
-  }
-  report::LogResult result = describe_record(record, a.common);
-  Covariances covariances;
-  result.axes.resize(record.axes.size());
-  tbb::parallel_for(std::size_t{0}, record.axes.size(), [&](std::size_t i) {
-    result.axes[i] = calibrate_axis(record.axes[i], record.rate_hz, a, covariances);
-  });
-  return result;
-}
 
 // --- A table of deviations instead of a log ---------------------------------------------------------------------------
 
@@ -103,7 +81,7 @@ report::LogResult calibrate_table(const CalibrateArguments& a) {
     const Curves curves{display, thinned(display), {}};
     const io::Axis axis{column.name, column.signal, {}};
     report::AxisResult axis_result{.name = column.name, .signal = column.signal, .mean = display.mean};
-    axis_result.fit = fit_curves(curves, {}, axis, a, covariances);
+    axis_result.fit = fit_curves(curves, {}, terms_for(a, {}), axis, a, covariances);
     axis_result.points = with_intervals(display, {}, axis_result.fit->processes());
     axis_result.advice = advise(*axis_result.fit, axis, curves.octaves, {});
     result.axes.push_back(std::move(axis_result));
@@ -111,100 +89,33 @@ report::LogResult calibrate_table(const CalibrateArguments& a) {
   return result;
 }
 
-// --- The sensor file --------------------------------------------------------------------------------------------------
-
-// Six digits in the datasheet's unit: more than any record tells, and readable in the file.
-double rounded(double si, noise::Signal signal, Term term) {
-  const auto unit = noise::datasheet_unit(signal, term);
-  return std::stod(fmt::format("{:.6g}", noise::from_si(si, unit))) * noise::parse_unit(unit).to_si;
-}
-
-// A converged fit that describes the record and finds at least one of N, B, K.
-bool has_answer(const report::AxisResult& axis) {
-  const bool described =
-      axis.fit->verdict != fit::Verdict::not_described || !report::has_p_value(axis.fit->method);
-  return described && axis.fit->converged && !holds_no_answer(*axis.fit);
-}
-
-// One model for a triad: root mean square over its axes that have an answer, term by term.
-std::optional<noise::ErrorModel> triad(const report::LogResult& result, noise::Signal signal) {
-  noise::ErrorModel model;
-  int count = 0;
-  for (const auto& axis : result.axes) {
-    if (axis.signal != signal || !has_answer(axis)) continue;
-    ++count;
-    for (const auto& c : axis.fit->coefficients) {
-      if (c.fitted) model[c.term] = std::hypot(model[c.term], c.value);
-    }
-  }
-  if (count == 0) return std::nullopt;
-  for (const Term t :
-       {Term::quantization, Term::white, Term::flicker, Term::rate_random_walk, Term::rate_ramp}) {
-    model[t] = rounded(model[t] / std::sqrt(count), signal, t);
-  }
-  return model;
-}
-
-// "logs/gyro_7.csv.gz" is gyro_7.
-std::string log_name(const std::string& source) {
-  const std::string file = std::filesystem::path(source).filename().string();
-  return file.substr(0, file.find('.', 1));
-}
-
-noise::SensorModel sensor_of(const report::LogResult& result, const std::string& name) {
-  noise::SensorModel sensor;
-  sensor.name = name.empty() ? log_name(result.source) : name;
-  if (const auto gyro = triad(result, noise::Signal::angular_rate)) sensor.gyro = *gyro;
-  sensor.accelerometer = triad(result, noise::Signal::specific_force);
-  return sensor;
-}
-
-std::string provenance(const report::LogResult& result) {
-  std::string text = fmt::format("Fitted by: {}\nRecord: {} samples at {} Hz, {} missing\n", result.command,
-                                 result.samples, result.rate_hz, result.missing_samples);
-  if (result.axes.size() > 1) text += "Each value is the root mean square over the axes of its triad.\n";
-  for (const auto& axis : result.axes) {
-    text += fmt::format("{}: {}\n", axis.name, one_line_verdict(*axis.fit));
-    for (const auto& c : axis.fit->coefficients) {
-      if (!c.fitted || c.status == fit::Status::identified) continue;
-      const auto unit = noise::datasheet_unit(axis.signal, c.term);
-      text += fmt::format("  {} is not resolved: at most {} (95 %)\n", noise::key(axis.signal, c.term),
-                          noise::quantity_text(c.upper, unit, 3));
-    }
-  }
-  return text;
-}
-
-void write_sensor_files(const report::LogResult& result, const CalibrateArguments& a) {
-  if (a.output.empty() && a.kalibr.empty()) return;
-  const bool inertial = std::any_of(result.axes.begin(), result.axes.end(), [](const auto& axis) {
-    return axis.signal != noise::Signal::dimensionless;
-  });
-  if (!inertial)
-    throw std::invalid_argument("-o and --kalibr describe gyros and accelerometers; this log has neither");
-  if (std::none_of(result.axes.begin(), result.axes.end(), has_answer)) {
-    say(a.common, "no sensor file is written: no axis has an answer to put in it");
-    return;
-  }
-  const noise::SensorModel sensor = sensor_of(result, a.name);
-  if (!a.output.empty()) io::write_file(a.output, io::sensor_yaml(sensor, provenance(result)));
-  if (!a.kalibr.empty()) io::write_file(a.kalibr, io::kalibr_yaml(sensor, result.rate_hz));
-  for (const auto& path : {a.output, a.kalibr}) {
-    if (!path.empty()) say(a.common, "sensor file: " + path);
-  }
-}
-
 int exit_code(const report::LogResult& result) {
   return std::all_of(result.axes.begin(), result.axes.end(), has_answer) ? exit_done : exit_no_answer;
+}
+
+int run_several(const CalibrateArguments& a) {
+  const report::RunsResult result = calibrate_runs(a);
+  print(a.common.json ? report::runs_json(result) : report::runs_datasheet(result));
+  write_sensor_files(result, a);
+  if (!a.pictures.plot.empty())
+    write_pictures(report::side_by_side(result), {.report = "", .plot = a.pictures.plot}, a.common);
+  if (!a.pictures.report.empty()) {
+    io::write_file(a.pictures.report, report::runs_page(result));
+    say(a.common, "report page: " + a.pictures.report);
+  }
+  return every_axis_has_answer(result) ? exit_done : exit_no_answer;
 }
 
 }  // namespace
 
 int run(const CalibrateArguments& a) {
-  check_outputs(a.curve_file.empty() ? a.curve.log.path : a.curve_file, {{"-o", a.output},
-                                                                         {"--kalibr", a.kalibr},
-                                                                         {"--report", a.pictures.report},
-                                                                         {"--plot", a.pictures.plot}});
+  for (const auto& input : a.curve_file.empty() ? a.logs : std::vector{a.curve_file}) {
+    check_outputs(input, {{"-o", a.output},
+                          {"--kalibr", a.kalibr},
+                          {"--report", a.pictures.report},
+                          {"--plot", a.pictures.plot}});
+  }
+  if (a.logs.size() > 1) return run_several(a);
   const report::LogResult result = a.curve_file.empty() ? calibrate_log(a) : calibrate_table(a);
   print(a.common.json ? report::calibration_json(result) : report::datasheet(result));
   write_sensor_files(result, a);

@@ -2,6 +2,7 @@
 #include "fitting.h"
 
 #include "gyrobudget/allan/factors.h"
+#include "gyrobudget/fit/selection.h"
 #include "gyrobudget/fit/visual.h"
 #include "gyrobudget/fit/whittle.h"
 #include "gyrobudget/io/error.h"
@@ -12,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "advice.h"
 #include "analysis.h"
@@ -29,12 +31,13 @@ allan::Curve pick(const allan::Curve& curve, const std::vector<std::int64_t>& fa
   return picked;
 }
 
-// N, B and K; and Q where lag-1 identification sees white angle noise at the first tau.
-std::vector<Term> terms_for(const CalibrateArguments& a, const std::vector<allan::Identified>& identified) {
-  if (a.terms) return *a.terms;
-  std::vector<Term> terms{Term::white, Term::flicker, Term::rate_random_walk};
-  if (!identified.empty() && identified.front().alpha == 2) terms.insert(terms.begin(), Term::quantization);
-  return terms;
+bool holds(const std::vector<Term>& terms, Term t) {
+  return std::find(terms.begin(), terms.end(), t) != terms.end();
+}
+
+// Correlation times and frequencies are found for each axis: its covariance is of no use to others.
+bool has_shape(const std::vector<Term>& terms) {
+  return holds(terms, Term::gauss_markov) || holds(terms, Term::sinusoid);
 }
 
 bool same_gaps(const allan::Mask* a, const allan::Mask* b) {
@@ -65,6 +68,22 @@ void check_enough(const io::Axis& axis, const allan::Curve& curve, std::size_t t
                   axis.name, usable, terms + 1, terms, missing, curve.samples));
 }
 
+// Variances are of squares: beyond these they leave double, and what came out would be no answer.
+void check_scale(const io::Axis& axis) {
+  constexpr double kLeast = 1e-120, kMost = 1e120;
+  double low = std::numeric_limits<double>::infinity(), high = -low, size = 0;
+  for (const double y : axis.rate) {
+    if (std::isfinite(y))
+      low = std::min(low, y), high = std::max(high, y), size = std::max(size, std::abs(y));
+  }
+  const double range = 0.5 * high - 0.5 * low;
+  if (!(size > kMost) && (!(range > 0) || range >= kLeast)) return;
+  throw io::InputError(fmt::format(
+      "column '{}': found samples up to {:.3g} that vary by {:.3g} (SI), expected sizes from {:g} to {:g}: "
+      "the squares of others leave double; give their unit, or bring them there with --scale",
+      axis.name, size, 2 * range, kLeast, kMost));
+}
+
 bool is_silent(const allan::Curve& curve) {
   return std::all_of(curve.points.begin(), curve.points.end(),
                      [](const auto& p) { return !(p.variance > 0); });
@@ -77,13 +96,45 @@ report::CrossChecked cross_check(const fit::Result& fit, const Prepared& prepare
   options.terms = fit.fitted_terms;
   options.tau_min_s = fit.tau_min_s;
   options.tau_max_s = fit.tau_max_s;
+  if (holds(options.terms, Term::gauss_markov)) options.correlation_time_s = fit[Term::gauss_markov].shape;
+  if (holds(options.terms, Term::sinusoid)) options.frequency_hz = fit[Term::sinusoid].shape;
   report::CrossChecked checked;
   checked.likelihood = fit::fit_likelihood(prepared.record().rate(), prepared.record().dt(), options);
   checked.check = fit::cross_check(fit, checked.likelihood);
   return checked;
 }
 
+// Everything about one axis that is made again where a part of the record is masked.
+struct Fitted {
+  Curves curves;
+  fit::Result fit;
+  std::optional<report::Chosen> chosen;
+};
+
+Fitted fit_axis(const Prepared& prepared, const io::Axis& axis, const CalibrateArguments& a,
+                Covariances& covariances) {
+  const auto& record = prepared.record();
+  Fitted f{.curves = curves_of(record, a.curve)};
+  std::vector<Term> terms = terms_for(a, f.curves.identified);
+  if (a.choose_terms) {
+    f.chosen.emplace();
+    f.chosen->selection = fit::choose_terms(record.rate(), record.dt(), {.tau_min_s = a.tau_min_s});
+    if (!f.chosen->selection.terms.empty()) terms = f.chosen->selection.terms;
+    if (const auto& other = f.chosen->selection.alternative)
+      f.chosen->alternative_fit = fit_curves(f.curves, record.rate(), other->terms, axis, a, covariances);
+  }
+  f.fit = fit_curves(f.curves, record.rate(), terms, axis, a, covariances);
+  return f;
+}
+
 }  // namespace
+
+std::vector<Term> terms_for(const CalibrateArguments& a, const std::vector<allan::Identified>& identified) {
+  if (a.terms) return *a.terms;
+  std::vector<Term> terms{Term::white, Term::flicker, Term::rate_random_walk};
+  if (!identified.empty() && identified.front().alpha == 2) terms.insert(terms.begin(), Term::quantization);
+  return terms;
+}
 
 Curves curves_of(const allan::RateRecord& record, const CurveArguments& a) {
   const auto display = factors_for(a, record.samples());
@@ -108,10 +159,10 @@ Covariances::Shared Covariances::of(const allan::Curve& curve, const std::vector
   return known_.back().covariance;
 }
 
-fit::Result fit_curves(const Curves& curves, std::span<const double> rate, const io::Axis& axis,
-                       const CalibrateArguments& a, Covariances& covariances) {
+fit::Result fit_curves(const Curves& curves, std::span<const double> rate, const std::vector<Term>& terms,
+                       const io::Axis& axis, const CalibrateArguments& a, Covariances& covariances) {
   fit::Options options;
-  options.terms = terms_for(a, curves.identified);
+  options.terms = terms;
   options.method = a.method;
   options.tau_min_s = a.tau_min_s;
   options.tau_max_s = a.tau_max_s;
@@ -121,7 +172,7 @@ fit::Result fit_curves(const Curves& curves, std::span<const double> rate, const
   fit::Record record{
       .rate = rate, .dt = curves.octaves.dt, .curve = reads ? &curves.display : &curves.octaves};
   Covariances::Shared covariance;
-  if (!reads && a.method != fit::Method::whittle) {
+  if (!reads && a.method != fit::Method::whittle && !has_shape(terms)) {
     covariance = covariances.of(curves.octaves, options.terms);
     record.covariance = covariance.get();
   }
@@ -132,21 +183,20 @@ fit::Result fit_curves(const Curves& curves, std::span<const double> rate, const
 
 report::AxisResult calibrate_axis(const io::Axis& axis, double rate_hz, const CalibrateArguments& a,
                                   Covariances& covariances) {
+  check_scale(axis);
   Prepared prepared(axis, 1 / rate_hz, a);
-  Curves curves = curves_of(prepared.record(), a.curve);
-  fit::Result fit = fit_curves(curves, prepared.record().rate(), axis, a, covariances);
-  if (prepared.look_for_departure(fit.processes())) {
-    curves = curves_of(prepared.record(), a.curve);
-    fit = fit_curves(curves, prepared.record().rate(), axis, a, covariances);
-  }
-  prepared.look_for_lines();
+  Fitted fitted = fit_axis(prepared, axis, a, covariances);
+  if (prepared.look_for_departure(fitted.fit.processes())) fitted = fit_axis(prepared, axis, a, covariances);
+  auto& [curves, fit, chosen] = fitted;
+  prepared.look_for_lines(fit);
   report::AxisResult result{.name = axis.name, .signal = axis.signal, .mean = curves.octaves.mean};
   const auto mix =
       fit.verdict == fit::Verdict::not_described ? std::vector<noise::Process>{} : fit.processes();
   result.points = with_intervals(curves.display, curves.identified, mix);
-  if (a.cross_check) result.cross_checked = cross_check(fit, prepared);
+  if (a.cross_check && !fit.fitted_terms.empty()) result.cross_checked = cross_check(fit, prepared);
   result.advice = advise(fit, axis, curves.octaves, describe(prepared.findings(), axis, 1 / rate_hz));
   result.findings = prepared.findings();
+  result.chosen = std::move(chosen);
   result.fit = std::move(fit);
   return result;
 }

@@ -42,12 +42,18 @@ class Covariances {
   std::vector<Known> known_;
 };
 
+/// The terms asked for; else N, B and K, and Q where lag-1 identification sees white angle noise at the first tau.
+[[nodiscard]] std::vector<noise::Term> terms_for(const CalibrateArguments&,
+                                                 const std::vector<allan::Identified>&);
+
 /// Fits by the method asked for. `rate` is empty for a table.
 /// @throws io::InputError where gaps, or a table of few taus, leave too little to fit.
-[[nodiscard]] fit::Result fit_curves(const Curves&, std::span<const double> rate, const io::Axis&,
+[[nodiscard]] fit::Result fit_curves(const Curves&, std::span<const double> rate,
+                                     const std::vector<noise::Term>&, const io::Axis&,
                                      const CalibrateArguments&, Covariances&);
 
 /// Everything calibrate tells of one axis of a log.
+/// @throws io::InputError also for samples whose squares leave double.
 [[nodiscard]] report::AxisResult calibrate_axis(const io::Axis&, double rate_hz, const CalibrateArguments&,
                                                 Covariances&);
 

@@ -2,6 +2,7 @@
 #include "prepared.h"
 
 #include "gyrobudget/noise/sensor.h"
+#include "gyrobudget/report/words.h"
 
 #include <fmt/format.h>
 
@@ -71,6 +72,16 @@ std::string describe_departure(const report::Findings& found, const io::Axis& ax
       found.warm_up_masked ? "Its first five time constants are masked."
                            : "Curve and fit hold it, mostly as rate random walk: --mask warm-up leaves "
                              "out five time constants.");
+}
+
+// A line that the model has is not one that it lacks.
+void drop_modelled_line(std::vector<allan::SpectralLine>& lines, const fit::Result& fit, double duration_s) {
+  const auto* line = report::find(fit, noise::Term::sinusoid);
+  if (line == nullptr || !line->fitted || line->status != fit::Status::identified) return;
+  const double width = 4 / duration_s;  // resolution of the averaged spectrum is coarser than a bin
+  std::erase_if(lines, [&](const auto& l) {
+    return std::abs(l.frequency_hz - line->shape) < width + 0.02 * line->shape;
+  });
 }
 
 }  // namespace
@@ -153,7 +164,10 @@ bool Prepared::look_for_departure(std::span<const noise::Process> fitted) {
   return true;
 }
 
-void Prepared::look_for_lines() { findings_.lines = allan::find_lines(without_outliers(), dt_); }
+void Prepared::look_for_lines(const fit::Result& fit) {
+  findings_.lines = allan::find_lines(without_outliers(), dt_);
+  drop_modelled_line(findings_.lines, fit, static_cast<double>(findings_.samples) * dt_);
+}
 
 std::vector<std::string> describe(const report::Findings& found, const io::Axis& axis, double dt) {
   std::vector<std::string> text;

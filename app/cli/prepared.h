@@ -26,7 +26,8 @@ class Prepared {
   /// Looks for a warm-up, a trend or a step beside the noise that was fitted.
   /// @return whether a part of the record was masked for it, and curve and fit are to be made again.
   [[nodiscard]] bool look_for_departure(std::span<const noise::Process> fitted);
-  void look_for_lines();
+  /// Lines that the fit does not hold.
+  void look_for_lines(const fit::Result&);
 
  private:
   void look_for_outliers_and_steps();

@@ -485,6 +485,16 @@ std::string kalibr_left_out(std::string_view name, const ErrorModel& model, Sign
     text += fmt::format("# {} {}: {} has no place in this form\n", name, noise::label(signal, t),
                         noise::quantity_text(model[t], noise::datasheet_unit(signal, t)));
   }
+  for (const auto& g : model.gauss_markov) {
+    text += fmt::format("# {} {}: {} with a correlation time of {:.6g} s has no place in this form\n", name,
+                        noise::label(signal, Term::gauss_markov),
+                        noise::quantity_text(g.sigma, noise::datasheet_unit(signal)), g.correlation_time);
+  }
+  for (const auto& s : model.sinusoids) {
+    text += fmt::format("# {} {}: {} at {:.6g} Hz has no place in this form\n", name,
+                        noise::label(signal, Term::sinusoid),
+                        noise::quantity_text(s.amplitude, noise::datasheet_unit(signal)), s.frequency);
+  }
   return text;
 }
 

@@ -25,6 +25,8 @@ using noise::Term;
 constexpr std::int64_t kCurvePoints = 120;
 /// Reading points further than this below the measured minimum would squeeze the curve; they are not shown.
 constexpr double kDeepestMark = 30;
+/// Top of the Allan deviation of a Gauss-Markov process, over Tc and sigma, and of a line, over 1/f and the amplitude.
+constexpr double kMarkovTop = 1.8926, kMarkovHeight = 0.61736, kLineTop = 0.37101, kLineHeight = 0.72461;
 
 /// Averaging factors of the curves: the span of the measured points, filled evenly in log m.
 std::vector<std::int64_t> curve_factors(const std::vector<DeviationPoint>& points) {
@@ -44,9 +46,9 @@ double drawn_value(const Coefficient& c) {
   return is_limit(c) ? c.upper : c.value;
 }
 
-std::vector<double> deviations(Term term, double coefficient, const std::vector<std::int64_t>& factors,
+std::vector<double> deviations(const Coefficient& c, double value, const std::vector<std::int64_t>& factors,
                                double dt) {
-  const auto process = noise::with_coefficient(noise::unit_process(term), coefficient);
+  const auto process = process_of(c, value);
   std::vector<double> result;
   result.reserve(factors.size());
   for (const std::int64_t m : factors) result.push_back(std::sqrt(noise::allan_variance(process, m, dt)));
@@ -60,8 +62,8 @@ void add_model(AxisCurves& curves, const AxisResult& axis, const std::vector<std
     const Coefficient* c = find(*axis.fit, term);
     if (c == nullptr || !(drawn_value(*c) > 0)) continue;
     const double drawn = drawn_value(*c);
-    curves.terms.push_back({term, is_limit(*c), drawn, deviations(term, drawn, factors, dt)});
-    const auto own = deviations(term, c->value, factors, dt);
+    curves.terms.push_back({term, is_limit(*c), drawn, deviations(*c, drawn, factors, dt)});
+    const auto own = deviations(*c, c->value, factors, dt);
     for (std::size_t i = 0; i < own.size(); ++i) variance[i] += own[i] * own[i];
   }
   if (curves.terms.empty()) return;
@@ -70,8 +72,13 @@ void add_model(AxisCurves& curves, const AxisResult& axis, const std::vector<std
 
 /// Averaging time at which the line of a term reads the coefficient in SI, as IEEE Std 952 has it; for flicker, where
 /// white noise and random walk cover it least.
-double reading_tau(const AxisResult& axis, Term term) {
-  switch (term) {
+/// For G and S, the top of their hump.
+double reading_tau(const AxisResult& axis, const Coefficient& c) {
+  switch (c.term) {
+    case Term::gauss_markov:
+      return kMarkovTop * c.shape;
+    case Term::sinusoid:
+      return kLineTop / c.shape;
     case Term::white:
       return 1;
     case Term::rate_random_walk:
@@ -89,10 +96,20 @@ double reading_tau(const AxisResult& axis, Term term) {
   return crossing ? std::numbers::sqrt3 * white->value / walk->value : axis.fit->minimum_tau_s;
 }
 
+/// What the line of a term reads there, over its coefficient.
+double reading_height(Term term) {
+  if (term == Term::flicker) return kFlickerFloor;
+  if (term == Term::gauss_markov) return kMarkovHeight;
+  return term == Term::sinusoid ? kLineHeight : 1;
+}
+
 std::string reading_text(const AxisResult& axis, const Coefficient& c, double deviation) {
+  const bool hump = c.term == Term::gauss_markov || c.term == Term::sinusoid;
   return fmt::format("{} = {}: {} reads {}", static_cast<char>(c.term),
                      in_unit(c.value, noise::datasheet_unit(axis.signal, c.term)),
-                     c.term == Term::flicker ? "the floor 0.664 B" : "its line",
+                     c.term == Term::flicker ? "the floor 0.664 B"
+                     : hump                  ? "the top of its hump"
+                                             : "its line",
                      in_unit(deviation, noise::datasheet_unit(axis.signal)));
 }
 
@@ -105,9 +122,9 @@ std::string minimum_mark_text(const AxisResult& axis) {
 /// Where the coefficient can be read; only those that the record gives are marked: a limit is a line without a point.
 std::optional<Mark> reading_mark(const AxisCurves& curves, const AxisResult& axis, const Coefficient& c) {
   if (!c.fitted || c.status != Status::identified || !(c.value > 0)) return std::nullopt;
-  const double tau = reading_tau(axis, c.term);
+  const double tau = reading_tau(axis, c);
   if (!(tau >= curves.tau_low_s && tau <= curves.tau_high_s)) return std::nullopt;
-  const double deviation = c.value * (c.term == Term::flicker ? kFlickerFloor : 1);
+  const double deviation = c.value * reading_height(c.term);
   if (deviation * kDeepestMark < axis.fit->minimum_deviation) return std::nullopt;
   return Mark{std::string(1, static_cast<char>(c.term)), tau, deviation, reading_text(axis, c, deviation)};
 }

@@ -24,7 +24,7 @@ struct TermCurve {
 
 /// A point of the plot with a name: where a coefficient is read, or the raw minimum.
 struct Mark {
-  std::string name;  ///< "N", "B", "K", "Q", "R" or "min"
+  std::string name;  ///< "N", "B", "K", "Q", "R", "G", "S" or "min"
   double tau_s = 0;
   double deviation = 0;
   std::string text;  ///< how the point gives the number, in datasheet units

@@ -6,6 +6,7 @@
 #include "gyrobudget/report/words.h"
 #include "gyrobudget/version.h"
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -216,28 +217,36 @@ Json parameter(Signal signal, const Coefficient& c) {
   const Scale scale(signal, c.term);
   const auto known = [&](double value) { return c.fitted ? Json(value) : Json(nullptr); };
   const double lower = std::isfinite(c.lower) ? c.lower : 0;
-  return {{"value", known(scale(c.value))},
-          {"unit", scale.unit()},
-          {"lower", known(scale(lower))},
-          {"upper", known(scale(c.upper))},
-          {"relative_std", known(c.relative_std)},
-          {"status", text(c.status)},
-          {"symbol", std::string(1, static_cast<char>(c.term))},
-          {"label", noise::label(signal, c.term)},
-          {"fitted", c.fitted},
-          {"boundary_test", known(c.boundary_test)},
-          {"upper_two_sided", known(scale(c.upper_two_sided))},
-          {"si",
-           {{"value", known(c.value)},
-            {"lower", known(lower)},
-            {"upper", known(c.upper)},
-            {"unit", si_unit(noise::dimension_of(signal, c.term))}}}};
+  Json out = {{"value", known(scale(c.value))},
+              {"unit", scale.unit()},
+              {"lower", known(scale(lower))},
+              {"upper", known(scale(c.upper))},
+              {"relative_std", known(c.relative_std)},
+              {"status", text(c.status)},
+              {"symbol", std::string(1, static_cast<char>(c.term))},
+              {"label", noise::label(signal, c.term)},
+              {"fitted", c.fitted},
+              {"boundary_test", known(c.boundary_test)},
+              {"upper_two_sided", known(scale(c.upper_two_sided))},
+              {"si",
+               {{"value", known(c.value)},
+                {"lower", known(lower)},
+                {"upper", known(c.upper)},
+                {"unit", si_unit(noise::dimension_of(signal, c.term))}}}};
+  const auto add_shape = [&](const std::string& name, const std::string& unit) {
+    out[name + unit] = known(c.shape);
+    out[name + "_lower" + unit] = known(c.shape_lower);
+    out[name + "_upper" + unit] = known(c.shape_upper);
+  };
+  if (c.term == Term::gauss_markov) add_shape("correlation_time", "_s");
+  if (c.term == Term::sinusoid) add_shape("frequency", "_hz");
+  return out;
 }
 
-Json parameters(const AxisResult& axis) {
+Json parameters(const AxisResult& axis, const fit::Result& fit) {
   Json out = Json::object();
   for (const Term term : reading_order()) {
-    if (const Coefficient* c = find(*axis.fit, term)) {
+    if (const Coefficient* c = find(fit, term)) {
       out[std::string(noise::key(axis.signal, term))] = parameter(axis.signal, *c);
     }
   }
@@ -290,25 +299,57 @@ Json covariance(const AxisResult& axis) {
   return {{"parameters", names}, {"matrix", matrix}};
 }
 
+Json keys(Signal signal, const std::vector<Term>& terms) {
+  Json out = Json::array();
+  for (const Term t : terms) out.push_back(noise::key(signal, t));
+  return out;
+}
+
+/// What --terms auto weighed and chose, as keys of `fit`.
+void add_choice(Json& fit, const AxisResult& axis) {
+  if (!axis.chosen) return;
+  const auto& [selection, other] = *axis.chosen;
+  Json weighed = Json::array();
+  for (const fit::Weighed& w : selection.weighed) {
+    weighed.push_back({{"candidate", noise::key(axis.signal, w.candidate)},
+                       {"beside", keys(axis.signal, w.beside)},
+                       {"gain", w.gain},
+                       {"cut", w.cut},
+                       {"kept", w.kept}});
+  }
+  fit["chosen"] = keys(axis.signal, selection.terms);
+  fit["weighed"] = weighed;
+  fit["dropped"] = keys(axis.signal, selection.dropped);
+  fit["alternative"] = nullptr;
+  if (!selection.alternative || !other) return;
+  fit["alternative"] = {{"terms", keys(axis.signal, selection.alternative->terms)},
+                        {"log_likelihood_difference", selection.alternative->log_likelihood_difference},
+                        {"p_value", is_tested(*other) ? Json(other->p_value) : Json(nullptr)},
+                        {"parameters", parameters(axis, *other)},
+                        {"text", alternative_text(axis)}};
+}
+
 Json fit_summary(const AxisResult& axis) {
   const fit::Result& fit = *axis.fit;
   const auto if_tested = [&](double value) { return is_tested(fit) ? Json(value) : Json(nullptr); };
-  return {{"method", fit::name(fit.method)},
-          {"tau_min_s", fit.tau_min_s},
-          {"tau_max_s", fit.tau_max_s},
-          {"chi2", if_tested(fit.chi2)},
-          {"dof", fit.dof},
-          {"p_value", if_tested(fit.p_value)},
-          {"worst_misfit", fit.worst_misfit},
-          {"worst_misfit_tau_s", fit.worst_misfit_tau_s},
-          {"verdict", text(fit.verdict)},
-          {"verdict_text", verdict_text(fit) + " " + consequence_text(fit)},
-          {"converged", fit.converged},
-          {"iterations", fit.iterations},
-          {"seconds", fit.seconds},
-          {"moved", moves(axis)},
-          {"covariance", covariance(axis)},
-          {"residuals", residuals(axis)}};
+  Json out = {{"method", fit::name(fit.method)},
+              {"tau_min_s", fit.tau_min_s},
+              {"tau_max_s", fit.tau_max_s},
+              {"chi2", if_tested(fit.chi2)},
+              {"dof", fit.dof},
+              {"p_value", if_tested(fit.p_value)},
+              {"worst_misfit", fit.worst_misfit},
+              {"worst_misfit_tau_s", fit.worst_misfit_tau_s},
+              {"verdict", text(fit.verdict)},
+              {"verdict_text", verdict_text(fit) + " " + consequence_text(fit)},
+              {"converged", fit.converged},
+              {"iterations", fit.iterations},
+              {"seconds", fit.seconds},
+              {"moved", moves(axis)},
+              {"covariance", covariance(axis)},
+              {"residuals", residuals(axis)}};
+  add_choice(out, axis);
+  return out;
 }
 
 /// The likelihood beside the fit; null where it was not asked for.
@@ -380,7 +421,7 @@ Json calibration_document(const LogResult& result) {
   Json& axes = document["axes"] = Json::array();
   for (const AxisResult& axis : result.axes) {
     Json out = axis_head(axis);
-    out["parameters"] = axis.fit ? parameters(axis) : Json::object();
+    out["parameters"] = axis.fit ? parameters(axis, *axis.fit) : Json::object();
     out["minimum"] = axis.fit ? minimum(axis) : Json(nullptr);
     out["beta"] = axis.fit ? Json(axis.fit->beta) : Json(nullptr);
     out["fit"] = axis.fit ? fit_summary(axis) : Json(nullptr);
@@ -392,20 +433,82 @@ Json calibration_document(const LogResult& result) {
   return document;
 }
 
-Json rows(const AxisResult& axis) {
+Json combined_parameter(Signal signal, const fit::Combined& c) {
+  const Scale scale(signal, c.term);
+  return {{"value", scale(c.value)},
+          {"unit", scale.unit()},
+          {"lower", scale(c.lower)},
+          {"upper", scale(c.upper)},
+          {"spread", scale(c.spread)},
+          {"next_lower", c.records > 2 ? Json(scale(c.next_lower)) : Json(nullptr)},
+          {"next_upper", c.records > 2 ? Json(scale(c.next_upper)) : Json(nullptr)},
+          {"records", c.records},
+          {"identified", c.identified},
+          {"q", c.q},
+          {"p_value", c.p_value},
+          {"symbol", std::string(1, static_cast<char>(c.term))},
+          {"label", noise::label(signal, c.term)}};
+}
+
+/// In the order of reading.
+std::vector<fit::Combined> in_reading_order(const CombinedAxis& axis) {
+  std::vector<fit::Combined> list;
+  for (const Term term : reading_order()) {
+    const auto at = std::ranges::find(axis.coefficients, term, &fit::Combined::term);
+    if (at != axis.coefficients.end()) list.push_back(*at);
+  }
+  return list;
+}
+
+Json combined(const RunsResult& result) {
+  Json axes = Json::array();
+  for (const CombinedAxis& axis : result.combined) {
+    Json parameters = Json::object();
+    for (const auto& c : in_reading_order(axis))
+      parameters[std::string(noise::key(axis.signal, c.term))] = combined_parameter(axis.signal, c);
+    axes.push_back({{"name", axis.name},
+                    {"signal", text(axis.signal)},
+                    {"left_out", axis.left_out},
+                    {"parameters", parameters}});
+  }
+  return axes;
+}
+
+/// What the page shows of it.
+Json combined_rows(const RunsResult& result) {
+  Json axes = Json::array();
+  for (const CombinedAxis& axis : result.combined) {
+    Json rows = Json::array();
+    for (const auto& c : in_reading_order(axis)) {
+      const CombinedText t = combined_text(axis.signal, c);
+      rows.push_back({fmt::format("{} ({})", noise::label(axis.signal, c.term), static_cast<char>(c.term)),
+                      t.value, t.interval, t.spread, t.next, t.unit, t.agreement});
+    }
+    axes.push_back({{"name", axis.name}, {"left_out", axis.left_out}, {"rows", rows}});
+  }
+  return axes;
+}
+
+Json rows(const AxisResult& axis, const fit::Result& fit) {
   const auto cells = [](const CoefficientText& t) {
     return Json{{"value", t.value}, {"interval", t.interval}, {"unit", t.unit}};
   };
   Json out = Json::array();
   for (const Term term : reading_order()) {
-    const Coefficient* c = find(*axis.fit, term);
+    const Coefficient* c = find(fit, term);
     if (c == nullptr) continue;
+    const ShapeText shape = shape_text(*c);
     out.push_back({{"symbol", std::string(1, static_cast<char>(term))},
                    {"label", noise::label(axis.signal, term)},
                    {"status", text(c->status)},
-                   {"status_text", status_text(axis.signal, *c, *axis.fit)},
+                   {"status_text", status_text(axis.signal, *c, fit)},
                    {"datasheet", cells(datasheet_text(axis.signal, *c))},
-                   {"si", cells(si_text(axis.signal, *c))}});
+                   {"si", cells(si_text(axis.signal, *c))},
+                   {"shape",
+                    {{"label", shape.label},
+                     {"value", shape.value},
+                     {"interval", shape.interval},
+                     {"unit", shape.unit}}}});
   }
   return out;
 }
@@ -442,7 +545,10 @@ Json words(const AxisResult& axis, double rate_hz) {
           {"consequence", consequence_text(fit)},
           {"minimum", minimum_text(axis, rate_hz)},
           {"beta", beta_text(fit)},
-          {"cut", cut_text(axis)}};
+          {"cut", cut_text(axis)},
+          {"selection", selection_text(axis)},
+          {"weighed", weighed_texts(axis)},
+          {"alternative", alternative_text(axis)}};
 }
 
 std::string estimators_text(const LogResult& result) {
@@ -459,7 +565,14 @@ std::string allan_json(const LogResult& result) { return document(allan_document
 
 std::string calibration_json(const LogResult& result) { return document(calibration_document(result)); }
 
-std::string page_data(const LogResult& result) {
+std::string runs_json(const RunsResult& result) {
+  Json out = {{"schema", "gyrobudget.runs/1"}, {"version", kVersion}, {"command", result.command}};
+  out["combined"] = combined(result);
+  for (const LogResult& run : result.runs) out["runs"].push_back(calibration_document(run));
+  return document(out);
+}
+
+std::string page_data(const LogResult& result, const RunsResult* runs) {
   LogResult small = result;
   for (AxisResult& axis : small.axes) axis.points = thinned(axis.points, kPagePoints);
   Json data = {{"allan", allan_document(small)},
@@ -474,9 +587,13 @@ std::string page_data(const LogResult& result) {
     axes.push_back({{"name", curve_name(axis, result)},
                     {"deviation_name", deviation_name(axis.estimator)},
                     {"curves", curves(axis, result.rate_hz)},
-                    {"rows", axis.fit ? rows(axis) : Json::array()},
+                    {"rows", axis.fit ? rows(axis, *axis.fit) : Json::array()},
+                    {"other_rows", axis.chosen && axis.chosen->alternative_fit
+                                       ? rows(axis, *axis.chosen->alternative_fit)
+                                       : Json::array()},
                     {"words", axis.fit ? words(axis, result.rate_hz) : Json(nullptr)}});
   }
+  if (runs != nullptr) data["combined"] = combined_rows(*runs);
   return without_markup(compact(data));
 }
 

@@ -100,6 +100,11 @@ std::string page(const LogResult& result) {
                fitted ? datasheet(result) : allan_table(result), page_data(result), kPageJs);
 }
 
+std::string runs_page(const RunsResult& runs) {
+  const LogResult all = side_by_side(runs);
+  return whole("Datasheet of " + all.source, kPageHtml, runs_datasheet(runs), page_data(all, &runs), kPageJs);
+}
+
 std::string paper_page(const Paper& paper) {
   return whole("A paper's gyro noise, published and simulated again", kPaperHtml, paper_table(paper),
                paper_data(paper), kPaperJs);

@@ -227,15 +227,17 @@
 
   /** A quantity in the chosen unit, the other one small below it. */
   function bothUnits(row, what) {
+    const shape = row.shape.label && (what === "value" ? `${row.shape.label} ${row.shape.value}` : row.shape.interval);
     const other = state.units === "si" ? "datasheet" : "si";
     const text = (unit) => (row[unit][what] === "-" ? "-" : `${row[unit][what]} ${row[unit].unit}`);
     const box = element("div", "", text(state.units));
     if (text(other) !== text(state.units)) box.append(element("div", "other", text(other)));
+    if (shape) box.append(element("div", "", shape === "-" ? shape : `${shape} ${row.shape.unit}`));
     return box;
   }
 
-  function coefficientTable(axis) {
-    const rows = axis.rows.map((row) => ({
+  function coefficientTable(axisRows) {
+    const rows = axisRows.map((row) => ({
       className: row.status,
       cells: [
         [`${row.label} (${row.symbol})`, "", "row"], [bothUnits(row, "value"), "number"],
@@ -296,7 +298,7 @@
     badge.textContent = axis.words.headline;
     badge.classList.add(toneOf(axis));
     section.querySelector(".verdict").append(...paragraphs(axis.words.verdict), followsParagraph(axis.words.consequence));
-    keepUpdated(section.querySelector(".coefficients"), () => coefficientTable(axis));
+    keepUpdated(section.querySelector(".coefficients"), () => coefficientTable(axis.rows));
     addResiduals(section.querySelector(".percent"), axis, {
       title: "%", value: (r) => 100 * r.misfit, band: (r) => 196 * r.relative_std, counts: () => true,
       description: `${axis.name}: departure of the measured deviation from the model in percent`,
@@ -315,6 +317,14 @@
     const block = (title, ...content) => {
       if (content.length) box.append(element("h3", "", title), ...content);
     };
+    if (axis.words && axis.words.selection) {
+      block("How the terms were chosen", ...paragraphs(axis.words.selection), list(axis.words.weighed), ...paragraphs(axis.words.alternative));
+    }
+    if (axis.other_rows.length) {
+      const other = element("div", "table-box coefficients");
+      block("The other model", other);
+      keepUpdated(other, () => coefficientTable(axis.other_rows));
+    }
     if (axis.words) {
       block("Why makers quote another \u201cbias instability\u201d", ...paragraphs(axis.words.minimum, axis.words.beta));
       block("What was left out of the fit", ...paragraphs(axis.words.cut));
@@ -351,6 +361,20 @@
     else section.querySelector(".residuals").hidden = true;
     addWords(section.querySelector(".words"), axis);
     addPointTable(section.querySelector(".points"), axis);
+  }
+
+  /** What several records say together. */
+  function addCombined(axis) {
+    const section = element("section", "axis", element("h2", "", `${axis.name}: all records together`));
+    const rows = axis.rows.map(([name, value, interval, spread, next, unit, agreement]) => ({
+      cells: [[name, "", "row"], [value, "number"], [interval, "number"], [spread, "number"], [next, "number"], [unit], [agreement]],
+    }));
+    const head = [["coefficient"], ["combined", "number"], ["95 % interval", "number"], ["spread between records", "number"],
+      ["95 % of another record", "number"], ["unit"], ["records"]];
+    if (rows.length) section.append(element("div", "table-box coefficients", table("", head, rows)));
+    else section.append(element("p", "", "No record can be quoted."));
+    if (axis.left_out.length) section.append(element("p", "note", `Not taken, because the model does not describe them: ${axis.left_out.join(", ")}.`));
+    byId("main").append(section);
   }
 
   /** Axes that measure the same, beside each other. */
@@ -404,6 +428,7 @@
 
   addFacts();
   addContents();
+  (data.combined || []).forEach(addCombined);
   [...new Set(axes.map((axis) => axis.unit))].forEach(addOverview);
   axes.forEach(addAxis);
   followSettings();

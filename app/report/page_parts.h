@@ -16,8 +16,8 @@ namespace gyrobudget::inline v0::report {
 [[nodiscard]] std::string without_markup(const std::string& json);
 
 /// What page.js draws: allan_json and calibration_json, model curves, and every sentence, as one JSON text without
-/// "<".
-[[nodiscard]] std::string page_data(const LogResult&);
+/// "<". With `runs`, of which the result is side_by_side, the combined coefficients too.
+[[nodiscard]] std::string page_data(const LogResult&, const RunsResult* runs = nullptr);
 /// What paper.js draws: page_data of the four records, with the exact curves and the readings by eye, the rows of
 /// paper_json as "paper", and the figures in time as "drifts" and "traces".
 [[nodiscard]] std::string paper_data(const Paper&);

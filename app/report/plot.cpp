@@ -46,11 +46,13 @@ struct Style {
   std::string_view colour;
   int dash;
 };
-constexpr std::array<Style, 5> kStyles = {{{Term::white, "#0072b2", 2},
+constexpr std::array<Style, 7> kStyles = {{{Term::white, "#0072b2", 2},
                                            {Term::flicker, "#009e73", 4},
                                            {Term::rate_random_walk, "#cc79a7", 5},
                                            {Term::quantization, "#e69f00", 3},
-                                           {Term::rate_ramp, "#56b4e9", 3}}};
+                                           {Term::rate_ramp, "#56b4e9", 3},
+                                           {Term::gauss_markov, "#7a4fa3", 6},
+                                           {Term::sinusoid, "#8a6d3b", 7}}};
 
 const Style& style_of(Term term) {
   return *std::find_if(kStyles.begin(), kStyles.end(), [term](const Style& s) { return s.term == term; });

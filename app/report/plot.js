@@ -366,7 +366,7 @@ const plotting = (() => {
 
   // --- The log-log plot of an axis, or of several beside each other ---------------------------------------------------
 
-  const dashes = { N: [8, 4], B: [10, 4, 2, 4], K: [6, 3, 2, 3, 2, 3], Q: [3, 3], R: [3, 3] };
+  const dashes = { N: [8, 4], B: [10, 4, 2, 4], K: [6, 3, 2, 3, 2, 3], Q: [3, 3], R: [3, 3], G: [12, 3], S: [2, 3] };
 
   function curveLine(axis, name, xs, ys, look) {
     const { factor } = unitOf(axis);

@@ -41,6 +41,20 @@ namespace gyrobudget::inline v0::report {
 /// advice, glossary. At most 300 points a curve. Names and notes of users are text, whatever they hold.
 [[nodiscard]] std::string page(const LogResult&);
 
+// Several records of one sensor type, each fitted by itself, and what they say together (fit::combine).
+
+/// Per axis a line for each record and the combined coefficients: value, interval, spread between records, and the
+/// interval for another record; then the advice of each record.
+[[nodiscard]] std::string runs_datasheet(const RunsResult&);
+/// Schema gyrobudget.runs/1: {"schema","version","command","combined":[{"name","signal","left_out","parameters"}],
+/// "runs":[calibration_json of each]}. A parameter has value, lower, upper, spread, next_lower and next_upper (95 % of
+/// another record's; null below three), records, identified, q and p_value.
+[[nodiscard]] std::string runs_json(const RunsResult&);
+/// The page of all records, their curves over one another, headed by the combined coefficients.
+[[nodiscard]] std::string runs_page(const RunsResult&);
+/// The records as one result, axes named after their records, for a picture of them all.
+[[nodiscard]] LogResult side_by_side(const RunsResult&);
+
 /// Picture of the deviation curves by gnuplot (Debian: gnuplot-nox), one panel for each axis; the format follows from
 /// the ending: .svg, .png or .pdf. The file appears whole or not at all.
 /// @throws std::invalid_argument for another ending or a result without points, io::OutputError where gnuplot is

@@ -7,7 +7,9 @@
 #include "gyrobudget/allan/lines.h"
 #include "gyrobudget/allan/outliers.h"
 #include "gyrobudget/allan/steps.h"
+#include "gyrobudget/fit/combine.h"
 #include "gyrobudget/fit/fit.h"
+#include "gyrobudget/fit/selection.h"
 #include "gyrobudget/fit/whittle.h"
 #include "gyrobudget/noise/sensor.h"
 
@@ -49,6 +51,12 @@ struct CrossChecked {
   fit::CrossCheck check;
 };
 
+/// How the terms of a fit were chosen, where it was left to the record.
+struct Chosen {
+  fit::Selection selection;
+  std::optional<fit::Result> alternative_fit;  ///< with the terms of `selection.alternative`
+};
+
 /// A two-sided power spectral density, as its root: white noise reads N. SI units of the axis' signal per sqrt(Hz).
 struct SpectrumResult {
   struct Point {
@@ -79,6 +87,7 @@ struct AxisResult {
   double mean = 0;                            ///< of the signal, SI
   std::vector<DeviationPoint> points;         ///< ascending m; NaN deviations (no terms left) are not in it
   std::optional<fit::Result> fit;             ///< calibrate only
+  std::optional<Chosen> chosen;               ///< where the terms were left to the record
   std::optional<CrossChecked> cross_checked;  ///< where asked for
   std::optional<Findings> findings;           ///< calibrate of a log only
   std::optional<SpectrumResult> psd;          ///< allan --psd, with the first curve of a column
@@ -95,6 +104,21 @@ struct LogResult {
   std::int64_t missing_samples = 0;
   std::vector<std::string> notes;  ///< how the log was read
   std::vector<AxisResult> axes;
+};
+
+/// An axis of a sensor type from several records.
+struct CombinedAxis {
+  std::string name;
+  noise::Signal signal = noise::Signal::angular_rate;
+  std::vector<fit::Combined> coefficients;  ///< empty where no record is quotable
+  std::vector<std::string> left_out;        ///< sources of the records that were not taken: not described
+};
+
+/// Several records of one sensor type (power-ups, units), each with its own datasheet, and what they say together.
+struct RunsResult {
+  std::string command;
+  std::vector<LogResult> runs;         ///< the same axes in the same order in each
+  std::vector<CombinedAxis> combined;  ///< in that order
 };
 
 }  // namespace gyrobudget::inline v0::report

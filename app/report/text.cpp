@@ -59,8 +59,7 @@ bool is_fitted(const fit::Result& fit, Term term) {
   return c != nullptr && c->fitted;
 }
 
-std::string coefficient_table(const AxisResult& axis) {
-  const fit::Result& fit = *axis.fit;
+std::string coefficient_table(const AxisResult& axis, const fit::Result& fit) {
   Table table({Align::left, Align::left, Align::right, Align::right, Align::left, Align::left});
   table.row({"", "", "value ± std", "95 % interval", "unit", "status"});
   for (const Term term : reading_order()) {
@@ -70,6 +69,8 @@ std::string coefficient_table(const AxisResult& axis) {
     table.row({std::string(1, static_cast<char>(term)), std::string(noise::label(axis.signal, term)),
                datasheet.value, datasheet.interval, datasheet.unit, status_text(axis.signal, c, fit)});
     if (si.unit != datasheet.unit) table.row({"", "", si.value, si.interval, si.unit});
+    if (const auto shape = shape_text(c); !shape.label.empty())
+      table.row({"", "  " + shape.label, shape.value, shape.interval, shape.unit});
   }
   return table.text();
 }
@@ -77,11 +78,23 @@ std::string coefficient_table(const AxisResult& axis) {
 std::string left_out(const AxisResult& axis) {
   std::string names;
   for (const Term term : reading_order()) {
-    if (is_fitted(*axis.fit, term)) continue;
+    if (is_fitted(*axis.fit, term) || find(*axis.fit, term) == nullptr) continue;
     names += fmt::format("{}{} ({})", names.empty() ? "" : ", ", noise::label(axis.signal, term),
                          static_cast<char>(term));
   }
   return names.empty() ? names : "Left out (not fitted): " + names + ".";
+}
+
+/// What --terms auto weighed, chose, and could not tell apart.
+std::string choice(const AxisResult& axis) {
+  if (!axis.chosen) return {};
+  std::string out = '\n' + paragraph(selection_text(axis)) + "  weighed:\n";
+  for (const std::string& text : weighed_texts(axis)) out += wrapped(text, "  - ", "    ");
+  const std::string alternative = alternative_text(axis);
+  if (alternative.empty()) return out;
+  return out + '\n' + paragraph(alternative) +
+         fmt::format("  The other model, {}:\n", letters(axis.chosen->selection.alternative->terms)) +
+         coefficient_table(axis, *axis.chosen->alternative_fit);
 }
 
 std::string axis_sheet(const AxisResult& axis, double rate_hz) {
@@ -89,7 +102,7 @@ std::string axis_sheet(const AxisResult& axis, double rate_hz) {
   if (!axis.fit)
     return out + paragraph("No coefficients were fitted.") + bullets("What to know or do", axis.advice);
   const fit::Result& fit = *axis.fit;
-  out += coefficient_table(axis) + paragraph(left_out(axis));
+  out += coefficient_table(axis, fit) + paragraph(left_out(axis)) + choice(axis);
   if (const std::string text = minimum_text(axis, rate_hz); !text.empty()) out += '\n' + paragraph(text);
   out += paragraph(beta_text(fit));
   out += '\n' + paragraph("Verdict: " + verdict_headline(fit) + ". " + verdict_text(fit));
@@ -112,18 +125,7 @@ std::string summary_of(const LogResult& result, Signal signal) {
   for (const AxisResult& axis : result.axes) {
     if (axis.signal != signal || !axis.fit) continue;
     std::vector<std::string> cells = {printable(axis.name)};
-    for (const Term term : terms) {
-      const auto* c = find(*axis.fit, term);
-      if (c == nullptr || !c->fitted || !is_quotable(*axis.fit)) {
-        cells.emplace_back("-");
-      } else if (c->status == fit::Status::identified || is_reading(axis.fit->method)) {
-        cells.push_back(datasheet_text(signal, *c).value);
-      } else if (!std::isfinite(c->upper)) {
-        cells.emplace_back("no limit");
-      } else {
-        cells.push_back("< " + number(noise::from_si(c->upper, noise::datasheet_unit(signal, term)), 2));
-      }
-    }
+    for (const Term term : terms) cells.push_back(cell_text(axis, term));
     cells.push_back(verdict_headline(*axis.fit));
     table.row(std::move(cells));
   }

@@ -243,9 +243,45 @@ CoefficientText si_text(Signal signal, const Coefficient& c) {
   return coefficient_text(c, 1, si_unit(noise::dimension_of(signal, c.term)));
 }
 
+ShapeText shape_text(const Coefficient& c) {
+  const bool line = c.term == Term::sinusoid;
+  if (!c.fitted || !(c.shape > 0) || (!line && c.term != Term::gauss_markov)) return {};
+  const double width = c.shape_upper - c.shape_lower;
+  const Resolution r = resolution(c.shape, width > 0 ? width / 4 : c.shape / 1000);
+  const auto text = [&](double v) { return with_exponent(fixed(v, r), r); };
+  return {line ? "frequency" : "correlation time", text(c.shape),
+          width > 0
+              ? with_exponent(fmt::format("{} to {}", fixed(c.shape_lower, r), fixed(c.shape_upper, r)), r)
+              : "-",
+          line ? "Hz" : "s"};
+}
+
+CombinedText combined_text(Signal signal, const fit::Combined& c) {
+  const auto unit = noise::datasheet_unit(signal, c.term);
+  const auto in = [&](double si) { return noise::from_si(si, unit); };
+  const double size = in(c.value > 0 ? c.value : c.upper), width = in(c.upper - c.lower);
+  CombinedText text{.unit = std::string(unit)};
+  const Resolution r = size > 0 ? resolution(size, width > 0 ? width / 4 : size / 1000) : Resolution{};
+  const auto digits = [&](double si) { return with_exponent(fixed(in(si), r), r); };
+  const auto range = [&](double low, double high) {
+    return with_exponent(fmt::format("{} to {}", fixed(in(low), r), fixed(in(high), r)), r);
+  };
+  text.value = digits(c.value);
+  text.interval = range(c.lower, c.upper);
+  text.spread = c.records < 2 ? "-" : digits(c.spread);
+  text.next = c.records < 3 ? "-" : range(c.next_lower, c.next_upper);
+  text.agreement = fmt::format("identified in {} of {}", c.identified, c.records);
+  constexpr double kUsual = 0.05;
+  if (c.records > 1)
+    text.agreement +=
+        fmt::format("; {} ({})", c.p_value < kUsual ? "they DIFFER" : "they agree", probability(c.p_value));
+  return text;
+}
+
 const std::vector<Term>& reading_order() {
-  static const std::vector<Term> kOrder = {Term::white, Term::flicker, Term::rate_random_walk,
-                                           Term::quantization, Term::rate_ramp};
+  static const std::vector<Term> kOrder = {Term::white,        Term::flicker,   Term::rate_random_walk,
+                                           Term::quantization, Term::rate_ramp, Term::gauss_markov,
+                                           Term::sinusoid};
   return kOrder;
 }
 
@@ -253,6 +289,18 @@ const Coefficient* find(const fit::Result& fit, Term term) {
   const auto it = std::find_if(fit.coefficients.begin(), fit.coefficients.end(),
                                [term](const Coefficient& c) { return c.term == term; });
   return it == fit.coefficients.end() ? nullptr : &*it;
+}
+
+noise::Process process_of(const Coefficient& c, double value) {
+  if (c.term == Term::gauss_markov) return noise::GaussMarkov{value, c.shape};
+  if (c.term == Term::sinusoid) return noise::Sinusoid{value, c.shape};
+  return noise::with_coefficient(noise::unit_process(c.term), value);
+}
+
+std::string letters(const std::vector<Term>& terms) {
+  std::vector<std::string> list;
+  for (const Term t : terms) list.emplace_back(1, static_cast<char>(t));
+  return join(list, " and ");
 }
 
 bool is_reading(Method method) { return method == Method::visual || method == Method::slope; }
@@ -287,6 +335,15 @@ std::string status_text(Signal signal, const Coefficient& c, const fit::Result& 
   return "left out: " + limit;
 }
 
+std::string cell_text(const AxisResult& axis, Term term) {
+  const Coefficient* c = axis.fit ? find(*axis.fit, term) : nullptr;
+  if (c == nullptr || !c->fitted || !is_quotable(*axis.fit)) return "-";
+  if (c->status == Status::identified || is_reading(axis.fit->method))
+    return datasheet_text(axis.signal, *c).value;
+  if (!std::isfinite(c->upper)) return "no limit";
+  return "< " + number(noise::from_si(c->upper, noise::datasheet_unit(axis.signal, term)), 2);
+}
+
 std::vector<Share> variance_shares(const fit::Result& fit, double tau_s, double rate_hz) {
   const std::int64_t m = std::max<std::int64_t>(1, std::llround(tau_s * rate_hz));
   std::vector<Share> shares;
@@ -294,8 +351,7 @@ std::vector<Share> variance_shares(const fit::Result& fit, double tau_s, double 
   for (const Term term : reading_order()) {
     const Coefficient* c = find(fit, term);
     if (c == nullptr || !c->fitted || !(c->value > 0)) continue;
-    const auto process = noise::with_coefficient(noise::unit_process(term), c->value);
-    shares.push_back({term, noise::allan_variance(process, m, 1 / rate_hz)});
+    shares.push_back({term, noise::allan_variance(process_of(*c, c->value), m, 1 / rate_hz)});
     total += shares.back().part;
   }
   for (Share& share : shares) share.part /= total;
@@ -566,6 +622,78 @@ std::string cross_check_text(const AxisResult& axis) {
   }
   if (!check.same_range) text += " They cover different ranges, so some difference is expected.";
   return text + fmt::format(" The likelihood's own test: {}.", probability(likelihood.p_value));
+}
+
+std::vector<std::string> weighed_texts(const AxisResult& axis) {
+  std::vector<std::string> texts;
+  if (!axis.chosen) return texts;
+  for (const fit::Weighed& w : axis.chosen->selection.weighed) {
+    texts.push_back(fmt::format("{} ({}) beside {}: adds {:.3g} to ln L, needed {:.3g}; {}",
+                                noise::label(axis.signal, w.candidate), static_cast<char>(w.candidate),
+                                letters(w.beside), std::max(0.0, w.gain), w.cut,
+                                w.kept           ? "kept"
+                                : w.gain > w.cut ? "waits"
+                                                 : "not needed"));
+  }
+  return texts;
+}
+
+std::string selection_text(const AxisResult& axis) {
+  if (!axis.chosen) return {};
+  const fit::Selection& s = axis.chosen->selection;
+  if (s.terms.empty())
+    return "No terms could be chosen: the record has no stretch of samples to weigh them on.";
+  std::string text = fmt::format(
+      "Terms chosen by likelihood ratios: {}. Of records without any further term, 5 % "
+      "would get one.",
+      letters(s.terms));
+  if (!s.dropped.empty())
+    text += fmt::format(" Kept at first, then made needless by a later one: {}.", letters(s.dropped));
+  return text;
+}
+
+namespace {
+
+// What a slow term means for its user: 1/f noise has no end, a Gauss-Markov process forgets.
+std::string meaning(Signal signal, const fit::Result& fit) {
+  const Coefficient* markov = find(fit, Term::gauss_markov);
+  if (markov != nullptr && markov->fitted && markov->value > 0) {
+    return fmt::format(
+        "the bias wanders within {} (1 sigma) and forgets itself in {}: averages over longer times gain "
+        "again, and one state of a filter describes it",
+        quantity(signal, Term::gauss_markov, markov->value), tau_text(markov->shape));
+  }
+  const Coefficient* flicker = find(fit, Term::flicker);
+  if (flicker != nullptr && flicker->fitted && flicker->value > 0) {
+    return fmt::format(
+        "the bias wanders on every time scale with B = {}: averaging longer gains nothing below the "
+        "floor, 0.664 B, and a filter needs several states to follow it",
+        quantity(signal, Term::flicker, flicker->value));
+  }
+  const Coefficient* walk = find(fit, Term::rate_random_walk);
+  if (walk == nullptr || !walk->fitted || !(walk->value > 0)) return "the bias stays where it is";
+  return fmt::format(
+      "the bias walks away without bound, by K = {}: averaging longer loses, and one state of a filter "
+      "follows it",
+      quantity(signal, Term::rate_random_walk, walk->value));
+}
+
+}  // namespace
+
+std::string alternative_text(const AxisResult& axis) {
+  if (!axis.chosen || !axis.chosen->selection.alternative || !axis.chosen->alternative_fit || !axis.fit)
+    return {};
+  const auto& alternative = *axis.chosen->selection.alternative;
+  return fmt::format(
+      "The record cannot tell {} from {} (ln L {:.2g} {} with the other). With {}, {}. With {}, {}. Only a "
+      "longer "
+      "record "
+      "decides; plan with the worse of the two for your use.",
+      letters(axis.chosen->selection.terms), letters(alternative.terms),
+      std::abs(alternative.log_likelihood_difference),
+      alternative.log_likelihood_difference > 0 ? "lower" : "higher", letters(axis.chosen->selection.terms),
+      meaning(axis.signal, *axis.fit), letters(alternative.terms),
+      meaning(axis.signal, *axis.chosen->alternative_fit));
 }
 
 }  // namespace gyrobudget::inline v0::report

@@ -53,9 +53,28 @@ struct CoefficientText {
 [[nodiscard]] CoefficientText datasheet_text(noise::Signal, const fit::Coefficient&);
 [[nodiscard]] CoefficientText si_text(noise::Signal, const fit::Coefficient&);
 
-/// Order in which people look for the terms: N, B, K, then Q and R.
+/// What G and S have beside their size: "correlation time" or "frequency", in s or Hz; empty for the other terms, and
+/// where nothing was fitted.
+struct ShapeText {
+  std::string label, value, interval, unit;
+};
+[[nodiscard]] ShapeText shape_text(const fit::Coefficient&);
+
+/// A combined coefficient, all in `unit`.
+struct CombinedText {
+  std::string value, interval, spread, next, unit;
+  std::string agreement;  ///< "seen in 3 of 3; they agree (p = 0.4)"
+};
+[[nodiscard]] CombinedText combined_text(noise::Signal, const fit::Combined&);
+
+/// Order in which people look for the terms: N, B, K, then Q and R, G and S.
 [[nodiscard]] const std::vector<noise::Term>& reading_order();
 [[nodiscard]] const fit::Coefficient* find(const fit::Result&, noise::Term);
+
+/// The process of a fitted term with `value` for its coefficient, and its own correlation time or frequency.
+[[nodiscard]] noise::Process process_of(const fit::Coefficient&, double value);
+/// "N, B and K"
+[[nodiscard]] std::string letters(const std::vector<noise::Term>&);
 
 /// Read off the plot: no fit, no test.
 [[nodiscard]] bool is_reading(fit::Method);
@@ -78,6 +97,9 @@ struct Share {
 /// Shares at the averaging time nearest to tau; empty for a model without terms.
 [[nodiscard]] std::vector<Share> variance_shares(const fit::Result&, double tau_s, double rate_hz);
 
+/// A coefficient for a table of many: value and std, or the limit; "-" where it must not be quoted.
+[[nodiscard]] std::string cell_text(const AxisResult&, noise::Term);
+
 // Sentences; every number with its unit, every verdict with what follows from it. Empty where there is nothing to say.
 [[nodiscard]] std::string record_text(const LogResult&);
 [[nodiscard]] std::string estimator_text(allan::Estimator);
@@ -88,5 +110,11 @@ struct Share {
 [[nodiscard]] std::string beta_text(const fit::Result&);
 [[nodiscard]] std::string cut_text(const AxisResult&);
 [[nodiscard]] std::string cross_check_text(const AxisResult&);
+/// What --terms auto weighed, one candidate of one step each: "beside N: flicker adds 12.1 to ln L, needed 3.5: kept".
+[[nodiscard]] std::vector<std::string> weighed_texts(const AxisResult&);
+/// Which terms came out of that.
+[[nodiscard]] std::string selection_text(const AxisResult&);
+/// Two models that the record cannot tell apart, and what each would mean for whoever uses the sensor.
+[[nodiscard]] std::string alternative_text(const AxisResult&);
 
 }  // namespace gyrobudget::inline v0::report

@@ -468,21 +468,42 @@ Result fit_scaled(const Record& record, const Options& options, int exponent) {
   return result;
 }
 
-// The likelihood's answer for what the options leave open of G and S.
-Options with_shapes(const Record& record, const Options& options) {
-  const auto asked = [&](Term t) {
-    return std::find(options.terms.begin(), options.terms.end(), t) != options.terms.end();
-  };
-  const bool open_G = asked(Term::gauss_markov) && !options.correlation_time_s;
-  const bool open_S = asked(Term::sinusoid) && !options.frequency_hz;
-  if (!open_G && !open_S) return options;
-  Options likelihood = options;
-  likelihood.intervals = false;
-  const Result found = fit_likelihood(record.rate, record.dt, likelihood);
-  Options result = options;
-  if (open_G) result.correlation_time_s = found[Term::gauss_markov].shape;
-  if (open_S) result.frequency_hz = found[Term::sinusoid].shape;
-  return result;
+bool is_open(Term t, const Options& options) {
+  return (t == Term::gauss_markov && !options.correlation_time_s) ||
+         (t == Term::sinusoid && !options.frequency_hz);
+}
+
+// The likelihood's correlation time and frequency, where the options leave them open; a term for which it has none
+// cannot be fitted to the curve either, and leaves the options.
+std::vector<Coefficient> take_shapes(const Record& record, Options& options) {
+  std::vector<Coefficient> shaped;
+  if (std::none_of(options.terms.begin(), options.terms.end(), [&](Term t) { return is_open(t, options); }))
+    return shaped;
+  const Result found = fit_likelihood(record.rate, record.dt, options);
+  for (const auto& c : found.coefficients) {
+    if (is_open(c.term, options)) shaped.push_back(c);
+  }
+  for (const auto& c : shaped) {
+    if (!c.fitted)
+      std::erase(options.terms, c.term);
+    else if (c.term == Term::gauss_markov)
+      options.correlation_time_s = c.shape;
+    else
+      options.frequency_hz = c.shape;
+  }
+  return shaped;
+}
+
+// The limits of the shapes that the likelihood gave, and the terms that it could not place.
+void give_shapes(Result& result, const std::vector<Coefficient>& shaped) {
+  for (const auto& s : shaped) {
+    const auto at = std::find_if(result.coefficients.begin(), result.coefficients.end(),
+                                 [&](const auto& c) { return c.term == s.term; });
+    if (at == result.coefficients.end())
+      result.coefficients.push_back({.term = s.term});
+    else
+      at->shape_lower = s.shape_lower, at->shape_upper = s.shape_upper;
+  }
 }
 
 }  // namespace
@@ -492,14 +513,18 @@ Result fit(const Record& record, const Options& asked) {
   if (const int exponent = record.curve ? 0 : extreme_exponent(record.rate))
     return fit_scaled(record, asked, exponent);
   if (asked.method == Method::whittle) return fit_likelihood(record.rate, record.dt, asked);
-  const Options options = with_shapes(record, asked);
+  Options options = asked;
+  const auto shaped = take_shapes(record, options);
+  if (options.terms.empty()) return no_answer(asked.method, asked.terms);
   allan::Curve made;
   if (!record.curve) {
     const auto factors = allan::octave_factors(static_cast<std::int64_t>(record.rate.size()));
     made = allan::overlapped_variance(record.rate, record.dt, factors);
   }
   const allan::Curve& curve = record.curve ? *record.curve : made;
-  return record.covariance ? fit(curve, *record.covariance, options) : fit(curve, options);
+  Result result = record.covariance ? fit(curve, *record.covariance, options) : fit(curve, options);
+  give_shapes(result, shaped);
+  return result;
 }
 
 }  // namespace gyrobudget::inline v0::fit

@@ -161,7 +161,8 @@ struct Record {
 ///
 /// Records of extreme scale are brought to 1 by a power of two first, so their squares stay inside double.
 /// Curve methods with term G or S need its correlation time or frequency: where Options has none, the likelihood's is
-/// taken, and their intervals hold it fixed. `slope` and `visual` read N, B and K whatever the terms.
+/// taken, with its limits, and the intervals of the coefficients hold it fixed. Where the likelihood has none (a record
+/// of gaps) the term is not fitted. `slope` and `visual` read N, B and K whatever the terms.
 /// @throws std::invalid_argument for what the overloads below and fit_likelihood refuse, and for a record that has
 /// neither samples nor curve, or no samples where the method needs them.
 [[nodiscard]] Result fit(const Record&, const Options& = {});

@@ -140,7 +140,7 @@ class Search {
       if (!chosen) break;
       if (*chosen == Term::sinusoid) remove_line(s.terms);
       s.terms = with(s.terms, *chosen);
-      if (*chosen == Term::gauss_markov) {
+      if (holds(s.terms, Term::gauss_markov)) {  // what came beside it may have been part of its hump
         time_ = refined_time(s.terms);
         drop_needless(s);
       }

@@ -30,7 +30,8 @@ struct Weighed {
   bool kept = false;
 };
 
-/// Another set of terms that the record cannot tell from the chosen one: difference in ln L within 2.
+/// Another set of terms that the record cannot tell from the chosen one: its ln L is lower by less than 2, or higher by
+/// less than a Gauss-Markov process, with its parameter more, must bring to be chosen.
 struct Alternative {
   std::vector<noise::Term> terms;
   double log_likelihood_difference = 0;  ///< of the chosen less the alternative; may be negative
