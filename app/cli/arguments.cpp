@@ -521,7 +521,6 @@ CLI::App* add_calibrate(CLI::App& app, CalibrateArguments& a, Texts& texts) {
       "calibrate",
       "From a static log to the datasheet: ARW, bias instability and RRW with intervals and a verdict.\n\n"
       "  gyrobudget calibrate imu.csv --report datasheet.html -o sensor.yaml\n"
-      "  gyrobudget calibrate day1.csv day2.csv day3.csv -o type.yaml\n"
       "  gyrobudget calibrate gyro.txt --rate 200 --unit deg/s --kalibr imu.yaml\n");
   verb->add_option("log", a.logs,
                    "CSV or text, also .gz; - is stdin; several: records of one sensor type, each fitted by "
