@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Attitude tools against Eigen's general ones, long double and hand-derived values; round trips at many points.
+// Attitude tools against Eigen's general ones, long double and hand-derived values; round trips at many
+// points.
 #include "gyrobudget/earth/attitude.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Geodetic coordinates and radii: against GeographicLib (Geocentric, Ellipsoid), the defining formulas in long
-// double, and round trips at many points.
+// Geodetic coordinates and radii: against GeographicLib (Geocentric, Ellipsoid), the defining formulas in
+// long double, and round trips at many points.
 #include "gyrobudget/earth/ellipsoid.h"
 
 #include <gtest/gtest.h>
@@ -82,7 +82,8 @@ TEST(Ellipsoid, RoundTripFromAnywhere) {
     const Eigen::Vector3d p = uniform.vector(scale);
     const Geodetic g = to_geodetic(p);
     ASSERT_TRUE(std::abs(g.latitude) <= pi / 2 && std::abs(g.longitude) <= pi && std::isfinite(g.height));
-    // The height runs from the surface inwards, so near the centre the round trip still rounds as at the surface.
+    // The height runs from the surface inwards, so near the centre the round trip still rounds as at the
+    // surface.
     const double tolerance = 4 * kNanometre * std::max(1.0, p.norm() / wgs84::kEquatorialRadius);
     const double evolute = wgs84::kEquatorialRadius * wgs84::kEccentricitySquared;
     if (p.norm() > evolute + 1000) {

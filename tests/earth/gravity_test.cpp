@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Normal gravity against GeographicLib's closed form, published values, and its own derivatives. A gravity model
-// file is made from the ellipsoid's form factors, so that a model of known field is read without data.
+// Normal gravity against GeographicLib's closed form, published values, and its own derivatives. A gravity
+// model file is made from the ellipsoid's form factors, so that a model of known field is read without data.
 #include "gyrobudget/earth/gravity.h"
 
 #include "gyrobudget/earth/frames.h"
@@ -106,8 +106,8 @@ TEST(Gravity, RefusesTheCentre) {
                std::invalid_argument);
 }
 
-/// Writes the ellipsoid's field as a gravity model: metadata, id, and the zonals, C_n0 = -J_n/sqrt(2n + 1); degree 0 is the
-/// mass.
+/// Writes the ellipsoid's field as a gravity model: metadata, id, and the zonals, C_n0 = -J_n/sqrt(2n + 1);
+/// degree 0 is the mass.
 class ModelFile {
  public:
   ModelFile() : folder_(std::filesystem::path(::testing::TempDir()) / "gyrobudget_gravity") {

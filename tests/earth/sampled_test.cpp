@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Splines through samples: through every one, smooth to the second derivative, exact for cubics, of fourth order.
+// Splines through samples: through every one, smooth to the second derivative, exact for cubics, of fourth
+// order.
 #include "gyrobudget/earth/sampled.h"
 
 #include "gyrobudget/earth/frames.h"

@@ -64,7 +64,7 @@ std::vector<Case> all_paths() {
   return cases;
 }
 
-// --- At rest ------------------------------------------------------------------------------------------------------
+// --- At rest ---------------------------------------------------------------------------------------------
 
 TEST(Stand, AtRestSensesEarthAlone) {
   Uniform uniform(1);
@@ -94,7 +94,8 @@ Matrix3d coning_integral(double angle, double w, double a, double b) {
   const double sin1 = -(std::cos(w * b) - std::cos(w * a)) / w;
   const double cos2 = (std::sin(2 * w * b) - std::sin(2 * w * a)) / (2 * w);
   const double sin2 = -(std::cos(2 * w * b) - std::cos(2 * w * a)) / (2 * w);
-  // q = (c, 0, s cos, s sin): C = [[1 - 2 s^2, -2 c s sin, 2 c s cos], [2 c s sin, 1 - 2 s^2 sin^2, 2 s^2 sin cos],
+  // q = (c, 0, s cos, s sin): C = [[1 - 2 s^2, -2 c s sin, 2 c s cos],
+  //                               [2 c s sin, 1 - 2 s^2 sin^2, 2 s^2 sin cos],
   //                               [-2 c s cos, 2 s^2 sin cos, 1 - 2 s^2 cos^2]]
   Matrix3d C;
   C << (1 - 2 * s * s) * T, -2 * c * s * sin1, 2 * c * s * cos1,  //
@@ -167,7 +168,7 @@ TEST(Stand, UncorrectedScullingIsHalfTheProduct) {
   EXPECT_NEAR(mean, angle * acceleration / 2 + 9.78 * angle * angle / 4, 1e-3 * angle * acceleration);
 }
 
-// --- Moving -------------------------------------------------------------------------------------------------------
+// --- Moving ----------------------------------------------------------------------------------------------
 
 TEST(Cruise, EastAlongTheEquatorIsAnOrbit) {
   for (const double speed : {0.0, 250.0, 1000.0}) {
@@ -274,7 +275,7 @@ TEST(Ascent, FollowsItsProgram) {
   EXPECT_NEAR((flight.increment(0, 83).angle.y() + 40 * kDegree) / kDegree, -0.3465, 5e-4);
 }
 
-// --- Every path ---------------------------------------------------------------------------------------------------
+// --- Every path ------------------------------------------------------------------------------------------
 
 struct InertialState {
   Vector3d p, v;
@@ -359,7 +360,8 @@ TEST(EveryPath, IncrementsAddUpInWhateverPieces) {
   }
 }
 
-/// A plain strapdown in inertial axes with the two-sample coning and sculling terms and the rotation to second order (Savage 1998, parts 1 and 2).
+/// A plain strapdown in inertial axes with the two-sample coning and sculling terms and the rotation to
+/// second order (Savage 1998, parts 1 and 2).
 TEST(EveryPath, IncrementsNavigateBackToIt) {
   // At 2 kHz the terms left out, of the order (w dt)^4, move a vibrating body by less than this in 10 s.
   constexpr double kInterval = 5e-4;
@@ -399,7 +401,7 @@ TEST(EveryPath, IncrementsNavigateBackToIt) {
   }
 }
 
-// --- Refusals -----------------------------------------------------------------------------------------------------
+// --- Refusals --------------------------------------------------------------------------------------------
 
 TEST(Trajectory, RefusesTimesOutside) {
   const Trajectory rest = stand({.duration = 10});

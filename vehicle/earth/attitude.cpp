@@ -44,9 +44,9 @@ Eigen::Quaterniond from_euler(const Euler& e) {
 }
 
 Euler to_euler(const Eigen::Quaterniond& q) {
-  // With half angles, (w - y, z + x) = (cos p - sin p) (cos, sin)(yaw + roll) and
-  // (w + y, z - x) = (cos p + sin p) (cos, sin)(yaw - roll). Quotients of these keep all digits where the asin of a
-  // sine near 1 loses half of them.
+  // With half angles, (w - y, z + x) = (cos p - sin p) (cos, sin)(yaw + roll) and (w + y, z - x) = (cos p +
+  // sin p) (cos, sin)(yaw - roll). Quotients of these keep all digits where the asin of a sine near 1 loses
+  // half of them.
   const double minus = std::hypot(q.w() - q.y(), q.z() + q.x());  // |cos(p/2) - sin(p/2)|
   const double plus = std::hypot(q.w() + q.y(), q.z() - q.x());   // |cos(p/2) + sin(p/2)|
   using std::numbers::pi;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-// Attitude. Quaternions are Hamilton's, q_ab turns coordinates in b to coordinates in a as C_ab does; in files w
-// comes first. A rotation vector is the axis times the angle; as an increment it acts on the right:
+// Attitude. Quaternions are Hamilton's, q_ab turns coordinates in b to coordinates in a as C_ab does; in
+// files w comes first. A rotation vector is the axis times the angle; as an increment it acts on the right:
 // q_nb(t + dt) = q_nb(t) exp(integral of w_nb_b, where its direction is fixed).
-// Sources: Titterton & Weston, Strapdown Inertial Navigation Technology (2004), sections 3.6 and 11.2; Groves (2013),
-// section 2.2; Savage, Strapdown Analytics (2000), section 3.2.
+// Sources: Titterton & Weston, Strapdown Inertial Navigation Technology (2004), sections 3.6 and 11.2; Groves
+// (2013), section 2.2; Savage, Strapdown Analytics (2000), section 3.2.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,8 +16,8 @@ namespace gyrobudget::inline v0::earth {
 
 /// The unit quaternion (cos(p/2), sin(p/2)/p phi), p = |phi|, to rounding for every finite phi, 0 included.
 [[nodiscard]] Eigen::Quaterniond exp_rotation(const Eigen::Vector3d& phi);
-/// The rotation vector of a unit quaternion, |phi| <= pi, to rounding from 0 to pi inclusive: half the angle by
-/// atan2 of both parts. q and -q give the same.
+/// The rotation vector of a unit quaternion, |phi| <= pi, to rounding from 0 to pi inclusive: half the angle
+/// by atan2 of both parts. q and -q give the same.
 [[nodiscard]] Eigen::Vector3d log_rotation(const Eigen::Quaterniond& q);
 
 /// Yaw, pitch, roll [rad] about z, then the new y, then the new x (forward-right-down axes).
@@ -29,8 +29,10 @@ struct Euler {
 
 /// q_ab of C_ab = C_z(yaw) C_y(pitch) C_x(roll), where a has its x axis at yaw 0 and its z axis down.
 [[nodiscard]] Eigen::Quaterniond from_euler(const Euler&);
-/// The inverse, to 1e-15 away from pitch +-90 degrees. There yaw and roll are one angle: within 1e-10 rad of it yaw
-/// is set to 0 and roll holds their sum or difference, as on the launch pad; that moves the attitude by 2e-10 rad.
+/// The inverse, to 2e-15 (yaw and roll: over cos pitch). At pitch +-90 degrees these are one angle: within
+/// 1e-10 rad of
+/// it yaw is set to 0 and roll holds their sum or difference, as on the launch pad; that moves the attitude
+/// by 2e-10 rad.
 [[nodiscard]] Euler to_euler(const Eigen::Quaterniond& q_ab);
 
 /// The rotation nearest to a matrix in the Frobenius norm: the orthogonal factor of its polar decomposition.

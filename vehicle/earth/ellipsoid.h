@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The WGS84 ellipsoid: its constants, geodetic coordinates, radii of curvature.
-// Sources: NGA.STND.0036 (2014), table 3.1; Torge & Mueller, Geodesy (2012), section 4.1; Groves, Principles of
-// GNSS, Inertial, and Multisensor Integrated Navigation Systems (2013), sections 2.4 and 5.4.
+// Sources: NGA.STND.0036 (2014), table 3.1; Torge & Mueller, Geodesy (2012), section 4.1; Groves, Principles
+// of GNSS, Inertial, and Multisensor Integrated Navigation Systems (2013), sections 2.4 and 5.4.
 #pragma once
 
 #include <numbers>
@@ -22,7 +22,8 @@ inline constexpr double kAxisRatioSquared = (1 - kFlattening) * (1 - kFlattening
 
 inline constexpr double kDegree = std::numbers::pi / 180;  ///< [rad]
 
-/// A point by the ellipsoid's normal through it: latitude and longitude of that normal and the height along it.
+/// A point by the ellipsoid's normal through it: latitude and longitude of that normal and the height along
+/// it.
 struct Geodetic {
   double latitude = 0;   ///< [rad], -pi/2 to pi/2
   double longitude = 0;  ///< [rad], east positive
@@ -39,9 +40,9 @@ struct Geodetic {
 
 /// The inverse, in closed form, for every point including poles and centre (H. Vermeille, J. Geodesy 76:451,
 /// 2002 and 85:105, 2011; height by projection on the normal). Position error of the way there and back is
-/// below 4 nm from 1 km outside the evolute (43 km from the centre) to 10^7 m. On the axis the longitude is 0;
-/// on the disc of radius a e^2 in the equatorial plane, where two normals are equally near, the latitude is the
-/// northern one: the centre is at latitude 90 degrees and height -b.
+/// below 4 nm from 1 km outside the evolute (43 km from the centre) to 10^7 m. On the axis the longitude is
+/// 0; on the disc of radius a e^2 in the equatorial plane, where two normals are equally near, the latitude
+/// is the northern one: the centre is at latitude 90 degrees and height -b.
 /// @throws std::invalid_argument where p_eb_e is not finite or is farther than 1e15 m.
 [[nodiscard]] Geodetic to_geodetic(const Eigen::Vector3d& p_eb_e);
 

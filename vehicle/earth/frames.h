@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
-// Frames and what turns between them. A name tells its frames: C_ab takes coordinates in b to coordinates in a,
-// p_eb_e is the position of b from e in the axes of e, w_ie_n the rate of e against i in the axes of n.
+// Frames and what turns between them. A name tells its frames: C_ab takes coordinates in b to coordinates in
+// a, p_eb_e is the position of b from e in the axes of e, w_ie_n the rate of e against i in the axes of n.
 //   i  inertial, origin at Earth's centre, axes those of e at the epoch but for its angle (ECI)
 //   e  Earth-centred, Earth-fixed (ECEF)
 //   n  north, east, down at the place of the body (NED)
 //   l  fixed at a site: east, north, up; north, east, down; or downrange, crossrange, up
 //   b  body: forward, right, down
-// Sources: Groves (2013), chapters 2 and 5; Titterton & Weston, Strapdown Inertial Navigation Technology (2004), 3.
+// Sources: Groves (2013), chapters 2 and 5; Titterton & Weston, Strapdown Inertial Navigation Technology
+// (2004), 3.
 #pragma once
 
 #include "gyrobudget/earth/ellipsoid.h"
@@ -33,8 +34,8 @@ struct Moving {
   Eigen::Vector3d v;  ///< [m/s]
 };
 
-/// ECI by the angle from its x axis to Greenwich, angle_at_epoch + omega t. Precession, nutation, polar motion
-/// and variations of the day are left out: 1e-7 of Earth's rate over a day.
+/// ECI by the angle from its x axis to Greenwich, angle_at_epoch + omega t. Precession, nutation, polar
+/// motion and variations of the day are left out: 1e-7 of Earth's rate over a day.
 class Inertial {
  public:
   explicit Inertial(double angle_at_epoch = 0) : angle_at_epoch_(angle_at_epoch) {}
@@ -57,8 +58,8 @@ class LocalFrame {
  public:
   [[nodiscard]] static LocalFrame east_north_up(const Geodetic& origin);
   [[nodiscard]] static LocalFrame north_east_down(const Geodetic& origin);
-  /// Downrange along `azimuth` (clockwise from north), crossrange to its left, up: for azimuth 90 degrees it is
-  /// east, north, up. @throws std::invalid_argument where the azimuth is not finite.
+  /// Downrange along `azimuth` (clockwise from north), crossrange to its left, up: for azimuth 90 degrees it
+  /// is east, north, up. @throws std::invalid_argument where the azimuth is not finite.
   [[nodiscard]] static LocalFrame launch_plane(const Geodetic& origin, double azimuth);
 
   [[nodiscard]] const Geodetic& origin() const { return origin_; }

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Normal gravity of WGS84: the field of a rotating equipotential ellipsoid, in closed form for the loop.
-// gravitation is the pull of the mass alone; gravity is what a plumb line shows, the centrifugal term included.
-// An accelerometer at rest on Earth senses f = -gravity; in inertial axes p'' = f + gravitation.
-// Sources: Heiskanen & Moritz, Physical Geodesy (1967), sections 2-7 to 2-9; Torge & Mueller, Geodesy (2012), 4.2.
+// gravitation is the pull of the mass alone; gravity is what a plumb line shows, the centrifugal term
+// included. An accelerometer at rest on Earth senses f = -gravity; in inertial axes p'' = f + gravitation.
+// Sources: Heiskanen & Moritz, Physical Geodesy (1967), sections 2-7 to 2-9; Torge & Mueller, Geodesy (2012),
+// 4.2.
 #pragma once
 
 #include "gyrobudget/earth/ellipsoid.h"
@@ -25,8 +26,8 @@ namespace gyrobudget::inline v0::earth {
 /// omega_ie^2 (x, y, 0), the centrifugal acceleration of a point that turns with Earth [m/s^2].
 [[nodiscard]] Eigen::Vector3d centrifugal(const Eigen::Vector3d& p_eb_e);
 
-/// d(normal gravity)/d(p_eb_e) [1/s^2] from the point mass, J2 and the centrifugal term, symmetric. What is left
-/// out (J4 on) is below 4e-6 of GM/r^3 from the ellipsoid outwards.
+/// d(normal gravity)/d(p_eb_e) [1/s^2] from the point mass, J2 and the centrifugal term, symmetric. What is
+/// left out (J4 on) is below 1e-4 of GM/r^3 from the ellipsoid outwards.
 /// @throws as normal_gravitation.
 [[nodiscard]] Eigen::Matrix3d normal_gravity_gradient(const Eigen::Vector3d& p_eb_e);
 

@@ -16,8 +16,10 @@ namespace gyrobudget::inline v0::earth {
 ///   const Eigen::Vector3d error = egm.gravity(p_eb_e) - earth::normal_gravity(p_eb_e);
 class GravityModel {
  public:
-  /// `path` is the .egm file; its .egm.cof stands beside it. Degree and order above `highest_degree` are left out.
-  /// @throws std::invalid_argument for a name that does not end in .egm, std::runtime_error with GeographicLib's
+  /// `path` is the .egm file; its .egm.cof stands beside it. Degree and order above `highest_degree` are left
+  /// out.
+  /// @throws std::invalid_argument for a name that does not end in .egm.
+  /// @throws std::runtime_error with GeographicLib's
   /// message where the files cannot be read.
   explicit GravityModel(const std::string& path, int highest_degree = 100000);
 

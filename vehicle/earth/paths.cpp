@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Paths are written as poses of time, p(t) and q(t), over Taylor numbers of second order: velocity, acceleration and
-// angular rate are their exact derivatives (Boost's automatic differentiation), not a second set of formulas.
+// Paths are written as poses of time, p(t) and q(t), over Taylor numbers of second order: velocity,
+// acceleration and angular rate are their exact derivatives (Boost's automatic differentiation), not a second
+// set of formulas.
 #include "gyrobudget/earth/paths.h"
 
 #include "gyrobudget/earth/detail/check.h"
@@ -58,7 +59,8 @@ TaylorVector z_axis(const TaylorQuaternion& q) {
           q.w * q.w - q.x * q.x - q.y * q.y + q.z * q.z};
 }
 
-/// The point at that height whose down is the z axis of q_en: a D n/(n' D n)^(1/2) + h n, D = diag(1, 1, 1 - e^2).
+/// The point at that height whose down is the z axis of q_en: a D n/(n' D n)^(1/2) + h n, D = diag(1, 1, 1 -
+/// e^2).
 TaylorVector point_of_normal(const TaylorQuaternion& q_en, double height) {
   const TaylorVector down = z_axis(q_en);
   const Taylor norm =
@@ -181,7 +183,8 @@ Trajectory cruise(const Cruise& o) {
     detail::check_positive(o.speed, "speed of S-turns", "m/s");
     detail::check_positive(o.turn_period, "period of the S-turns", "s");
   }
-  // On the unit sphere of normals the centre line runs at `rate`, and the S-turns sway by `sway` to the left of it.
+  // On the unit sphere of normals the centre line runs at `rate`, and the S-turns sway by `sway` to the left
+  // of it.
   const double radius =
       std::hypot((meridian_radius(o.start.latitude) + o.start.height) * std::cos(o.azimuth),
                  (transverse_radius(o.start.latitude) + o.start.height) * std::sin(o.azimuth));

@@ -14,8 +14,8 @@ struct Site {
   Geodetic position;
 };
 
-/// Alcantara launch centre, Brazil: 2.373 S, 44.396 W. Recalled, not surveyed: good to about 0.01 degrees, with
-/// the height set to 0. Give your own Geodetic where the pad itself matters.
+/// Alcantara launch centre, Brazil: 2.373 S, 44.396 W. Recalled, not surveyed: good to about 0.01 degrees,
+/// with the height set to 0. Give your own Geodetic where the pad itself matters.
 [[nodiscard]] const Site& alcantara();
 
 /// All named sites.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Truth as a value: where a vehicle is, how it is turned, and what an ideal IMU fixed to it senses.
-// Sources: Groves (2013), chapters 2 and 5; Titterton & Weston (2004), chapter 3; Savage, Strapdown Analytics (2000).
+// Sources: Groves (2013), chapters 2 and 5; Titterton & Weston (2004), chapter 3; Savage, Strapdown Analytics
+// (2000).
 #pragma once
 
 #include <memory>
@@ -17,8 +18,8 @@ struct Sensed {
   Eigen::Vector3d w_ib_b;  ///< angular rate [rad/s]
 };
 
-/// What it delivers over an interval: the integrals over time of each component in body axes, as an integrating
-/// sensor gives them. Coning and sculling are in them, uncorrected: that is a strapdown's work.
+/// What it delivers over an interval: the integrals over time of each component in body axes, as an
+/// integrating sensor gives them. Coning and sculling are in them, uncorrected: that is a strapdown's work.
 struct ImuIncrement {
   Eigen::Vector3d velocity;  ///< integral of f_ib_b [m/s]
   Eigen::Vector3d angle;     ///< integral of w_ib_b [rad]
@@ -52,7 +53,8 @@ class Path {
   [[nodiscard]] virtual Sensed sensed(double t) const;
   /// Where acceleration or angular rate, or a derivative of one, jumps; ascending.
   [[nodiscard]] virtual std::vector<double> breaks() const { return {}; }
-  /// Highest angular frequency of what is sensed between the breaks [rad/s], positive: it sets the quadrature.
+  /// Highest angular frequency of what is sensed between the breaks [rad/s], positive: it sets the
+  /// quadrature.
   [[nodiscard]] virtual double fastest() const = 0;
 };
 
@@ -82,8 +84,9 @@ class Trajectory {
   [[nodiscard]] TrajectoryPoint at(double t) const;
 
   /// Integrals from `from` to `to` by Gauss-Legendre quadrature, 7 points a panel (3 where it is below
-  /// 0.02/fastest() and 1/50 of the way between breaks), panels ending at breaks and no longer than 1/fastest(). A sinusoid of twice that frequency is integrated to 2e-15 of its amplitude times
-  /// the interval. Sensed sums over intervals are those over their union, to rounding.
+  /// 0.02/fastest() and 1/50 of the way between breaks), panels ending at breaks and no longer than
+  /// 1/fastest(). A sinusoid of twice that frequency is integrated to 2e-15 of its amplitude times the
+  /// interval. Sensed sums over intervals are those over their union, to rounding.
   /// @throws std::invalid_argument where from, to are outside the trajectory or to < from.
   [[nodiscard]] ImuIncrement increment(double from, double to) const;
 
