@@ -19,8 +19,7 @@ class GravityModel {
   /// `path` is the .egm file; its .egm.cof stands beside it. Degree and order above `highest_degree` are left
   /// out.
   /// @throws std::invalid_argument for a name that does not end in .egm.
-  /// @throws std::runtime_error with GeographicLib's
-  /// message where the files cannot be read.
+  /// @throws std::runtime_error with GeographicLib's message where the files cannot be read.
   explicit GravityModel(const std::string& path, int highest_degree = 100000);
 
   /// Pull of the mass alone, in ECEF axes [m/s^2], outside the Earth.
