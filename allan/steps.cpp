@@ -97,7 +97,9 @@ std::vector<Step> find_steps(const RateRecord& record, const StepOptions& option
     const bool explained = std::any_of(steps.begin(), steps.end(), [&](const Step& s) {
       return std::abs(s.index - d.middle) < d.m + s.span / 2;
     });
-    if (!explained) steps.push_back(placed(record, d));
+    if (explained) continue;
+    const Step step = placed(record, d);
+    if (std::isfinite(step.size)) steps.push_back(step);  // none beside a gap that leaves no mean
   }
   std::sort(steps.begin(), steps.end(), [](const auto& a, const auto& b) { return a.index < b.index; });
   return steps;

@@ -89,8 +89,14 @@ report::LogResult calibrate_table(const CalibrateArguments& a) {
   return result;
 }
 
+bool is_confirmed(const report::AxisResult& axis) {
+  return !axis.cross_checked || axis.cross_checked->check.agrees;
+}
+
 int exit_code(const report::LogResult& result) {
-  return std::all_of(result.axes.begin(), result.axes.end(), has_answer) ? exit_done : exit_no_answer;
+  const bool done = std::all_of(result.axes.begin(), result.axes.end(),
+                                [](const auto& axis) { return has_answer(axis) && is_confirmed(axis); });
+  return done ? exit_done : exit_no_answer;
 }
 
 int run_several(const CalibrateArguments& a) {

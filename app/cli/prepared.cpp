@@ -26,7 +26,11 @@ std::string times(const std::vector<double>& seconds) {
 
 std::string describe_outliers(const report::Findings& found, const io::Axis& axis, double dt) {
   std::vector<double> at;
-  for (const auto& outlier : found.outliers) at.push_back(static_cast<double>(outlier.index) * dt);
+  bool in_use = false;
+  for (const auto& outlier : found.outliers) {
+    at.push_back(static_cast<double>(outlier.index) * dt);
+    in_use |= outlier.index >= found.first && outlier.index < found.first + found.samples;
+  }
   const auto& worst = *std::max_element(found.outliers.begin(), found.outliers.end(),
                                         [](const auto& a, const auto& b) { return a.sigmas < b.sigmas; });
   return fmt::format(
@@ -35,9 +39,9 @@ std::string describe_outliers(const report::Findings& found, const io::Axis& axi
       "by {} ({:.3g} sigma). {}",
       found.outliers.size(), axis.rate.size(), times(at), static_cast<double>(worst.index) * dt,
       noise::quantity_text(worst.distance, noise::datasheet_unit(axis.signal), 3), worst.sigmas,
-      found.outliers_masked
+      found.outliers_masked || !in_use
           ? "They are masked: neither curve nor fit holds them."
-          : "They are in curve and fit and spoil them: find what knocked, and leave the samples "
+          : "They are in curve and fit: find what knocked, and leave the samples "
             "out with --mask outliers.");
 }
 

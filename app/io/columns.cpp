@@ -92,6 +92,7 @@ class Chooser {
     } else {
       for (const std::size_t i : requested_) add_data(columns_[i]);
     }
+    note_unused_unit();
     make_names_differ();
     return std::move(choice_);
   }
@@ -432,6 +433,17 @@ class Chooser {
     if (choice_.data.empty() && without_unit) fail_missing_unit(*without_unit);
     if (choice_.data.empty()) fail_without_data(left_out);
     for (const LeftOut& l : left_out) choice_.notes.push_back("left out " + text(l));
+  }
+
+  void note_unused_unit() {
+    const bool used = std::ranges::any_of(choice_.data, [&](const DataColumn& d) {
+      const auto c = std::ranges::find(columns_, d.index, &Column::index);
+      return c == columns_.end() || !c->unit;
+    });
+    if (options_.unit && !choice_.data.empty() && !used) {
+      choice_.notes.push_back(
+          fmt::format("--unit {} is not used: the header gives the columns their units", *options_.unit));
+    }
   }
 
   [[noreturn]] void fail_missing_unit(const Column& c) const {

@@ -106,7 +106,7 @@ std::string axis_sheet(const AxisResult& axis, double rate_hz) {
   if (const std::string text = minimum_text(axis, rate_hz); !text.empty()) out += '\n' + paragraph(text);
   out += paragraph(beta_text(fit));
   out += '\n' + paragraph("Verdict: " + verdict_headline(fit) + ". " + verdict_text(fit));
-  out += paragraph("What follows: " + consequence_text(fit));
+  out += paragraph("What follows: " + consequence_text(axis));
   out += paragraph(cut_text(axis));
   out += paragraph(cross_check_text(axis));
   return out + bullets("What to know or do", axis.advice);

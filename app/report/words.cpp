@@ -540,11 +540,37 @@ std::string consequence_text(const fit::Result& fit) {
          "mean nothing.";
 }
 
+std::string consequence_text(const AxisResult& axis) {
+  std::vector<std::string> spoilt;
+  if (axis.findings) {
+    const Findings& found = *axis.findings;
+    // By their part of the variance: a few small ones in a long record spoil nothing.
+    constexpr double kSpoils = 0.01;
+    double squares = 0;
+    for (const auto& outlier : found.outliers) squares += outlier.sigmas * outlier.sigmas;
+    const bool large = squares > kSpoils * static_cast<double>(found.samples);
+    if (large && !found.outliers_masked) spoilt.emplace_back("outliers");
+    if (!found.steps.empty() && !found.steps_masked) spoilt.emplace_back("steps");
+    if (found.departure && !found.warm_up_masked) spoilt.emplace_back("a drift");
+  }
+  const bool disputed = axis.cross_checked && !axis.cross_checked->check.agrees;
+  if (!is_usable(*axis.fit) || (spoilt.empty() && !disputed)) return consequence_text(*axis.fit);
+  std::string text;
+  if (!spoilt.empty()) {
+    text = fmt::format(
+        "Do not use these numbers yet: the record holds {} that the fit took for noise; see below.",
+        join(spoilt, " and "));
+  }
+  if (disputed) text += fmt::format("{}The likelihood does not confirm the fit.", text.empty() ? "" : " ");
+  return text;
+}
+
 std::string minimum_text(const AxisResult& axis, double rate_hz) {
   if (!axis.fit || !(axis.fit->minimum_deviation > 0)) return {};
   const fit::Result& fit = *axis.fit;
   std::string text = fmt::format(
-      "Raw minimum of the curve: {} at {}. Makers often quote it, or it divided by 0.664 "
+      "Raw minimum of the curve up to a tenth of the record: {} at {}. Makers often quote it, or it divided "
+      "by 0.664 "
       "({}), as bias instability.",
       rate_text(axis.signal, fit.minimum_deviation), tau_text(fit.minimum_tau_s),
       rate_text(axis.signal, fit.minimum_deviation / kFlickerFloor));
@@ -606,15 +632,17 @@ std::string cross_check_text(const AxisResult& axis) {
   const fit::CrossCheck& check = axis.cross_checked->check;
   std::vector<std::string> parts;
   for (const fit::Agreement& a : check.coefficients) {
-    parts.push_back(fmt::format("{} {} ({:.2g} of its std apart, at most {:.2g} expected)",
-                                noise::label(axis.signal, a.term), quantity(axis.signal, a.term, a.second),
-                                std::abs(a.difference), a.limit));
+    parts.push_back(fmt::format(
+        "{} {} (the squares are {:.2g} standard deviations apart, at most {:.2g} expected)",
+        noise::label(axis.signal, a.term), quantity(axis.signal, a.term, a.second), a.difference, a.limit));
   }
   std::string text =
       fmt::format("Cross-check: the likelihood of the record itself, made without the curve, gives {}.",
                   join(parts, " and "));
-  text +=
-      check.agrees ? " The two agree." : " THE TWO DO NOT AGREE: look at the record before quoting either.";
+  text += check.agrees ? " The two agree."
+                       : " THE TWO DO NOT AGREE: a filter, spectral lines or a model that lacks a term do "
+                         "this; look at the "
+                         "spectrum (gyrobudget allan --psd welch --report) before quoting either.";
   const fit::Result& likelihood = axis.cross_checked->likelihood;
   if (axis.findings && 10 * likelihood.samples < 9 * axis.findings->samples) {
     text += fmt::format(" It is of {} samples only, the longest stretch without a gap, so it is less exact.",

@@ -106,6 +106,8 @@ struct Share {
 [[nodiscard]] std::string verdict_headline(const fit::Result&);
 [[nodiscard]] std::string verdict_text(const fit::Result&);
 [[nodiscard]] std::string consequence_text(const fit::Result&);
+/// The same, with what the record holds beside noise and what the likelihood says of the fit.
+[[nodiscard]] std::string consequence_text(const AxisResult&);
 [[nodiscard]] std::string minimum_text(const AxisResult&, double rate_hz);
 [[nodiscard]] std::string beta_text(const fit::Result&);
 [[nodiscard]] std::string cut_text(const AxisResult&);

@@ -138,6 +138,14 @@ TEST(Steps, StandOutOfRandomWalkToo) {
   EXPECT_NEAR(static_cast<double>(steps[0].index), 9000, 10);
 }
 
+TEST(Steps, HaveASizeBesideLongGapsToo) {
+  std::vector<double> y = record({noise::White{1}}, 13);
+  for (std::size_t k = 9000; k < y.size(); ++k) y[k] += 20;
+  for (std::size_t k = 9010; k < 9900; ++k) y[k] = kNaN;
+  for (std::size_t k = 8100; k < 8995; ++k) y[k] = kNaN;
+  for (const auto& step : find_steps(RateRecord(y))) EXPECT_TRUE(std::isfinite(step.size)) << step.index;
+}
+
 TEST(Steps, ShortEqualAndMissingRecordsHaveNone) {
   EXPECT_TRUE(find_steps(RateRecord({})).empty());
   EXPECT_TRUE(find_steps(RateRecord(std::vector<double>(100, 1.))).empty());

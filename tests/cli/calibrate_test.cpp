@@ -56,6 +56,9 @@ TEST(Findings, KnocksAreNamedWithTheirTimesAndMaskedOnRequest) {
   const auto text = gyrobudget_run("calibrate " + record.path()).out;
   EXPECT_NE(text.find("10 of 72000 samples lie further"), std::string::npos) << text;
   EXPECT_NE(text.find("--mask"), std::string::npos);
+  EXPECT_NE(text.find("Do not use these numbers yet"), std::string::npos);
+  EXPECT_EQ(gyrobudget_run("calibrate --mask outliers " + record.path()).out.find("Do not use"),
+            std::string::npos);
 }
 
 TEST(Findings, FivePercentOfOutliersLeaveADatasheetWhenMasked) {
