@@ -27,17 +27,8 @@ void check(std::span<const double> rate, double dt) {
   }
 }
 
-/// The largest 2^a 3^b 5^c <= n that is a multiple of 4; n >= 4.
-std::size_t fast_length_within(std::size_t n) {
-  std::size_t best = 4;
-  for (std::size_t five = 4; five <= n; five *= 5) {
-    for (std::size_t three = five; three <= n; three *= 3) {
-      std::size_t length = three;
-      while (2 * length <= n) length *= 2;
-      best = std::max(best, length);
-    }
-  }
-  return best;
+std::size_t longest_fast(std::size_t n) {
+  return static_cast<std::size_t>(noise::fft_length_within(static_cast<std::int64_t>(n)));
 }
 
 struct Existing {
@@ -104,7 +95,7 @@ Spectrum welch(std::span<const double> rate, double dt, std::int64_t segment) {
   const std::size_t wanted = segment > 0
                                  ? static_cast<std::size_t>(segment)
                                  : std::clamp(2 * rate.size() / (kSegments + 1), kFewestSamples, kLongest);
-  const std::size_t length = fast_length_within(wanted), segments = (rate.size() - length) / (length / 2) + 1;
+  const std::size_t length = longest_fast(wanted), segments = (rate.size() - length) / (length / 2) + 1;
 
   std::vector<double> window(length);
   double energy = 0;
@@ -147,7 +138,7 @@ Spectrum multitaper(std::span<const double> rate, double dt, std::int64_t tapers
         fmt::format("{} tapers; for a record of {} samples there must be from 1 to {}", tapers, rate.size(),
                     rate.size() / 4));
   }
-  const std::size_t length = fast_length_within(2 * (rate.size() + 1)), used = length / 2 - 1;
+  const std::size_t length = longest_fast(2 * (rate.size() + 1)), used = length / 2 - 1;
   const auto samples = rate.first(used);
   const Existing facts = existing(samples);
   Spectrum spectrum;

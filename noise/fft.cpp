@@ -61,6 +61,19 @@ std::int64_t fft_length(std::int64_t n) {
   return best;
 }
 
+std::int64_t fft_length_within(std::int64_t n) {
+  if (n < 4) return 0;
+  std::int64_t best = 4;
+  for (std::int64_t fives = 4; fives <= n; fives *= 5) {
+    for (std::int64_t threes = fives; threes <= n; threes *= 3) {
+      std::int64_t length = threes;
+      while (2 * length <= n) length *= 2;
+      best = std::max(best, length);
+    }
+  }
+  return best;
+}
+
 void fft(std::vector<std::complex<double>>& data) {
   require_length(data.size(), 1);
   if (data.size() == 1) return;  // its own transform; Eigen's has no stage for it

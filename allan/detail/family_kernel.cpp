@@ -97,12 +97,6 @@ const FamilyKernel& family_kernel(InstructionSet set) {
   return kKernels[static_cast<std::size_t>(set)];
 }
 
-const FamilyKernel& family_kernel() {
-  static const FamilyKernel& best =
-      family_kernel(supported(InstructionSet::avx512) ? InstructionSet::avx512
-                    : supported(InstructionSet::avx2) ? InstructionSet::avx2
-                                                      : InstructionSet::baseline);
-  return best;
-}
+const FamilyKernel& family_kernel() { return family_kernel(best_supported()); }
 
 }  // namespace gyrobudget::inline v0::allan::detail

@@ -115,18 +115,19 @@ bool supported(InstructionSet set) {
   }
 }
 
+InstructionSet best_supported() {
+  static const InstructionSet best = supported(InstructionSet::avx512) ? InstructionSet::avx512
+                                     : supported(InstructionSet::avx2) ? InstructionSet::avx2
+                                                                       : InstructionSet::baseline;
+  return best;
+}
+
 const SecondDifference& second_difference(InstructionSet set) {
   static constexpr SecondDifference kKernels[] = {
       {complete_baseline, masked_baseline}, {complete_avx2, masked_avx2}, {complete_avx512, masked_avx512}};
   return kKernels[static_cast<std::size_t>(set)];
 }
 
-const SecondDifference& second_difference() {
-  static const SecondDifference& best =
-      second_difference(supported(InstructionSet::avx512) ? InstructionSet::avx512
-                        : supported(InstructionSet::avx2) ? InstructionSet::avx2
-                                                          : InstructionSet::baseline);
-  return best;
-}
+const SecondDifference& second_difference() { return second_difference(best_supported()); }
 
 }  // namespace gyrobudget::inline v0::allan::detail

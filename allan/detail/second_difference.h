@@ -26,6 +26,8 @@ struct SecondDifference {
 
 enum class InstructionSet { baseline, avx2, avx512 };
 [[nodiscard]] bool supported(InstructionSet);
+/// The widest that this processor has.
+[[nodiscard]] InstructionSet best_supported();
 [[nodiscard]] const SecondDifference& second_difference(InstructionSet);
 /// The fastest that this machine has.
 [[nodiscard]] const SecondDifference& second_difference();

@@ -444,6 +444,7 @@ CrossCheck cross_check(const Result& gls, const Result& whittle) {
     if (b == whittle.coefficients.end() || !a.fitted || !b->fitted) continue;
     // Ratios to the larger limit: squares of the coefficients may leave double.
     const double unit = std::max(a.upper_two_sided, b->upper_two_sided);
+    if (!std::isfinite(unit)) continue;  // one of them knows no limit: nothing to compare
     const auto square = [=](double c) { return (c / unit) * (c / unit); };
     const auto width = [&](const Coefficient& c) { return square(c.upper_two_sided) - square(c.lower); };
     Agreement x{.term = a.term, .first = a.value, .second = b->value};

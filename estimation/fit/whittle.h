@@ -49,7 +49,7 @@ struct Agreement {
 };
 
 struct CrossCheck {
-  std::vector<Agreement> coefficients;  ///< those that both fitted
+  std::vector<Agreement> coefficients;  ///< those that both fitted and both limit
   bool agrees = true;                   ///< all of them
   bool same_range = true;  ///< false: the fits used different ranges of tau, which says something by itself
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/fit/detail/dst.h"
 
+#include "gyrobudget/noise/fft.h"
 #include "gyrobudget/noise/normal.h"
 
 #include <gtest/gtest.h>
@@ -50,15 +51,16 @@ TEST(SineTransform, IsItsDefinition) {
 }
 
 TEST(SineTransform, LengthsAreTheLastWithFactorsTwoThreeFive) {
-  EXPECT_EQ(transform_length(3), 0);
-  EXPECT_EQ(transform_length(4), 4);
-  EXPECT_EQ(transform_length(16), 16);
-  EXPECT_EQ(transform_length(17), 16);
-  EXPECT_EQ(transform_length(36000), 36000);
-  EXPECT_EQ(transform_length(36007), 36000);
-  EXPECT_EQ(transform_length(1000003), 1000000);
+  EXPECT_EQ(noise::fft_length_within(3), 0);
+  EXPECT_EQ(noise::fft_length_within(4), 4);
+  EXPECT_EQ(noise::fft_length_within(16), 16);
+  EXPECT_EQ(noise::fft_length_within(17), 16);
+  EXPECT_EQ(noise::fft_length_within(36000), 36000);
+  EXPECT_EQ(noise::fft_length_within(36007), 36000);
+  EXPECT_EQ(noise::fft_length_within(1000003), 1000000);
   for (const std::int64_t samples : {64, 997, 5003, 99991, 1299709}) {
-    const double loss = 1 - static_cast<double>(transform_length(samples)) / static_cast<double>(samples);
+    const double loss =
+        1 - static_cast<double>(noise::fft_length_within(samples)) / static_cast<double>(samples);
     EXPECT_GE(loss, 0);
     EXPECT_LT(loss, samples >= 99991 ? 0.02 : 0.06) << samples;
   }

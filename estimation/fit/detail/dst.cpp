@@ -61,19 +61,6 @@ double gauss_markov_variance(const noise::GaussMarkov& p, double k, double n, do
 
 }  // namespace
 
-std::int64_t transform_length(std::int64_t samples) {
-  if (samples < 4) return 0;
-  std::int64_t best = 4;
-  for (std::int64_t fives = 4; fives <= samples; fives *= 5) {
-    for (std::int64_t threes = fives; threes <= samples; threes *= 3) {
-      std::int64_t length = threes;
-      while (2 * length <= samples) length *= 2;
-      best = std::max(best, length);
-    }
-  }
-  return best;
-}
-
 std::vector<double> sine_transform_of_differences(std::span<const double> rate) {
   const std::size_t n = rate.size();
   const auto difference = [&](std::size_t j) { return rate[j] - rate[j - 1]; };

@@ -15,11 +15,7 @@ namespace gyrobudget::inline v0::fit {
 // Differences make every process but a trend stationary, and the sine transform leaves nothing of the record's ends:
 // white noise and rate random walk become exactly independent, the others nearly so.
 
-/// The longest record of at most `samples` rates whose transform is fast: 2^a 3^b 5^c, a >= 2. Loses below 6 % from
-/// 64 samples on, below 2 % from 10^5 on; 0 for fewer than 4 samples.
-[[nodiscard]] std::int64_t transform_length(std::int64_t samples);
-
-/// c_1 .. c_{n-1} of n = rate.size() rates, n as transform_length gives. Error about 1e-15 of the largest.
+/// c_1 .. c_{n-1} of n = rate.size() rates, n as noise::fft_length_within gives. Error about 1e-15 of the largest.
 /// Source: W. H. Press et al., Numerical Recipes, 3rd ed., section 12.4: one real FFT of n points.
 [[nodiscard]] std::vector<double> sine_transform_of_differences(std::span<const double> rate);
 

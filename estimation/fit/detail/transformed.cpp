@@ -2,6 +2,7 @@
 #include "gyrobudget/fit/detail/transformed.h"
 
 #include "gyrobudget/fit/detail/dst.h"
+#include "gyrobudget/noise/fft.h"
 
 #include <algorithm>
 #include <cmath>
@@ -30,7 +31,7 @@ Transformed transform_record(std::span<const double> rate, double dt) {
   Transformed t;
   t.dt = dt;
   t.used = longest_stretch(rate);
-  t.used.count = transform_length(t.used.count);
+  t.used.count = noise::fft_length_within(t.used.count);
   if (t.used.count < kFewestSamples) return t;
   const auto part =
       rate.subspan(static_cast<std::size_t>(t.used.first), static_cast<std::size_t>(t.used.count));
