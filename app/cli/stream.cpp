@@ -13,7 +13,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <csignal>
 #include <utility>
 
 #include "analysis.h"
@@ -25,27 +24,6 @@ namespace gyrobudget::inline v0::cli {
 namespace {
 
 constexpr std::int64_t kOverlap = 16;
-
-// --- Interrupts ---------------------------------------------------------------------------------------------------------
-
-volatile std::sig_atomic_t interrupted = 0;
-
-/// While it lives, Ctrl-C asks for the last table instead of ending the program; a second one ends it.
-class Interrupts {
- public:
-  Interrupts() {
-    struct sigaction action = {};
-    action.sa_handler = [](int) { interrupted = 1; };
-    action.sa_flags = static_cast<int>(SA_RESETHAND);  // and no SA_RESTART: a wait for input ends
-    sigaction(SIGINT, &action, &before_);
-  }
-  ~Interrupts() { sigaction(SIGINT, &before_, nullptr); }
-  Interrupts(const Interrupts&) = delete;
-  Interrupts& operator=(const Interrupts&) = delete;
-
- private:
-  struct sigaction before_ = {};
-};
 
 // --- What the noise is, without the samples -----------------------------------------------------------------------------
 
@@ -189,12 +167,13 @@ int run_stream(const AllanArguments& a) {
   Streamed log(a);
   Display display;
   const bool shows = a.follow && !a.common.json;
-  std::optional<Interrupts> interrupts;
-  if (a.follow) interrupts.emplace();
-  while (interrupted == 0 && log.advance()) {
+  std::optional<Interruption> interruption;  // of a stream that is followed: the last table is printed
+  if (a.follow) interruption.emplace();
+  const auto interrupted = [&] { return interruption && interruption->asked(); };
+  while (!interrupted() && log.advance()) {
     if (shows) display.update(log);
   }
-  if (interrupted != 0 && log.samples() < 2) return exit_interrupted;
+  if (interrupted() && log.samples() < 2) return exit_interrupted;
   log.require_samples();
   const report::LogResult result = log.result();
   if (shows) {
@@ -203,7 +182,7 @@ int run_stream(const AllanArguments& a) {
     print(a.common.json ? report::allan_json(result) : report::allan_table(result));
   }
   write_pictures(result, a.pictures, a.common);
-  return interrupted != 0 ? exit_interrupted : exit_done;
+  return interrupted() ? exit_interrupted : exit_done;
 }
 
 }  // namespace gyrobudget::inline v0::cli
