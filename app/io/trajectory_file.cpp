@@ -1,0 +1,278 @@
+// SPDX-License-Identifier: MIT
+#include "gyrobudget/io/trajectory_file.h"
+
+#include "gyrobudget/earth/attitude.h"
+#include "gyrobudget/earth/frames.h"
+#include "gyrobudget/earth/sampled.h"
+#include "gyrobudget/io/columns.h"
+#include "gyrobudget/io/layout.h"
+#include "gyrobudget/io/log_writer.h"
+#include "gyrobudget/io/number.h"
+#include "gyrobudget/io/source.h"
+#include "gyrobudget/io/table.h"
+#include "gyrobudget/io/text.h"
+#include "gyrobudget/io/trajectory_spec.h"
+#include "gyrobudget/noise/units.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <stdexcept>
+#include <vector>
+
+namespace gyrobudget::inline v0::io {
+namespace {
+
+using Eigen::Quaterniond;
+
+// --- Columns by name ---------------------------------------------------------------------------------------
+
+struct Wanted {
+  std::string_view name;
+  std::array<std::string_view, 2> others;  ///< names that mean the same
+  noise::Dimension dimension;
+};
+constexpr Wanted kTime{"time", {"t", "timestamp"}, noise::dimension::kTime};
+constexpr std::array<Wanted, 3> kPlace{{{"latitude", {"lat", "lat"}, noise::dimension::kAngle},
+                                        {"longitude", {"lon", "lng"}, noise::dimension::kAngle},
+                                        {"height", {"altitude", "alt"}, {0, 2, 0}}}};
+constexpr std::array<Wanted, 4> kQuaternion{{{"q_w", {"qw", "q_nb_w"}, noise::dimension::kNumber},
+                                             {"q_x", {"qx", "q_nb_x"}, noise::dimension::kNumber},
+                                             {"q_y", {"qy", "q_nb_y"}, noise::dimension::kNumber},
+                                             {"q_z", {"qz", "q_nb_z"}, noise::dimension::kNumber}}};
+constexpr std::array<Wanted, 3> kEuler{{{"yaw", {"heading", "yaw"}, noise::dimension::kAngle},
+                                        {"pitch", {"pitch", "pitch"}, noise::dimension::kAngle},
+                                        {"roll", {"roll", "roll"}, noise::dimension::kAngle}}};
+constexpr std::size_t kNumbers = 1 + kPlace.size();  // before those of the attitude
+
+constexpr const char* kExpected =
+    "expected a header with time (s), latitude (deg), longitude (deg), height (m), and q_w, q_x, q_y, q_z or "
+    "yaw (deg), pitch (deg), roll (deg)";
+
+class Columns {
+ public:
+  Columns(const Source& source, const Layout& layout) : source_(source), layout_(layout) {}
+
+  [[nodiscard]] std::optional<std::size_t> find(const Wanted& wanted) const {
+    for (std::size_t i = 0; i < layout_.headings.size(); ++i) {
+      const std::string name = lower(layout_.headings[i].name);
+      if (name == wanted.name || std::ranges::find(wanted.others, name) != wanted.others.end()) return i;
+    }
+    return std::nullopt;
+  }
+
+  [[nodiscard]] DataColumn get(const Wanted& wanted) const {
+    const auto index = find(wanted);
+    if (!index)
+      fail(source_.name(), fmt::format("found no column {}, {}", io::quoted(wanted.name), kExpected));
+    return {*index, layout_.headings[*index].name, {}, to_si(layout_.headings[*index], wanted)};
+  }
+
+ private:
+  [[nodiscard]] double to_si(const Heading& heading, const Wanted& wanted) const {
+    if (heading.unit.empty() && wanted.dimension == noise::dimension::kNumber) return 1;
+    try {
+      const noise::Unit unit = noise::parse_unit(heading.unit);
+      if (unit.dimension == wanted.dimension) return unit.to_si;
+    } catch (const std::invalid_argument&) {
+    }
+    fail_at(source_.name(), layout_.heading_line, heading.column,
+            fmt::format("column {} has {}, expected one like {}, as in \"latitude (deg)\"",
+                        io::quoted(heading.name),
+                        heading.unit.empty() ? "no unit" : "the unit " + io::quoted(heading.unit),
+                        noise::example_units(wanted.dimension)));
+  }
+
+  const Source& source_;
+  const Layout& layout_;
+};
+
+/// Times so far from 0 that a double of them would blur what a spline sees are read as whole nanoseconds.
+bool is_far(const Layout& layout, const DataColumn& time) {
+  constexpr double kFar = 1e6;  // s
+  double first = 0;
+  const bool read =
+      parse_number(layout.sample.front()[time.index], layout.dialect.decimal_comma, first) == Cell::number;
+  return read && std::abs(first * time.to_si) > kFar;
+}
+
+Choice choose(const Source& source, const Layout& layout) {
+  const Columns columns(source, layout);
+  Choice choice;
+  choice.data.push_back(columns.get(kTime));
+  if (is_far(layout, choice.data.front())) {
+    constexpr double kNanoseconds = 1e9;
+    choice.stamps.push_back(
+        {choice.data.front().index, std::llround(choice.data.front().to_si * kNanoseconds)});
+    choice.time_name = choice.data.front().name;
+  }
+  for (const Wanted& w : kPlace) choice.data.push_back(columns.get(w));
+  if (columns.find(kQuaternion.front())) {
+    for (const Wanted& w : kQuaternion) choice.data.push_back(columns.get(w));
+  } else {
+    for (const Wanted& w : kEuler) choice.data.push_back(columns.get(w));
+  }
+  return choice;
+}
+
+// --- Rows --------------------------------------------------------------------------------------------------
+
+/// The columns of a file as samples of a trajectory.
+class Samples {
+ public:
+  Samples(const Source& source, const TableReader& reader, const Choice& choice)
+      : source_(source), reader_(reader), choice_(choice), table_(reader.read(choice)) {}
+
+  [[nodiscard]] earth::Trajectory trajectory() {
+    check_complete();
+    std::vector<earth::Geodetic> positions;
+    std::vector<Quaterniond> attitudes;
+    for (std::size_t row = 0; row < table_.rows; ++row) {
+      positions.push_back(position(row));
+      attitudes.push_back(attitude(row));
+    }
+    try {
+      return earth::through_samples(times(), positions, attitudes);
+    } catch (const std::invalid_argument& error) {
+      fail(source_.name(), error.what());
+    }
+  }
+
+ private:
+  [[nodiscard]] double number(std::size_t column, std::size_t row) const {
+    return table_.numbers[column][row];
+  }
+  [[noreturn]] void fail_row(std::size_t row, const std::string& message) const {
+    fail_at(source_.name(), reader_.line_of_row(row), 1, message);
+  }
+
+  void check_complete() const {
+    for (std::size_t column = 0; column < choice_.data.size(); ++column) {
+      for (std::size_t row = 0; row < table_.rows; ++row) {
+        if (!std::isnan(number(column, row))) continue;
+        fail_row(row, fmt::format("column {} has no number, expected one in every row; leave the row out",
+                                  io::quoted(choice_.data[column].name)));
+      }
+    }
+  }
+
+  [[nodiscard]] std::vector<double> times() const {
+    std::vector<double> result(table_.rows);
+    for (std::size_t row = 0; row < table_.rows; ++row) {
+      constexpr double kNanosecond = 1e-9;
+      result[row] = table_.stamps.empty()
+                        ? number(0, row)
+                        : static_cast<double>(table_.stamps[row] - table_.stamps.front()) * kNanosecond;
+      if (row > 0 && !(result[row] > result[row - 1])) {
+        fail_row(row, "found a time that is not after the one before; expected times that ascend");
+      }
+    }
+    return result;
+  }
+
+  [[nodiscard]] earth::Geodetic position(std::size_t row) const {
+    const earth::Geodetic place{number(1, row), number(2, row), number(3, row)};
+    if (std::abs(place.latitude) > 90 * earth::kDegree) {
+      fail_row(row, fmt::format("found a latitude of {} deg, expected one from -90 to 90",
+                                place.latitude / earth::kDegree));
+    }
+    return place;
+  }
+
+  [[nodiscard]] Quaterniond attitude(std::size_t row) const {
+    const auto at = [&](std::size_t i) { return number(kNumbers + i, row); };
+    if (choice_.data.size() == kNumbers + kEuler.size()) return earth::from_euler({at(0), at(1), at(2)});
+    const Quaterniond q(at(0), at(1), at(2), at(3));
+    constexpr double kTolerance = 0.01;
+    if (!(std::abs(q.norm() - 1) <= kTolerance)) {
+      fail_row(row, fmt::format("found a quaternion of length {:.6g}, expected 1 (w first: q_w,q_x,q_y,q_z)",
+                                q.norm()));
+    }
+    return q.normalized();
+  }
+
+  const Source& source_;
+  const TableReader& reader_;
+  const Choice& choice_;
+  Table table_;
+};
+
+earth::Trajectory read_file(const std::string& path) {
+  constexpr std::size_t kChunk = std::size_t{1} << 20;
+  const Source source(path);
+  const Layout layout = read_layout(source);
+  const Choice choice = choose(source, layout);
+  const TableReader reader(source, layout, kChunk);
+  return Samples(source, reader, choice).trajectory();
+}
+
+// --- Writing -----------------------------------------------------------------------------------------------
+
+LogHead truth_head(double rate_hz, AttitudeForm form, std::string_view comment) {
+  LogHead head;
+  head.rate_hz = rate_hz;
+  head.comment = comment;
+  head.columns = {{"latitude", "deg"},       {"longitude", "deg"},     {"height", "m"},
+                  {"velocity_north", "m/s"}, {"velocity_east", "m/s"}, {"velocity_down", "m/s"}};
+  const auto add = [&](const auto& wanted, const char* unit) {
+    for (const Wanted& w : wanted) head.columns.push_back({std::string(w.name), unit});
+  };
+  if (form == AttitudeForm::quaternion) {
+    add(kQuaternion, "1");
+  } else {
+    add(kEuler, "deg");
+  }
+  return head;
+}
+
+/// The numbers of one row, SI, in the order of truth_head.
+std::vector<double> truth_row(const earth::TrajectoryPoint& point, AttitudeForm form) {
+  const earth::Geodetic place = earth::to_geodetic(point.p_eb_e);
+  const Eigen::Matrix3d C_en = earth::C_e_ned(place.latitude, place.longitude);
+  const Eigen::Vector3d v_eb_n = C_en.transpose() * point.v_eb_e;
+  Quaterniond q_nb = Quaterniond(C_en).conjugate() * point.q_eb;
+  if (q_nb.w() < 0) q_nb.coeffs() = -q_nb.coeffs();
+  std::vector<double> row{place.latitude, place.longitude, place.height, v_eb_n.x(), v_eb_n.y(), v_eb_n.z()};
+  if (form == AttitudeForm::quaternion) {
+    row.insert(row.end(), {q_nb.w(), q_nb.x(), q_nb.y(), q_nb.z()});
+  } else {
+    const earth::Euler euler = earth::to_euler(q_nb);
+    row.insert(row.end(), {euler.yaw, euler.pitch, euler.roll});
+  }
+  return row;
+}
+
+}  // namespace
+
+earth::Trajectory read_trajectory(const std::string& name_or_path) {
+  if (auto named = named_trajectory(name_or_path)) return *std::move(named);
+  std::error_code unknown;
+  if (name_or_path != "-" && !std::filesystem::exists(name_or_path, unknown)) {
+    const auto words = trajectory_words();
+    const std::string word = name_or_path.substr(0, name_or_path.find(':'));
+    fail(name_or_path, fmt::format("found no such file, and no trajectory of that name{}; there are {}",
+                                   suggestion(word, words), listing(words)));
+  }
+  return read_file(name_or_path);
+}
+
+void write_trajectory(const std::string& path, const earth::Trajectory& trajectory, double rate_hz,
+                      AttitudeForm form, std::string_view comment) {
+  const LogHead head = truth_head(rate_hz, form, comment);
+  constexpr double kRounding = 1e-9;  // of a sample: a duration that is a whole number of them keeps its end
+  const auto last = static_cast<std::uint64_t>(std::floor(trajectory.duration() * rate_hz + kRounding));
+  std::uint64_t sample = 0;
+  write_log(path, head, last + 1, [&](std::span<const std::span<double>> columns) {
+    for (std::size_t i = 0; i < columns.front().size(); ++i, ++sample) {
+      const double t = std::min(static_cast<double>(sample) / rate_hz, trajectory.duration());
+      const auto row = truth_row(trajectory.at(t), form);
+      for (std::size_t c = 0; c < columns.size(); ++c) columns[c][i] = row[c];
+    }
+  });
+}
+
+}  // namespace gyrobudget::inline v0::io

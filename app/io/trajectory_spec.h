@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+// Inside io: trajectories by name.
+#pragma once
+
+#include "gyrobudget/earth/trajectory.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gyrobudget::inline v0::io {
+
+/// `cruise:speed=250,duration=600` as read_trajectory has it; empty where the text does not begin with a
+/// known name.
+/// @throws std::invalid_argument for options that the path does not have or refuses.
+[[nodiscard]] std::optional<earth::Trajectory> named_trajectory(const std::string& text);
+
+/// static, cruise, climb, ascent.
+[[nodiscard]] std::vector<std::string> trajectory_words();
+
+}  // namespace gyrobudget::inline v0::io
