@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: MIT
+#include "filter.h"
+
+#include "gyrobudget/earth/attitude.h"
+#include "gyrobudget/earth/ellipsoid.h"
+#include "gyrobudget/earth/gravity.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include <Eigen/Cholesky>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <fmt/format.h>
+
+namespace gyrobudget::inline v0::navigation {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+const Vector3d kEarthRate{0, 0, earth::wgs84::kEarthRate};
+
+double gate_limit(double false_alarm, int rows) {
+  if (false_alarm == 0) return std::numeric_limits<double>::infinity();
+  return quantile(complement(boost::math::chi_squared(rows), false_alarm));
+}
+
+void check(const Filter::Options& options, int states, const StateMatrix& P0) {
+  if (P0.rows() != states || P0.cols() != states)
+    throw std::invalid_argument(fmt::format("initial covariance of {} x {}, expected {} x {} for the model's states",
+                                            P0.rows(), P0.cols(), states, states));
+  if (!(options.gate_false_alarm >= 0 && options.gate_false_alarm < 1))
+    throw std::invalid_argument(
+        fmt::format("gate's false alarm is {}, expected 0 to below 1", options.gate_false_alarm));
+  if (!(options.covariance_interval >= 0) || !std::isfinite(options.covariance_interval))
+    throw std::invalid_argument(
+        fmt::format("covariance interval is {} s, expected 0 or more", options.covariance_interval));
+}
+
+bool multiplies(const ErrorTerm& term) {
+  return term.carrier != Carrier::aid && term.effect != Effect::bias;
+}
+
+}  // namespace
+
+Filter::Filter(const NavigationState& start, ErrorModel model, const StateMatrix& P0)
+    : Filter(start, std::move(model), P0, Options{}) {}
+
+Filter::Filter(const NavigationState& start, ErrorModel model, const StateMatrix& P0, const Options& options)
+    : options_(options),
+      lineariser_(std::move(model)),
+      covariance_(P0, options.form),
+      strapdown_(start, options.strapdown),
+      terms_(StateVector::Zero(lineariser_.states() - kCoreStates)) {
+  check(options, lineariser_.states(), P0);
+  decay_ = mean_decay_ = StateVector::Ones(terms_.size());
+  for (std::size_t k = 0; k < this->model().terms.size(); ++k) {
+    considered_[kCoreStates + k] = this->model().terms[k].considered;
+    scaled_ |= multiplies(this->model().terms[k]);
+  }
+  for (int rows = 1; rows <= 3; ++rows)
+    gate_[static_cast<std::size_t>(rows)] = gate_limit(options.gate_false_alarm, rows);
+}
+
+void Filter::set_step(double dt) {
+  if (dt == step_dt_) return;
+  for (Eigen::Index k = 0; k < terms_.size(); ++k) {
+    const ErrorTerm& term = model().terms[static_cast<std::size_t>(k)];
+    decay_[k] = decay(term, dt);
+    mean_decay_[k] = mean_decay(term, dt);
+  }
+  step_dt_ = dt;
+}
+
+// Less what the terms add. Those that multiply do so with the true signal: one repetition takes the error of using
+// the measured one from the square of a term to its cube.
+earth::ImuIncrement Filter::corrected(const earth::ImuIncrement& imu, double dt) const {
+  if (terms_.size() == 0) return imu;
+  const StateVector mean = terms_.cwiseProduct(mean_decay_);
+  const Vector3d w = imu.angle / dt, f = imu.velocity / dt;
+  SensorCorrection errors = sensor_errors(model().terms, mean.data(), w, f);
+  if (scaled_) errors = sensor_errors(model().terms, mean.data(), w - errors.gyro, f - errors.accelerometer);
+  return {imu.velocity - dt * errors.accelerometer, imu.angle - dt * errors.gyro};
+}
+
+void Filter::propagate(const earth::ImuIncrement& measured, double dt) {
+  if (dt == 0) return;
+  if (!(dt > 0) || !std::isfinite(dt))
+    throw std::invalid_argument(
+        fmt::format("step of {} s at {} s: time must run forwards and be finite", dt, time_));
+  if (!measured.angle.allFinite() || !measured.velocity.allFinite())
+    throw std::invalid_argument(fmt::format("IMU increment at {} s is not finite", time_));
+  set_step(dt);
+  const earth::ImuIncrement imu = corrected(measured, dt);
+  const Eigen::Quaterniond before = strapdown_.state().q_eb;
+  if (pending_.dt == 0) {
+    pending_.q_start = before;
+    pending_.p_start = strapdown_.state().p_eb_e;
+  }
+  strapdown_.step(imu, dt);
+  terms_ = terms_.cwiseProduct(decay_);
+  time_ += dt;
+
+  pending_.dt += dt;
+  pending_.velocity_e += dt * strapdown_.last_specific_force_e();
+  pending_.angle_b += imu.angle;
+  w_eb_b_ = imu.angle / dt - strapdown_.state().q_eb.conjugate() * kEarthRate;
+  // Half a step early rather than half a step late, where steps do not divide the interval.
+  if (pending_.dt + dt / 2 >= options_.covariance_interval) catch_up();
+}
+
+void Filter::catch_up() {
+  if (pending_.dt == 0) return;
+  const double dt = pending_.dt;
+  Eigen::Quaterniond middle = strapdown_.state().q_eb;
+  const double sign = middle.dot(pending_.q_start) < 0 ? -1 : 1;
+  middle.coeffs() = (middle.coeffs() + sign * pending_.q_start.coeffs()).normalized();
+  StepInput step;
+  step.dt = dt;
+  step.p_eb_e = (pending_.p_start + strapdown_.state().p_eb_e) / 2;
+  step.C_eb = middle.toRotationMatrix();
+  step.w_ib_b = pending_.angle_b / dt;
+  step.f_ib_b = step.C_eb.transpose() * pending_.velocity_e / dt;
+  covariance_.propagate(lineariser_(step));
+  pending_ = {};
+}
+
+Estimate Filter::estimate() const {
+  Estimate estimate;
+  estimate.state = strapdown_.state();
+  estimate.w_eb_b = w_eb_b_;
+  if (time_ > 0)
+    estimate.a_eb_e = strapdown_.last_specific_force_e() + earth::normal_gravity(estimate.state.p_eb_e) -
+                      2 * kEarthRate.cross(estimate.state.v_eb_e);
+  estimate.model = &model();
+  estimate.terms = terms_.data();
+  return estimate;
+}
+
+// Joint covariance of the innovations, before any row is used.
+void Filter::expect(const Measurement& measurement, Innovation& innovation) const {
+  const int rows = measurement.rows;
+  Matrix3d S = Matrix3d::Identity();
+  for (int i = 0; i < rows; ++i) {
+    const StateVector ph = covariance_.times(measurement.row[static_cast<std::size_t>(i)].h);
+    for (int j = 0; j < rows; ++j) S(j, i) = measurement.row[static_cast<std::size_t>(j)].h.dot(ph);
+    S(i, i) += measurement.row[static_cast<std::size_t>(i)].variance;
+  }
+  innovation.sigma.head(rows) = S.diagonal().head(rows).cwiseSqrt();
+  Vector3d residual = Vector3d::Zero();
+  residual.head(rows) = measurement.residual.head(rows);
+  innovation.nis = residual.dot(S.ldlt().solve(residual));
+}
+
+Innovation Filter::update(const Measurement& measurement) {
+  Innovation innovation;
+  innovation.rows = measurement.rows;
+  innovation.residual = measurement.residual;
+  bool finite = measurement.residual.head(measurement.rows).allFinite();
+  for (int i = 0; i < measurement.rows; ++i)
+    finite &= measurement.row[static_cast<std::size_t>(i)].h.allFinite();
+  if (!finite) {
+    innovation.status = Innovation::Status::not_finite;
+    return innovation;
+  }
+  catch_up();
+  expect(measurement, innovation);
+  if (!(innovation.nis <= gate_[static_cast<std::size_t>(measurement.rows)])) {
+    innovation.status = Innovation::Status::gated;
+    return innovation;
+  }
+  StateVector x = StateVector::Zero(covariance_.size());
+  const std::span<const bool> considered(considered_.data(), static_cast<std::size_t>(covariance_.size()));
+  for (int i = 0; i < measurement.rows; ++i) {
+    const MeasurementRow& row = measurement.row[static_cast<std::size_t>(i)];
+    x += (measurement.residual[i] - row.h.dot(x)) * covariance_.update(row, considered);
+  }
+  correct(x);
+  return innovation;
+}
+
+void Filter::correct(const StateVector& x) {
+  NavigationState state = strapdown_.state();
+  state.p_eb_e += x.segment<3>(kPosition);
+  state.v_eb_e += x.segment<3>(kVelocity);
+  state.q_eb = (earth::exp_rotation(x.segment<3>(kAttitude)) * state.q_eb).normalized();
+  strapdown_.set_state(state);
+  terms_ += x.tail(terms_.size());
+}
+
+}  // namespace gyrobudget::inline v0::navigation

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "gyrobudget/navigation/aiding.h"
+#include "gyrobudget/navigation/covariance.h"
+#include "gyrobudget/navigation/error_state.h"
+#include "gyrobudget/navigation/strapdown.h"
+
+#include <array>
+
+namespace gyrobudget::inline v0::navigation {
+
+/// What an update found. Nothing of the filter changes unless it was used.
+struct Innovation {
+  enum class Status {
+    used,
+    gated,       ///< NIS beyond the gate
+    not_finite,  ///< a number of the measurement is NaN or infinite
+  };
+  Status status = Status::used;
+  int rows = 0;
+  Eigen::Vector3d residual = Eigen::Vector3d::Zero();  ///< in the measurement's own components
+  Eigen::Vector3d sigma = Eigen::Vector3d::Zero();     ///< that the filter expected of each
+  double nis = 0;                                      ///< residual^T S^-1 residual, chi-square of `rows` dof
+};
+
+/// Extended Kalman filter of an inertial navigator: multiplicative attitude error, closed loop. Corrected
+/// increments drive the strapdown, the error state of error_state.h its covariance, and each update goes at
+/// once into position, velocity, attitude and the estimates of the terms.
+///
+///     navigation::Filter filter(start, model, P0);
+///     for (const auto& imu : log) {
+///       filter.propagate(imu, dt);
+///       if (fix_is_due) filter.update(measure(navigation::PositionFix{...}, filter.estimate()));
+///     }
+///
+/// After an update the attitude error is reset without turning P by half of it: of second order in it.
+/// propagate and update allocate nothing. Not for use from two threads at once; copies are independent.
+class Filter {
+ public:
+  struct Options {
+    Form form = Form::joseph;
+    /// Probability with which a right measurement may be refused: NIS above its chi-square limit. 0: no gate.
+    double gate_false_alarm = 1e-6;
+    /// The covariance moves once in so many seconds, not every step [s]; 0: every step. Estimates move every
+    /// step all the same.
+    double covariance_interval = 0;
+    Strapdown::Options strapdown = {};
+  };
+
+  /// Terms start at zero; P0 is that of error_state.h in its order.
+  /// @throws std::invalid_argument for what ErrorModel::check and Covariance refuse, P0 of another size, a
+  /// gate outside 0 to 1 or a negative interval.
+  Filter(const NavigationState& start, ErrorModel model, const StateMatrix& P0, const Options& options);
+  Filter(const NavigationState& start, ErrorModel model, const StateMatrix& P0);
+
+  /// One IMU interval. dt = 0 changes nothing.
+  /// @throws std::invalid_argument for dt < 0 (time runs backwards), dt or increments not finite.
+  void propagate(const earth::ImuIncrement&, double dt);
+
+  /// All rows of a measurement, or none: those beyond the gate and those not finite are reported and left out.
+  Innovation update(const Measurement&);
+
+  [[nodiscard]] double time() const { return time_; }  ///< since the start [s]
+  [[nodiscard]] const NavigationState& state() const { return strapdown_.state(); }
+  [[nodiscard]] const ErrorModel& model() const { return lineariser_.model(); }
+  /// Estimate of model().terms[k].
+  [[nodiscard]] double term(int k) const { return terms_[k]; }
+  /// What aids are compared with; valid until the filter changes.
+  [[nodiscard]] Estimate estimate() const;
+
+  /// Moves what covariance_interval has kept back, so that covariance() is that of time().
+  void catch_up();
+  [[nodiscard]] const Covariance& covariance() const { return covariance_; }
+
+ private:
+  struct Pending {
+    double dt = 0;
+    Eigen::Vector3d velocity_e = Eigen::Vector3d::Zero();  ///< integral of C_eb f_ib_b
+    Eigen::Vector3d angle_b = Eigen::Vector3d::Zero();
+    Eigen::Quaterniond q_start;
+    Eigen::Vector3d p_start;
+  };
+  [[nodiscard]] earth::ImuIncrement corrected(const earth::ImuIncrement&, double dt) const;
+  void set_step(double dt);
+  void expect(const Measurement&, Innovation&) const;
+  void correct(const StateVector& x);
+
+  Options options_;
+  Lineariser lineariser_;
+  Covariance covariance_;
+  Strapdown strapdown_;
+  StateVector terms_;
+  StateVector decay_, mean_decay_;  ///< of the terms over a step of step_dt_
+  double step_dt_ = 0;
+  std::array<bool, kMaxStates> considered_{};
+  bool scaled_ = false;  ///< some term multiplies the signal
+  std::array<double, 4> gate_{};  ///< limit of NIS by number of rows
+  Pending pending_;
+  Eigen::Vector3d w_eb_b_ = Eigen::Vector3d::Zero();
+  double time_ = 0;
+};
+
+}  // namespace gyrobudget::inline v0::navigation
