@@ -3,10 +3,10 @@
 
 #include "gyrobudget/earth/attitude.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <stdexcept>
-
-#include <fmt/format.h>
 
 namespace gyrobudget::inline v0::navigation {
 namespace {
@@ -126,7 +126,8 @@ Measurement measure(const AttitudeFix& fix, const Estimate& estimate) {
   rows.block(kAttitude, Matrix3d::Identity());
   each_term(estimate, fix.aid, [&](std::size_t k, const ErrorTerm& term) {
     if (term.effect == Effect::lever_arm) return;
-    const Vector3d column = term.effect == Effect::bias ? Vector3d(C.col(term.axis)) : Vector3d(C * estimate.w_eb_b);
+    const Vector3d column =
+        term.effect == Effect::bias ? Vector3d(C.col(term.axis)) : Vector3d(C * estimate.w_eb_b);
     rows.term(k, column, estimate.terms[k]);
   });
   return rows.result();

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "covariance.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
-
-#include <fmt/format.h>
 
 namespace gyrobudget::inline v0::navigation {
 namespace {
@@ -21,16 +21,16 @@ using CoreColumns = Eigen::Matrix<double, Eigen::Dynamic, kCore, 0, kMaxStates, 
 
 void check(const StateMatrix& P) {
   if (P.rows() != P.cols() || P.rows() < kCore)
-    throw std::invalid_argument(
-        fmt::format("covariance of {} x {}, expected square with at least {} rows", P.rows(), P.cols(), kCore));
+    throw std::invalid_argument(fmt::format("covariance of {} x {}, expected square with at least {} rows",
+                                            P.rows(), P.cols(), kCore));
   for (int j = 0; j < P.cols(); ++j)
     for (int i = 0; i <= j; ++i) {
       const double scale = std::sqrt(P(i, i)) * std::sqrt(P(j, j));
       if (!std::isfinite(P(i, j)) || !(P(j, j) >= 0) || !(std::abs(P(i, j) - P(j, i)) <= 1e-9 * scale) ||
           !(std::abs(P(i, j)) <= (1 + 1e-9) * scale))
-        throw std::invalid_argument(
-            fmt::format("covariance ({}, {}) is {} and ({}, {}) {} beside variances {} and {}: not a covariance", i,
-                        j, P(i, j), j, i, P(j, i), P(i, i), P(j, j)));
+        throw std::invalid_argument(fmt::format(
+            "covariance ({}, {}) is {} and ({}, {}) {} beside variances {} and {}: not a covariance", i, j,
+            P(i, j), j, i, P(j, i), P(i, i), P(j, j)));
     }
 }
 
@@ -75,7 +75,8 @@ void zero_considered(StateVector& gain, std::span<const bool> considered) {
 
 }  // namespace
 
-Covariance::Covariance(const StateMatrix& P, Form form) : form_(form), size_(static_cast<int>(P.rows())), p_(P) {
+Covariance::Covariance(const StateMatrix& P, Form form)
+    : form_(form), size_(static_cast<int>(P.rows())), p_(P) {
   check(P);
   StateMatrix factors = P;
   factorise(factors);
@@ -124,7 +125,8 @@ void Covariance::propagate_dense(const Transition& step) {
     if (term.signal >= 0 && term.noise != 0) column += term.noise * term.spill * step.input.col(term.signal);
     p_.row(kCore + k).head<kCore>() = column.transpose();
     if (decays)
-      for (int l = 0; l < n; ++l) p_(kCore + l, kCore + k) *= term.decay * step.terms[static_cast<std::size_t>(l)].decay;
+      for (int l = 0; l < n; ++l)
+        p_(kCore + l, kCore + k) *= term.decay * step.terms[static_cast<std::size_t>(l)].decay;
     p_(kCore + k, kCore + k) += term.noise;
   }
 }
@@ -153,7 +155,8 @@ void Covariance::propagate_factors(const Transition& step) {
     row.head(size_) *= term.decay;
     row[size_ + 6 + k] = 1;
     weight[size_ + 6 + k] = term.noise;
-    if (term.signal >= 0) w.row(size_ + 6 + k).head<kCore>() = term.spill * step.input.col(term.signal).transpose();
+    if (term.signal >= 0)
+      w.row(size_ + 6 + k).head<kCore>() = term.spill * step.input.col(term.signal).transpose();
   }
   w.topLeftCorner(size_, kCore) = core + errors.lazyProduct(step.input.transpose());
   w.block(size_, 0, 6, kCore) = step.input.transpose();
@@ -183,10 +186,10 @@ StateVector Covariance::times(const StateVector& h) const {
 
 StateVector Covariance::update(const MeasurementRow& row, std::span<const bool> considered) {
   if (row.h.size() != size_ || !(row.variance > 0) || !std::isfinite(row.variance) || !row.h.allFinite())
-    throw std::invalid_argument(
-        fmt::format("measurement row of {} states with variance {}, expected {} states, finite, and a variance "
-                    "above 0",
-                    row.h.size(), row.variance, size_));
+    throw std::invalid_argument(fmt::format(
+        "measurement row of {} states with variance {}, expected {} states, finite, and a variance "
+        "above 0",
+        row.h.size(), row.variance, size_));
   return form_ == Form::square_root ? update_factors(row, considered) : update_dense(row, considered);
 }
 

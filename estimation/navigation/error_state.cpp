@@ -5,11 +5,11 @@
 #include "gyrobudget/earth/ellipsoid.h"
 #include "gyrobudget/earth/gravity.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <stdexcept>
 #include <string_view>
-
-#include <fmt/format.h>
 
 namespace gyrobudget::inline v0::navigation {
 namespace {
@@ -48,7 +48,8 @@ double unshared_variance(double a, double spill) {
   });
 }
 
-void require(bool good, const ErrorTerm& term, std::string_view what, double value, std::string_view expected) {
+void require(bool good, const ErrorTerm& term, std::string_view what, double value,
+             std::string_view expected) {
   if (!good)
     throw std::invalid_argument(fmt::format("{}: {} is {}, expected {}", name(term), what, value, expected));
 }
@@ -65,8 +66,8 @@ void check_term(const ErrorTerm& term) {
   const bool of_sensor = term.effect == Effect::scale_factor || term.effect == Effect::misalignment ||
                          term.effect == Effect::g_sensitivity;
   const bool of_gyro = term.effect == Effect::g_sensitivity;
-  const bool good = term.carrier == Carrier::aid ? !of_sensor
-                                                 : !of_aid && (!of_gyro || term.carrier == Carrier::gyro);
+  const bool good =
+      term.carrier == Carrier::aid ? !of_sensor : !of_aid && (!of_gyro || term.carrier == Carrier::gyro);
   if (!good) throw std::invalid_argument(fmt::format("{}: there is no such error", name(term)));
 }
 
@@ -74,10 +75,14 @@ void check_term(const ErrorTerm& term) {
 double sensitivity(const ErrorTerm& term, const Vector3d& w_ib_b, const Vector3d& f_ib_b) {
   const Vector3d& own = term.carrier == Carrier::gyro ? w_ib_b : f_ib_b;
   switch (term.effect) {
-    case Effect::scale_factor: return own[term.axis];
-    case Effect::misalignment: return own[term.input];
-    case Effect::g_sensitivity: return f_ib_b[term.input];
-    default: return 1;
+    case Effect::scale_factor:
+      return own[term.axis];
+    case Effect::misalignment:
+      return own[term.input];
+    case Effect::g_sensitivity:
+      return f_ib_b[term.input];
+    default:
+      return 1;
   }
 }
 
@@ -105,16 +110,21 @@ std::string name(const ErrorTerm& term) {
   constexpr std::string_view axes = "xyz";
   constexpr std::array<std::string_view, 6> effects{"bias",          "scale factor", "misalignment",
                                                     "g-sensitivity", "lever arm",    "time tag"};
-  const auto axis = [&](int i) { return i >= 0 && i < 3 ? axes.substr(static_cast<std::size_t>(i), 1) : "?"; };
+  const auto axis = [&](int i) {
+    return i >= 0 && i < 3 ? axes.substr(static_cast<std::size_t>(i), 1) : "?";
+  };
   const std::string carrier = term.carrier == Carrier::gyro            ? "gyro"
                               : term.carrier == Carrier::accelerometer ? "accelerometer"
                                                                        : fmt::format("aid {}", term.aid);
   const std::string start = fmt::format("{} {}", carrier, effects[static_cast<std::size_t>(term.effect)]);
   switch (term.effect) {
-    case Effect::time_tag: return start;
+    case Effect::time_tag:
+      return start;
     case Effect::misalignment:
-    case Effect::g_sensitivity: return fmt::format("{} {}<-{}", start, axis(term.axis), axis(term.input));
-    default: return fmt::format("{} {}", start, axis(term.axis));
+    case Effect::g_sensitivity:
+      return fmt::format("{} {}<-{}", start, axis(term.axis), axis(term.input));
+    default:
+      return fmt::format("{} {}", start, axis(term.axis));
   }
 }
 

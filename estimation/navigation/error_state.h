@@ -104,7 +104,8 @@ struct Transition {
   double dt = 0;
   CoreMatrix core = CoreMatrix::Identity();
   InputMatrix input = InputMatrix::Zero();
-  Eigen::Matrix<double, 6, 1> input_noise = Eigen::Matrix<double, 6, 1>::Zero();  ///< variances of mean errors
+  Eigen::Matrix<double, 6, 1> input_noise =
+      Eigen::Matrix<double, 6, 1>::Zero();  ///< variances of mean errors
   std::array<Term, kMaxErrorTerms> terms;
   int size = kCoreStates;  ///< states; terms[0 ... size - 9) count
 
@@ -115,11 +116,11 @@ struct Transition {
 
 /// What the model is linearised about: means over one step.
 struct StepInput {
-  double dt = 0;             ///< [s]
-  Eigen::Vector3d p_eb_e;    ///< [m]
-  Eigen::Matrix3d C_eb;      ///< at mid-step
-  Eigen::Vector3d w_ib_b;    ///< [rad/s]
-  Eigen::Vector3d f_ib_b;    ///< [m/s^2]
+  double dt = 0;           ///< [s]
+  Eigen::Vector3d p_eb_e;  ///< [m]
+  Eigen::Matrix3d C_eb;    ///< at mid-step
+  Eigen::Vector3d w_ib_b;  ///< [rad/s]
+  Eigen::Vector3d f_ib_b;  ///< [m/s^2]
 };
 
 /// Makes the transitions of one model. What depends on dt alone is kept from step to step.

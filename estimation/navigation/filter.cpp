@@ -5,14 +5,15 @@
 #include "gyrobudget/earth/ellipsoid.h"
 #include "gyrobudget/earth/gravity.h"
 
+#include <boost/math/distributions/chi_squared.hpp>
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 
 #include <Eigen/Cholesky>
-#include <boost/math/distributions/chi_squared.hpp>
-#include <fmt/format.h>
 
 namespace gyrobudget::inline v0::navigation {
 namespace {
@@ -29,8 +30,9 @@ double gate_limit(double false_alarm, int rows) {
 
 void check(const Filter::Options& options, int states, const StateMatrix& P0) {
   if (P0.rows() != states || P0.cols() != states)
-    throw std::invalid_argument(fmt::format("initial covariance of {} x {}, expected {} x {} for the model's states",
-                                            P0.rows(), P0.cols(), states, states));
+    throw std::invalid_argument(
+        fmt::format("initial covariance of {} x {}, expected {} x {} for the model's states", P0.rows(),
+                    P0.cols(), states, states));
   if (!(options.gate_false_alarm >= 0 && options.gate_false_alarm < 1))
     throw std::invalid_argument(
         fmt::format("gate's false alarm is {}, expected 0 to below 1", options.gate_false_alarm));
@@ -39,9 +41,7 @@ void check(const Filter::Options& options, int states, const StateMatrix& P0) {
         fmt::format("covariance interval is {} s, expected 0 or more", options.covariance_interval));
 }
 
-bool multiplies(const ErrorTerm& term) {
-  return term.carrier != Carrier::aid && term.effect != Effect::bias;
-}
+bool multiplies(const ErrorTerm& term) { return term.carrier != Carrier::aid && term.effect != Effect::bias; }
 
 }  // namespace
 

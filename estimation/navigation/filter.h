@@ -78,8 +78,8 @@ class Filter {
     double dt = 0;
     Eigen::Vector3d velocity_e = Eigen::Vector3d::Zero();  ///< integral of C_eb f_ib_b
     Eigen::Vector3d angle_b = Eigen::Vector3d::Zero();
-    Eigen::Quaterniond q_start;
-    Eigen::Vector3d p_start;
+    Eigen::Quaterniond q_start = Eigen::Quaterniond::Identity();
+    Eigen::Vector3d p_start = Eigen::Vector3d::Zero();
   };
   [[nodiscard]] earth::ImuIncrement corrected(const earth::ImuIncrement&, double dt) const;
   void set_step(double dt);
@@ -94,7 +94,7 @@ class Filter {
   StateVector decay_, mean_decay_;  ///< of the terms over a step of step_dt_
   double step_dt_ = 0;
   std::array<bool, kMaxStates> considered_{};
-  bool scaled_ = false;  ///< some term multiplies the signal
+  bool scaled_ = false;           ///< some term multiplies the signal
   std::array<double, 4> gate_{};  ///< limit of NIS by number of rows
   Pending pending_;
   Eigen::Vector3d w_eb_b_ = Eigen::Vector3d::Zero();
