@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -17,102 +16,13 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "values.h"
 #include "verbs.h"
 
 namespace gyrobudget::inline v0::cli {
 namespace {
 
 using noise::Term;
-
-// --- Values with units --------------------------------------------------------------------------------------------
-
-double quantity(const std::string& option, const std::string& text, const noise::Dimension& dimension) {
-  try {
-    return noise::parse_quantity(text, dimension);
-  } catch (const std::invalid_argument& error) {
-    throw std::invalid_argument(fmt::format("{}: {}", option, error.what()));
-  }
-}
-
-double positive(const std::string& option, double value, const std::string& text) {
-  if (value > 0 && std::isfinite(value)) return value;
-  throw std::invalid_argument(fmt::format("{} {}: must be above 0", option, text));
-}
-
-double duration(const std::string& option, const std::string& text) {
-  return positive(option, quantity(option, text, noise::dimension::kTime), text);
-}
-
-// "100", "100 Hz", "1 kHz"
-double rate(const std::string& option, const std::string& text) {
-  const bool bare = text.find_first_not_of("0123456789.eE+- ") == std::string::npos;
-  return positive(option, quantity(option, bare ? text + " Hz" : text, noise::dimension::kFrequency), text);
-}
-
-std::uint64_t whole_number(const std::string& option, const std::string& text) {
-  std::uint64_t value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) {
-    throw std::invalid_argument(
-        fmt::format("{} {}: must be a whole number from 0 to 18446744073709551615", option, text));
-  }
-  return value;
-}
-
-std::uint64_t seed(const std::string& text) { return whole_number("--seed", text); }
-
-const std::map<std::string, Term> kTermNames{
-    {"Q", Term::quantization},
-    {"quantization", Term::quantization},
-    {"N", Term::white},
-    {"arw", Term::white},
-    {"B", Term::flicker},
-    {"bias_instability", Term::flicker},
-    {"K", Term::rate_random_walk},
-    {"rrw", Term::rate_random_walk},
-    {"R", Term::rate_ramp},
-    {"rate_ramp", Term::rate_ramp},
-    {"G", Term::gauss_markov},
-    {"gauss_markov", Term::gauss_markov},
-    {"S", Term::sinusoid},
-    {"sinusoid", Term::sinusoid},
-};
-
-Term term_named(const std::string& option, const std::string& name) {
-  if (const auto at = kTermNames.find(name); at != kTermNames.end()) return at->second;
-  throw std::invalid_argument(
-      fmt::format("{}: no term '{}'; there are Q (quantization), N (arw), B (bias_instability), K (rrw), "
-                  "R (rate_ramp), G (gauss_markov) and S (sinusoid)",
-                  option, name));
-}
-
-std::vector<std::string> split(const std::string& text, char separator) {
-  std::vector<std::string> parts;
-  for (std::size_t start = 0; start <= text.size();) {
-    const std::size_t end = std::min(text.find(separator, start), text.size());
-    parts.push_back(text.substr(start, end - start));
-    start = end + 1;
-  }
-  return parts;
-}
-
-std::vector<Term> terms(const std::string& text) {
-  std::vector<Term> list;
-  for (const auto& name : split(text, ',')) list.push_back(term_named("--terms", name));
-  return list;
-}
-
-// "B=10%"
-PlanArguments::Wish wish(const std::string& text) {
-  const auto parts = split(text, '=');
-  if (parts.size() != 2)
-    throw std::invalid_argument(fmt::format("--want '{}': write TERM=ACCURACY, e.g. B=10%", text));
-  const double accuracy = quantity("--want", parts[1], noise::dimension::kNumber);
-  const Term term = term_named("--want", parts[0]);
-  if (term == Term::gauss_markov || term == Term::sinusoid)
-    throw std::invalid_argument(fmt::format("--want {}: plan knows Q, N, B, K and R only", text));
-  return {term, positive("--want", accuracy, text)};
-}
 
 // --- The options that verbs share ---------------------------------------------------------------------------------
 
@@ -318,15 +228,6 @@ void finish_model(SimulateArguments& a, const Texts& texts) {
   a.correlation_time_s = duration("--correlation-time", texts.correlation_time);
 }
 
-// "9h", or "1000" samples
-std::uint64_t skipped_samples(const std::string& text, double rate_hz) {
-  if (text.find_first_not_of("0123456789") == std::string::npos) return whole_number("--skip", text);
-  const double samples = std::round(quantity("--skip", text, noise::dimension::kTime) * rate_hz);
-  constexpr double kMost = 9e18;
-  if (samples >= 0 && samples <= kMost) return static_cast<std::uint64_t>(samples);
-  throw std::invalid_argument(fmt::format("--skip {}: must be from 0 to 9e18 samples", text));
-}
-
 void finish_extent(SimulateArguments& a, const Texts& texts) {
   const bool endless = texts.duration == "endless";
   a.duration_s = endless ? std::numeric_limits<double>::infinity() : duration("--duration", texts.duration);
@@ -377,36 +278,6 @@ void finish(SimulateArguments& a, const Texts& texts) {
     throw std::invalid_argument(
         fmt::format("--unit {}: not a unit of angular rate; try deg/s, deg/h or rad/s", a.unit));
   }
-}
-
-std::vector<allan::Estimator> estimators(const std::string& text) {
-  if (text == "all") return {std::begin(allan::kEstimators), std::end(allan::kEstimators)};
-  std::vector<allan::Estimator> list;
-  for (const auto& name : split(text, ',')) {
-    const auto estimator = allan::estimator_named(name);
-    if (!estimator) {
-      std::string known;
-      for (const auto e : allan::kEstimators)
-        known += fmt::format("{}{}", known.empty() ? "" : ", ", allan::name(e));
-      throw std::invalid_argument(
-          fmt::format("--estimator: no estimator '{}'; there are {}, or all", name, known));
-    }
-    if (std::ranges::find(list, *estimator) == list.end()) list.push_back(*estimator);
-  }
-  return list;
-}
-
-// "1", "m" or "m/16": how many terms begin in a cluster; 0 for all.
-std::int64_t overlap(const std::string& text) {
-  constexpr std::uint64_t kMost = 4096;
-  if (text == "1") return 0;
-  if (text == "m") return 1;
-  if (text.starts_with("m/")) {
-    const std::uint64_t parts = whole_number("--stride", text.substr(2));
-    if (parts >= 1 && parts <= kMost) return static_cast<std::int64_t>(parts);
-  }
-  throw std::invalid_argument(fmt::format(
-      "--stride {}: must be 1 (a term at every sample), m, or m/N with N from 1 to {}", text, kMost));
 }
 
 void add_estimators(CLI::App& app, Texts& texts) {
@@ -673,13 +544,6 @@ CLI::App* add_accuracy(CLI::App& app, AccuracyArguments& a, Texts& texts) {
       ->type_name("N");
   add_common(*verb, a.common);
   return verb;
-}
-
-fit::Method method_named(const std::string& name) {
-  const auto at = std::ranges::find_if(fit::kMethods, [&](fit::Method m) { return fit::name(m) == name; });
-  if (at != fit::kMethods.end()) return *at;
-  throw std::invalid_argument(
-      fmt::format("--methods: no method '{}'; there are gls, edf, loglog, slope, visual and whittle", name));
 }
 
 void finish_sweep(AccuracyArguments& a, const Texts& texts) {

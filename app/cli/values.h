@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "gyrobudget/allan/estimator.h"
+#include "gyrobudget/fit/fit.h"
+#include "gyrobudget/noise/sensor.h"
+#include "gyrobudget/noise/units.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "arguments.h"
+
+// Words of the command line as values in SI. Each throws std::invalid_argument that names `option`, what was
+// given and what it may be.
+namespace gyrobudget::inline v0::cli {
+
+/// "10 h" in SI, of that dimension.
+[[nodiscard]] double quantity(const std::string& option, const std::string& text, const noise::Dimension&);
+/// `value` where it is above 0 and finite.
+[[nodiscard]] double positive(const std::string& option, double value, const std::string& text);
+/// A time above 0 [s].
+[[nodiscard]] double duration(const std::string& option, const std::string& text);
+/// "100", "100 Hz", "1 kHz" [Hz]
+[[nodiscard]] double rate(const std::string& option, const std::string& text);
+[[nodiscard]] std::uint64_t whole_number(const std::string& option, const std::string& text);
+/// Of --seed.
+[[nodiscard]] std::uint64_t seed(const std::string& text);
+
+/// The parts between separators; one part, perhaps empty, where there is none.
+[[nodiscard]] std::vector<std::string> split(const std::string& text, char separator);
+/// "N,B,K" of --terms, by letter or by key.
+[[nodiscard]] std::vector<noise::Term> terms(const std::string& text);
+/// "B=10%" of --want.
+[[nodiscard]] PlanArguments::Wish wish(const std::string& text);
+/// One of --methods.
+[[nodiscard]] fit::Method method_named(const std::string& name);
+/// "oadev,mdev" or "all" of --estimator, each once.
+[[nodiscard]] std::vector<allan::Estimator> estimators(const std::string& text);
+/// "1", "m" or "m/16" of --stride: how many terms begin in a cluster; 0 for all.
+[[nodiscard]] std::int64_t overlap(const std::string& text);
+/// "9h", or "1000" samples, of --skip.
+[[nodiscard]] std::uint64_t skipped_samples(const std::string& text, double rate_hz);
+
+}  // namespace gyrobudget::inline v0::cli
