@@ -1,0 +1,288 @@
+// SPDX-License-Identifier: MIT
+#include "sensor_states.h"
+
+#include "gyrobudget/navigation/flicker_states.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+namespace gyrobudget::inline v0::navigation {
+namespace {
+
+constexpr double kBandDecades = 2;
+constexpr double kFlatVariance = 2 * std::numbers::ln2 / std::numbers::pi;  // of flicker, over B^2
+
+struct Triad {
+  Carrier carrier;
+  const noise::ErrorModel& errors;
+  const Epoch& epoch;
+  std::string name;
+};
+
+// (1 - exp(-x))/x
+double mean_exponential(double x) { return x == 0 ? 1 : -std::expm1(-x) / x; }
+
+// 2 (1 - h(a))/a, variance of the mean of a stationary unit Gauss-Markov process over a of its correlation times.
+double mean_variance(double a) {
+  return a < 1e-4 ? 1 - a / 3 + a * a / 12 : 2 * (1 - mean_exponential(a)) / a;
+}
+
+double allan_variance(const noise::GaussMarkov& process, double tau) {
+  const double x = tau / process.correlation_time, e = std::expm1(-x);
+  return process.sigma * process.sigma * (x < 1e-3 ? 2 * x / 3 : 2 / x * (1 - (e * e - 2 * e) / (2 * x)));
+}
+
+// Integral of f by midpoints in ln u.
+template <typename Function>
+double logarithmic_integral(Function f, double from, double to) {
+  if (!(to > from)) return 0;
+  constexpr int points = 256;
+  const double step = std::log(to / from) / points;
+  double sum = 0;
+  for (int i = 0; i < points; ++i) {
+    const double u = from * std::exp((i + 0.5) * step);
+    sum += f(u) * u * step;
+  }
+  return sum;
+}
+
+// What flicker's structure function, (2 B^2/pi) (ln(4 lag/dt) + gamma) at lags of many samples, has beyond that of
+// its states: an offset from what is faster than the band, and beyond the band a gain with the lag.
+class BeyondBand {
+ public:
+  BeyondBand(double b, std::vector<noise::GaussMarkov> states, double shortest, double longest, double dt)
+      : b_(b),
+        states_(std::move(states)),
+        longest_(longest),
+        dt_(dt),
+        offset_(excess(std::sqrt(shortest * longest))) {}
+
+  // Of Var(F(0) - F(-P)): half the offset, as the fast part of F(0) passes and that of F(-P) stays, and all the gain.
+  [[nodiscard]] double against_value(double P) const { return std::max(0.0, offset_) / 2 + gain(P); }
+  // Var(F(0) - mean F over [-T, 0]) = (1/T) int D(u) du - (1/T^2) int (T - u) D(u) du = (1/T^2) int u D(u) du.
+  [[nodiscard]] double against_mean(double T) const {
+    return logarithmic_integral([&](double u) { return u * gain(u); }, longest_, T) / (T * T);
+  }
+
+ private:
+  [[nodiscard]] double gain(double lag) const {
+    return lag > longest_ ? std::max(0.0, excess(lag) - offset_) : 0;
+  }
+  [[nodiscard]] double excess(double lag) const {
+    double d =
+        2 * b_ * b_ / std::numbers::pi * (std::log(std::max(4 * lag / dt_, 1.0)) + std::numbers::egamma);
+    for (const auto& g : states_) d -= 2 * g.sigma * g.sigma * -std::expm1(-lag / g.correlation_time);
+    return d;
+  }
+
+  double b_;
+  std::vector<noise::GaussMarkov> states_;
+  double longest_;
+  double dt_;
+  double offset_;
+};
+
+void check(const Triad& triad) {
+  const Epoch& epoch = triad.epoch;
+  if (!(epoch.powered_on_before >= 0) || !std::isfinite(epoch.powered_on_before))
+    throw std::invalid_argument(fmt::format("{}: powered on {} s before the scene, expected 0 or more",
+                                            triad.name, epoch.powered_on_before));
+  if (epoch.calibrated_over && (!(*epoch.calibrated_over > 0) || !std::isfinite(*epoch.calibrated_over)))
+    throw std::invalid_argument(
+        fmt::format("{}: calibrated over {} s, expected above 0 s", triad.name, *epoch.calibrated_over));
+}
+
+class Builder {
+ public:
+  explicit Builder(const SensorStates::Options& options) : options_(options) {
+    if (!(options.scene_length > 0) || !std::isfinite(options.scene_length))
+      throw std::invalid_argument(fmt::format("scene of {} s, expected above 0 s", options.scene_length));
+    if (!(options.step > 0) || !std::isfinite(options.step))
+      throw std::invalid_argument(fmt::format("IMU interval of {} s, expected above 0 s", options.step));
+    if (!(options.tolerance > 0))
+      throw std::invalid_argument(fmt::format("tolerance is {}, expected above 0", options.tolerance));
+    longest_ = options.scene_length;
+    shortest_ = std::max(std::min(options.step, longest_ / 2), longest_ * std::pow(10, -kBandDecades));
+    result_.initial = StateMatrix::Zero(kMaxErrorTerms, kMaxErrorTerms);
+  }
+
+  void add(const Triad& triad) {
+    check(triad);
+    auto& white =
+        triad.carrier == Carrier::gyro ? result_.model.gyro_white : result_.model.accelerometer_white;
+    white.setConstant(triad.errors.white);
+    const auto processes = slow_processes(triad);
+    const double beyond = slower_than_band(triad, processes.flicker);
+    for (int axis = 0; axis < 3; ++axis) add_biases(triad, axis, processes, beyond);
+    add_constants(triad);
+    mention(triad);
+  }
+
+  [[nodiscard]] SensorStates take() {
+    const auto n = static_cast<Eigen::Index>(result_.model.terms.size());
+    const StateMatrix used = result_.initial.topLeftCorner(n, n);
+    result_.initial = used;
+    result_.model.check();
+    return std::move(result_);
+  }
+
+ private:
+  struct Processes {
+    std::vector<noise::GaussMarkov> flicker, given;
+  };
+
+  // The fewest states whose error is hidden by all the noise there is at the scene's length.
+  Processes slow_processes(const Triad& triad) const {
+    const noise::ErrorModel& errors = triad.errors;
+    Processes result;
+    result.given = errors.gauss_markov;
+    if (errors.bias_instability == 0) return result;
+    const double T = longest_;
+    const double flicker = kFlatVariance * errors.bias_instability * errors.bias_instability;
+    double total =
+        flicker + errors.white * errors.white / T + errors.rate_random_walk * errors.rate_random_walk * T / 3;
+    for (const auto& g : errors.gauss_markov) total += allan_variance(g, T);
+    int states = options_.flicker_states.value_or(0);
+    FlickerStates fit = flicker_states(errors.bias_instability, shortest_, longest_, states);
+    const auto hidden = [&] {
+      const double error =
+          fit.worst_error;  // of the deviation; 2 error of flicker's variance, its share of the total
+      return (states == 0 ? flicker / total / 2 : error * flicker / total) <= options_.tolerance;
+    };
+    while (!options_.flicker_states && states < 3 && !hidden())
+      fit = flicker_states(errors.bias_instability, shortest_, longest_, ++states);
+    result.flicker = fit.processes;
+    return result;
+  }
+
+  double slower_than_band(const Triad& triad, const std::vector<noise::GaussMarkov>& states) const {
+    const double b = triad.errors.bias_instability;
+    if (b == 0) return 0;
+    const BeyondBand beyond(b, states, shortest_, longest_, options_.step);
+    return triad.epoch.calibrated_over ? beyond.against_mean(*triad.epoch.calibrated_over)
+                                       : beyond.against_value(triad.epoch.powered_on_before);
+  }
+
+  std::size_t add_term(ErrorTerm term, double variance) {
+    const std::size_t k = result_.model.terms.size();
+    if (k == kMaxErrorTerms)
+      throw std::invalid_argument(fmt::format(
+          "the sensor needs more than the {} states a filter holds: consider fewer Gauss-Markov terms, or "
+          "leave misalignment or g-sensitivity out",
+          kMaxErrorTerms));
+    result_.model.terms.push_back(term);
+    result_.initial(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(k)) = variance;
+    return k;
+  }
+
+  void add_biases(const Triad& triad, int axis, const Processes& processes, double beyond) {
+    const noise::ErrorModel& errors = triad.errors;
+    const auto T = triad.epoch.calibrated_over;
+    const double P = triad.epoch.powered_on_before;
+    const double K = errors.rate_random_walk, b0 = errors.turn_on_bias.value_or(0);
+    double variance = beyond;
+    variance += T ? K * K * *T / 3 + errors.white * errors.white / *T : b0 * b0 + K * K * P;
+    // Correlation of the bias with each process, over sigma^2, and the variance that the epoch charges for it.
+    struct Link {
+      noise::GaussMarkov process;
+      double correlation, charged;
+    };
+    std::vector<Link> links;
+    for (const auto& g : processes.flicker) {
+      const double tc = g.correlation_time;
+      links.push_back(T ? Link{g, mean_exponential(*T / tc), mean_variance(*T / tc)}
+                        : Link{g, std::exp(-P / tc), 1});
+    }
+    for (const auto& g : processes.given)
+      links.push_back(
+          T ? Link{g, mean_exponential(*T / g.correlation_time), mean_variance(*T / g.correlation_time)}
+            : Link{g, 0, 0});
+    for (const auto& link : links) variance += link.process.sigma * link.process.sigma * link.charged;
+    if (variance == 0 && K == 0 && links.empty()) return;
+
+    ErrorTerm term{.carrier = triad.carrier, .effect = Effect::bias, .axis = axis, .walk = K};
+    const auto bias = static_cast<Eigen::Index>(add_term(term, variance));
+    for (const auto& [process, correlation, charged] : links) {
+      term.correlation_time = process.correlation_time;
+      term.walk = process.sigma * std::sqrt(2 / process.correlation_time);
+      const double sigma2 = process.sigma * process.sigma;
+      const auto k = static_cast<Eigen::Index>(add_term(term, sigma2));
+      result_.initial(bias, k) = result_.initial(k, bias) = -sigma2 * correlation;
+    }
+  }
+
+  void add_constants(const Triad& triad) {
+    const auto add_all = [&](Effect effect, const std::optional<double>& sigma, Use use, bool own,
+                             bool cross) {
+      if (!sigma || *sigma == 0) return;
+      if (use == Use::left_out) {
+        result_.left_out.push_back({fmt::format("{} {}", triad.name, word(effect)), "as asked"});
+        return;
+      }
+      for (int axis = 0; axis < 3; ++axis)
+        for (int input = 0; input < 3; ++input)
+          if (axis == input ? own : cross)
+            add_term({.carrier = triad.carrier,
+                      .effect = effect,
+                      .axis = axis,
+                      .input = input,
+                      .considered = use == Use::considered},
+                     *sigma * *sigma);
+    };
+    add_all(Effect::scale_factor, triad.errors.scale_factor, options_.scale_factor, true, false);
+    add_all(Effect::misalignment, triad.errors.misalignment, options_.misalignment, false, true);
+    if (triad.carrier == Carrier::gyro)
+      add_all(Effect::g_sensitivity, triad.errors.g_sensitivity, options_.g_sensitivity, true, true);
+  }
+
+  static std::string_view word(Effect effect) {
+    return effect == Effect::scale_factor   ? "scale factor"
+           : effect == Effect::misalignment ? "misalignment"
+                                            : "g-sensitivity";
+  }
+
+  void mention(const Triad& triad) {
+    const noise::ErrorModel& errors = triad.errors;
+    const auto say = [&](bool has, std::string_view what, std::string_view why) {
+      if (has) result_.left_out.push_back({fmt::format("{} {}", triad.name, what), std::string(why)});
+    };
+    say(errors.quantization != 0, "quantization",
+        "moves the integrated signal by no more than one step, ever");
+    say(errors.rate_ramp != 0, "rate ramp",
+        "no state: the bias follows it only as far as its random walk lets it");
+    say(!errors.sinusoids.empty(), "sinusoid", "no state: bounded in the integrated signal");
+    say(errors.bandwidth.has_value(), "bandwidth", "a delay, not a state");
+  }
+
+  const SensorStates::Options& options_;
+  double shortest_ = 0, longest_ = 0;
+  SensorStates result_;
+};
+
+}  // namespace
+
+SensorStates sensor_states(const noise::SensorModel& sensor, const SensorStates::Options& options) {
+  Builder builder(options);
+  builder.add({Carrier::gyro, sensor.gyro, options.gyro, "gyro"});
+  if (sensor.accelerometer)
+    builder.add({Carrier::accelerometer, *sensor.accelerometer, options.accelerometer, "accelerometer"});
+  return builder.take();
+}
+
+StateMatrix initial_covariance(const CoreMatrix& core, const StateMatrix& terms) {
+  const auto n = kCoreStates + terms.rows();
+  if (terms.rows() != terms.cols() || n > kMaxStates)
+    throw std::invalid_argument(
+        fmt::format("covariance of {} x {} error terms, expected square with at most {}", terms.rows(),
+                    terms.cols(), kMaxErrorTerms));
+  StateMatrix P = StateMatrix::Zero(n, n);
+  P.topLeftCorner<kCoreStates, kCoreStates>() = core;
+  P.bottomRightCorner(terms.rows(), terms.rows()) = terms;
+  return P;
+}
+
+}  // namespace gyrobudget::inline v0::navigation
