@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace gyrobudget::inline v0::allan {
 namespace {
@@ -111,7 +112,40 @@ Identified identify(std::vector<double> z, std::int64_t m) {
   return result;
 }
 
+/// Whether a noise that held so far still may where `seen` was measured from so many clusters.
+bool may_hold(const Identified& seen, noise::Term term, double clusters) {
+  const double scatter = 2 / std::sqrt(clusters);
+  constexpr double kAngle = -0.25;                      // halfway from white (0) to angle noise (-1/2)
+  if (term == noise::Term::quantization) return false;  // it must show itself at each factor
+  if (seen.term == noise::Term::quantization) return seen.lag1 > kAngle - scatter;
+  if (seen.differences == 1)
+    return std::abs(seen.lag1 - lag1_of_differences(noise::unit_process(term), seen.m)) <= scatter;
+  if (term == noise::Term::white) return std::abs(seen.lag1) <= scatter;
+  constexpr double kStationary = 1. / 3;  // from here on means are differenced
+  return kStationary - seen.lag1 <= scatter;
+}
+
 }  // namespace
+
+std::vector<Identified> held_noise(std::vector<Identified> found, std::int64_t samples) {
+  std::vector<std::size_t> order(found.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t i) { return found[i].m; });
+  Identified white;
+  const Identified* held = &white;
+  for (const std::size_t i : order) {
+    Identified& seen = found[i];
+    const double clusters =
+        std::min(static_cast<double>(samples / seen.m), static_cast<double>(kStretches * kStretchClusters));
+    const bool first = held == &white;  // takes what it sees, but angle noise from few clusters
+    if ((!first || seen.term == noise::Term::quantization) && may_hold(seen, held->term, clusters)) {
+      seen.alpha = held->alpha;
+      seen.term = held->term;
+    }
+    held = &seen;
+  }
+  return found;
+}
 
 std::vector<Identified> identify_noise(const RateRecord& record, std::span<const std::int64_t> factors) {
   record.require_factors(factors);

@@ -48,4 +48,14 @@ struct Identified {
 /// At one factor.
 [[nodiscard]] Identified identify_noise(std::span<const double> rate, std::int64_t m);
 
+/// Noises along a curve, without the leaps that few clusters make: from the shortest factor on each noise holds until
+/// the lag-1 autocorrelation rejects it by more than 2/sqrt(clusters), its 95 % scatter; then the one found there
+/// takes over. With thousands of clusters nothing changes; with 30, where one step off is common, the noise of the
+/// last factor that could tell goes on.
+///
+/// Angle noise has degrees of freedom by the sample, not by the cluster: intervals would be far too narrow where it is
+/// seen by mistake. It never holds, and takes over only where the autocorrelation is below -1/4 by that scatter.
+/// @param found at ascending or any other factors of one record of n samples.
+[[nodiscard]] std::vector<Identified> held_noise(std::vector<Identified> found, std::int64_t samples);
+
 }  // namespace gyrobudget::inline v0::allan

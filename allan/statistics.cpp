@@ -197,36 +197,64 @@ PointStatistics nothing() {
   return {1, kNaN, kNaN, {kNaN, kNaN}};
 }
 
-PointStatistics point_statistics(const Curve& curve, const Point& point, Mix mix, double confidence,
-                                 DenseDof& dense) {
-  if (point.terms == 0) return nothing();
+/// What the noise says of a point.
+struct Facts {
+  double bias = 0, edf = 0;
+};
+
+Facts facts_of(const Curve& curve, const Point& point, Mix mix, DenseDof& dense) {
   const Estimation of{curve.estimator, curve.samples, point.m, curve.dt, point.stride};
-  PointStatistics result;
-  result.bias = expectation_ratio(of, mix);
   const bool overlapped = curve.estimator == Estimator::oadev && point.stride == 1;
-  result.edf = overlapped
-                   ? equivalent_dof(curve.samples, point.m, curve.dt, mix, curve.form, curve.mask.get())
-                   : degrees_of_freedom(of, normalized(mix), dense);
-  if (!overlapped || !curve.mask) {  // else it knows of the gaps
-    const std::int64_t positions = curve.form == Form::ieee
-                                       ? complete_terms(curve.samples, point.m, curve.form)
-                                       : detail::family_positions(curve.estimator, curve.samples, point.m);
-    const double complete = std::ceil(static_cast<double>(positions) / static_cast<double>(point.stride));
-    const double left = std::min(1., static_cast<double>(point.terms) / complete);
-    result.edf = std::max(result.edf * left, std::min(1., result.edf));
-  }
+  const double edf = overlapped
+                         ? equivalent_dof(curve.samples, point.m, curve.dt, mix, curve.form, curve.mask.get())
+                         : degrees_of_freedom(of, normalized(mix), dense);
+  return {expectation_ratio(of, mix), edf};
+}
+
+/// Part of the terms that gaps have left; 1 where the degrees of freedom know of the gaps.
+double share_left(const Curve& curve, const Point& point) {
+  if (curve.estimator == Estimator::oadev && point.stride == 1 && curve.mask) return 1;
+  const std::int64_t positions = curve.form == Form::ieee
+                                     ? complete_terms(curve.samples, point.m, curve.form)
+                                     : detail::family_positions(curve.estimator, curve.samples, point.m);
+  const double complete = std::ceil(static_cast<double>(positions) / static_cast<double>(point.stride));
+  return std::min(1., static_cast<double>(point.terms) / complete);
+}
+
+PointStatistics point_statistics(const Curve& curve, const Point& point, const Facts& facts,
+                                 double confidence) {
+  PointStatistics result;
+  result.bias = facts.bias;
+  result.edf = std::max(facts.edf * share_left(curve, point), std::min(1., facts.edf));
   result.variance = point.variance / result.bias;
   result.interval = chi_square_interval(result.variance, result.edf, confidence);
   return result;
 }
 
-/// @param mix_of gives the mix of a point by its index.
-template <typename MixOf>
-std::vector<PointStatistics> each_point(const Curve& curve, double confidence, MixOf mix_of) {
+/// Weights of the noises seen around a point, by term; they add up to 1.
+std::map<noise::Term, double> noises_around(const Curve& curve, std::span<const Identified> noises,
+                                            std::size_t i) {
+  constexpr double kReach = 2;  // octaves
+  std::map<noise::Term, double> weights;
+  double sum = 0;
+  for (std::size_t j = 0; j < noises.size(); ++j) {
+    const double weight = kReach - std::abs(std::log2(curve.tau(j) / curve.tau(i)));
+    if (weight <= 0) continue;
+    weights[noises[j].term] += weight;
+    sum += weight;
+  }
+  for (auto& [term, weight] : weights) weight /= sum;
+  return weights;
+}
+
+/// @param facts_at gives the facts of a point by its index.
+template <typename FactsAt>
+std::vector<PointStatistics> each_point(const Curve& curve, double confidence, FactsAt facts_at) {
   std::vector<PointStatistics> result(curve.points.size());
   DenseDof dense;
   tbb::parallel_for(std::size_t{0}, result.size(), [&](std::size_t i) {
-    result[i] = point_statistics(curve, curve.points[i], mix_of(i), confidence, dense);
+    const Point& point = curve.points[i];
+    result[i] = point.terms == 0 ? nothing() : point_statistics(curve, point, facts_at(i, dense), confidence);
   });
   return result;
 }
@@ -258,7 +286,9 @@ double expectation_ratio(const Estimation& of, Mix mix) {
 }
 
 std::vector<PointStatistics> statistics(const Curve& curve, Mix mix, double confidence) {
-  return each_point(curve, confidence, [&](std::size_t) { return mix; });
+  return each_point(curve, confidence, [&](std::size_t i, DenseDof& dense) {
+    return facts_of(curve, curve.points[i], mix, dense);
+  });
 }
 
 std::vector<PointStatistics> statistics(const Curve& curve, std::span<const Identified> noises,
@@ -267,9 +297,16 @@ std::vector<PointStatistics> statistics(const Curve& curve, std::span<const Iden
     throw std::invalid_argument(fmt::format("noise was identified at {} points; the curve has {}",
                                             noises.size(), curve.points.size()));
   }
-  std::vector<noise::Process> processes;
-  for (const Identified& found : noises) processes.push_back(noise::unit_process(found.term));
-  return each_point(curve, confidence, [&](std::size_t i) { return Mix(&processes[i], 1); });
+  return each_point(curve, confidence, [&](std::size_t i, DenseDof& dense) {
+    Facts mean;
+    for (const auto& [term, weight] : noises_around(curve, noises, i)) {
+      const noise::Process process = noise::unit_process(term);
+      const Facts facts = facts_of(curve, curve.points[i], Mix(&process, 1), dense);
+      mean.bias += weight * facts.bias;
+      mean.edf += weight * facts.edf;
+    }
+    return mean;
+  });
 }
 
 std::vector<Identified> identify_noise(const RateRecord& record, const Curve& curve) {
@@ -278,7 +315,7 @@ std::vector<Identified> identify_noise(const RateRecord& record, const Curve& cu
     const auto m = static_cast<std::int64_t>(std::llround(curve.tau(i) / curve.dt));
     factors.push_back(std::clamp<std::int64_t>(m, 1, std::max<std::int64_t>(1, record.samples() / 2)));
   }
-  return identify_noise(record, factors);
+  return held_noise(identify_noise(record, factors), record.samples());
 }
 
 std::vector<PooledPoint> pool(std::span<const Segment> segments, double confidence) {

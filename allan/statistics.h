@@ -66,10 +66,12 @@ struct PointStatistics {
 /// @throws std::invalid_argument as above.
 [[nodiscard]] std::vector<PointStatistics> statistics(const Curve&, std::span<const noise::Process> mix,
                                                       double confidence = 0.95);
-/// The same for the one noise that was identified at each point.
+/// The same for the noise that was identified at each point. Where it changes along the curve, bias and degrees of
+/// freedom go over from one noise's to the other's within two octaves either way (the mean over the points there,
+/// weights falling linearly in log tau), so that curves whose bias is divided out do not jump.
 [[nodiscard]] std::vector<PointStatistics> statistics(const Curve&, std::span<const Identified>,
                                                       double confidence = 0.95);
-/// Noise at each point's averaging time (at n/2 beyond that).
+/// Noise at each point's averaging time (at n/2 beyond that), as held_noise has it.
 [[nodiscard]] std::vector<Identified> identify_noise(const RateRecord&, const Curve&);
 
 /// One point of several curves: segments of a log between power-ups or dropped data, or sensors of one kind.

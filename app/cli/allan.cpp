@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <stdexcept>
 #include <utility>
@@ -107,32 +108,44 @@ void check_segments(const AllanArguments& a) {
   }
 }
 
-/// One or several power-ups of a sensor.
+/// One or several power-ups of a sensor, from one or several logs.
 std::vector<io::Record> read_segments(const AllanArguments& a) {
-  std::vector<io::Record> records{read_record(a.curve, a.common)};
-  for (const auto& path : a.segments) {
+  std::vector<std::string> paths{a.curve.log.path};
+  paths.insert(paths.end(), a.segments.begin(), a.segments.end());
+  std::vector<io::Record> records;
+  for (const auto& path : paths) {
     CurveArguments next = a.curve;
     next.log.path = path;
-    records.push_back(read_record(next, a.common));
+    std::vector<io::Record> read;
+    if (a.gap_s) {
+      read = read_cut_record(next, *a.gap_s, a.common);
+    } else {
+      read.push_back(read_record(next, a.common));
+    }
+    std::ranges::move(read, std::back_inserter(records));
     check_alike(records.front(), records.back());
-    records.back().rate_hz = records.front().rate_hz;
   }
+  for (auto& record : records) record.rate_hz = records.front().rate_hz;
   return records;
 }
 
-report::LogResult describe_segments(const std::vector<io::Record>& records, const Common& common) {
-  report::LogResult result = describe_record(records.front(), common);
+report::LogResult describe_segments(const std::vector<io::Record>& records, const AllanArguments& a) {
+  report::LogResult result = describe_record(records.front(), a.common);
   if (records.size() == 1) return result;
-  for (std::size_t i = 1; i < records.size(); ++i) {
-    result.source += ", " + records[i].source;
-    result.samples += records[i].samples;
-    result.missing_samples += records[i].missing_samples;
-    result.notes.insert(result.notes.end(), records[i].notes.begin(), records[i].notes.end());
+  result.samples = result.missing_samples = 0;
+  for (const io::Record& record : records) {
+    if (&record != &records.front())
+      result.notes.insert(result.notes.end(), record.notes.begin(), record.notes.end());
+    result.samples += record.samples;
+    result.missing_samples += record.missing_samples;
+    result.segments.push_back(
+        {record.source, record.first_row, record.start_s, record.samples, record.missing_samples});
   }
+  for (const auto& path : a.segments) result.source += ", " + path;
   result.notes.push_back(
-      fmt::format("{} logs are pooled: at each tau their variances are weighted by degrees of freedom, which "
-                  "add; no term reaches from one log into another",
-                  records.size()));
+      fmt::format("{} {} are pooled: at each tau their variances are weighted by degrees of freedom, which "
+                  "add; no term reaches from one into another",
+                  records.size(), a.gap_s ? "segments" : "logs"));
   return result;
 }
 
@@ -210,8 +223,9 @@ void add_axis(report::LogResult& result, std::size_t column, const std::vector<i
                                       : pooled(measured);
   }
   report::AxisResult& first = result.axes[result.axes.size() - a.estimators.size()];
-  if (a.psd) first.psd = spectrum_of(*rates.front(), *a.psd);
-  if (a.dynamic_s) first.dynamic = surface_of(*rates.front(), *a.dynamic_s);
+  const auto& most = **std::ranges::max_element(rates, {}, [](const auto& r) { return r->samples(); });
+  if (a.psd) first.psd = spectrum_of(most, *a.psd);
+  if (a.dynamic_s) first.dynamic = surface_of(most, *a.dynamic_s);
 }
 
 }  // namespace
@@ -223,7 +237,9 @@ int run(const AllanArguments& a) {
     check_outputs(path, {{"--report", a.pictures.report}, {"--plot", a.pictures.plot}});
   check_outputs(a.curve.log.path, {{"--report", a.pictures.report}, {"--plot", a.pictures.plot}});
   const std::vector<io::Record> records = read_segments(a);
-  report::LogResult result = describe_segments(records, a.common);
+  report::LogResult result = describe_segments(records, a);
+  if (records.size() > 1 && (a.psd || a.dynamic_s))
+    result.notes.emplace_back("spectrum and deviation over time are those of the longest segment");
   for (std::size_t i = 0; i < records.front().axes.size(); ++i) add_axis(result, i, records, a);
   print(a.common.json ? report::allan_json(result) : report::allan_table(result));
   write_pictures(result, a.pictures, a.common);

@@ -35,6 +35,14 @@ io::Record read_record(const CurveArguments& a, const Common& common) {
   return record;
 }
 
+std::vector<io::Record> read_cut_record(const CurveArguments& a, double longest_gap_s, const Common& common) {
+  std::vector<io::Record> records = io::read_segments(a.log, longest_gap_s);
+  for (const auto& record : records) {
+    for (const auto& note : record.notes) say(common, "note: " + note);
+  }
+  return records;
+}
+
 report::LogResult describe_record(const io::Record& record, const Common& common) {
   report::LogResult result;
   result.source = record.source;

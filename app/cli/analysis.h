@@ -26,6 +26,10 @@ namespace gyrobudget::inline v0::cli {
 /// Reads the log and says its notes on stderr.
 [[nodiscard]] io::Record read_record(const CurveArguments&, const Common&);
 
+/// The same, cut where more than `longest_gap_s` is missing.
+[[nodiscard]] std::vector<io::Record> read_cut_record(const CurveArguments&, double longest_gap_s,
+                                                      const Common&);
+
 /// What the result says of the record as a whole; axes still empty.
 [[nodiscard]] report::LogResult describe_record(const io::Record&, const Common&);
 

@@ -31,7 +31,7 @@ struct Texts {
   std::string rate, duration, terms, tau_min, tau_max, input = "rate", method = "gls", axes = "x,y,z";
   std::string seed = "1", skip, taps, noise_type, variant, rrw, correlation_time;
   std::string records, methods, axis = "gyro", require;
-  std::string estimators = "oadev", stride = "1", format, psd, window;
+  std::string estimators = "oadev", stride = "1", format, psd, window, gap, resample;
   std::vector<std::string> wishes, mask, logs;
 };
 
@@ -73,6 +73,12 @@ void add_log(CLI::App& app, CurveArguments& curve, Texts& texts) {
   group->add_option("--columns", curve.log.file_columns, "numbers a sample has in a raw binary log [1]")
       ->check(CLI::Range(1, 65536))
       ->type_name("K");
+  group
+      ->add_option(
+          "--resample", texts.resample,
+          "average readings at uneven times over even intervals of this rate; only where asked for, and "
+          "it is said what that does to short taus")
+      ->type_name("HZ");
   group->add_flag("--strict-gaps", curve.strict_gaps,
                   "use a cluster only where none of its samples is missing (else 95 %)");
 }
@@ -91,6 +97,7 @@ void add_curve(CLI::App& app, CurveArguments& curve, const std::string& default_
 
 void finish_log(CurveArguments& curve, const Texts& texts) {
   if (!texts.rate.empty()) curve.log.rate_hz = rate("--rate", texts.rate);
+  if (!texts.resample.empty()) curve.log.resample_hz = rate("--resample", texts.resample);
   curve.log.input = texts.input == "angle"       ? io::Input::angle
                     : texts.input == "increment" ? io::Input::increment
                                                  : io::Input::rate;
@@ -298,6 +305,15 @@ void add_estimators(CLI::App& app, Texts& texts) {
       ->capture_default_str();
 }
 
+void add_segments(CLI::App& app, Texts& texts) {
+  app.add_option_group("Segments")
+      ->add_option(
+          "--segments", texts.gap,
+          "cut each log where more than this is missing, or time goes back, and pool the segments into one "
+          "curve: power-ups, dropped data")
+      ->type_name("GAP");
+}
+
 void add_views(CLI::App& app, Texts& texts) {
   auto* group = app.add_option_group("Other views, for --report and --json");
   group
@@ -342,6 +358,8 @@ void check_stream(const AllanArguments& a, const std::string& default_taus) {
     if (wrong) throw std::invalid_argument(fmt::format("{} {}", option, what));
   };
   refuse(!a.segments.empty(), "reads one log");
+  refuse(a.gap_s.has_value(), "reads one segment; leave out --segments");
+  refuse(a.curve.log.resample_hz.has_value(), "cannot resample; leave out --resample");
   refuse(a.estimators != std::vector{allan::Estimator::oadev}, "knows the oadev only; leave out --estimator");
   refuse(a.curve.taus != "octave" && a.curve.taus != default_taus, "has octaves only; leave out --taus");
   refuse(a.curve.ieee_form, "counts n - 2m + 1 terms; leave out --ieee");
@@ -354,6 +372,7 @@ void finish(AllanArguments& a, const Texts& texts) {
   a.curve.log.path = texts.logs.front();
   a.segments.assign(texts.logs.begin() + 1, texts.logs.end());
   finish_log(a.curve, texts);
+  if (!texts.gap.empty()) a.gap_s = duration("--segments", texts.gap);
   a.estimators = estimators(texts.estimators);
   a.overlap = overlap(texts.stride);
   a.stream = a.stream || a.follow;
@@ -378,6 +397,7 @@ CLI::App* add_allan(CLI::App& app, AllanArguments& a, Texts& texts) {
       ->required()
       ->type_name("LOG ...");
   add_log(*verb, a.curve, texts);
+  add_segments(*verb, texts);
   add_curve(*verb, a.curve, kTaus);
   add_estimators(*verb, texts);
   add_views(*verb, texts);

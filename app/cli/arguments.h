@@ -68,6 +68,7 @@ struct AllanArguments {
   Pictures pictures;
   CurveArguments curve;
   std::vector<std::string> segments;  ///< further logs, pooled with the first into one curve
+  std::optional<double> gap_s;        ///< each log is cut where more than this is missing
   std::vector<allan::Estimator> estimators{allan::Estimator::oadev};
   std::int64_t overlap =
       0;  ///< terms begin every m/overlap samples; 0: at every sample, of a stream every m/16

@@ -89,7 +89,8 @@ class Scan {
 
   [[noreturn]] void fail_at_row(std::size_t row, const std::string& what) const {
     fail_at(column_.source, column_.line_of_row(row), 1,
-            fmt::format("the time {} {}, expected rising time; cut the log here, or put its rows in order",
+            fmt::format("the time {} {}, expected rising time; cut the log here (allan --segments GAP does), "
+                        "or put its rows in order",
                         column_.name, what));
   }
 
@@ -324,7 +325,7 @@ void check_density(const Track& track, std::size_t rows, const std::vector<std::
       column.source, column.line_of_row(row), 1,
       fmt::format(
           "{:.0f} of {} samples are missing, the most ({}) before the stamp of this row, expected at most "
-          "half; cut the log here{}",
+          "half; cut the log here (allan --segments GAP does){}",
           missing, track.points, track.longest_gap,
           track.gaps > static_cast<std::int64_t>(stamps.size()) / 4
               ? ", or give --rate if the stamps are coarse"
@@ -333,10 +334,13 @@ void check_density(const Track& track, std::size_t rows, const std::vector<std::
 
 void check_jitter(const Track& track, const TimeColumn& column) {
   if (track.jitter.rms() <= kLargestJitter) return;
-  fail(column.source,
-       fmt::format("the time {} is uneven by {:.0f} % (rms) of the sample interval, expected at most "
-                   "{:g} %; if the samples themselves are even, give their rate: --rate HZ",
-                   column.name, 100 * track.jitter.rms(), 100 * kLargestJitter));
+  fail(
+      column.source,
+      fmt::format(
+          "the time {} is uneven by {:.0f} % (rms) of the sample interval, expected at most "
+          "{:g} %; if the samples themselves are even, take the time column away and give --rate HZ; if not, "
+          "average them over even intervals: --resample HZ",
+          column.name, 100 * track.jitter.rms(), 100 * kLargestJitter));
 }
 
 std::string plural(std::int64_t n, std::string_view one) {

@@ -23,10 +23,11 @@ struct LogOptions {
   std::optional<double> rate_hz = {};    ///< needed where there is no time column; checked where there is one
   std::optional<std::string> unit = {};  ///< of data columns without one in the header; "1" is dimensionless
   Input input = Input::rate;
-  double scale = 1;                       ///< units per count, for all data columns
-  std::vector<std::string> columns = {};  ///< names or numbers (from 1); empty: every data column
-  std::optional<Format> format = {};      ///< unset: what the ending of the path says
-  std::int64_t file_columns = 1;          ///< numbers a row of a raw binary log has
+  double scale = 1;                        ///< units per count, for all data columns
+  std::vector<std::string> columns = {};   ///< names or numbers (from 1); empty: every data column
+  std::optional<Format> format = {};       ///< unset: what the ending of the path says
+  std::int64_t file_columns = 1;           ///< numbers a row of a raw binary log has
+  std::optional<double> resample_hz = {};  ///< average uneven readings over even intervals; else never
   /// Text that one task parses, in bytes; the result does not depend on it.
   std::size_t chunk_bytes = std::size_t{1} << 20;
 };
@@ -43,6 +44,8 @@ struct Record {
   double rate_hz = 0;                ///< [Hz]
   std::int64_t samples = 0;          ///< grid points, missing ones included
   std::int64_t missing_samples = 0;  ///< grid points at which any axis has no number
+  double start_s = 0;                ///< of a segment, since the first row of the log by its own clock
+  std::int64_t first_row = 1;        ///< likewise, the line of its first row (binary: the row), from 1
   std::vector<Axis> axes;
   std::vector<std::string> notes;  ///< what a person should know of how it was read, one sentence each
 };
@@ -72,6 +75,10 @@ inline constexpr double kLargestJitter = 0.25;  ///< rms of the stamps about the
 /// stamp that repeats masks its grid point; jitter is tolerated up to kLargestJitter and said. Time that goes back is
 /// an error.
 ///
+/// **Resampling**, only where LogOptions::resample_hz asks for it: for readings at truly uneven times. Rates become
+/// means over even intervals, angles and increments are interpolated at their ends; intervals without readings are
+/// missing. The notes say what that does to white noise at short averaging times (see resample.h).
+///
 /// **Binary** (Format::f32, f64, npy): numbers without time or names; rate_hz and unit must be given, and the columns are
 /// named "column 1" and so on. What is not finite is missing.
 ///
@@ -83,5 +90,14 @@ inline constexpr double kLargestJitter = 0.25;  ///< rms of the stamps about the
 /// @throws InputError for the log, with place, finding, expectation and mend; std::invalid_argument for options that
 /// are wrong with any log (rate_hz or scale not a positive number, an unknown unit).
 [[nodiscard]] Record read_log(const LogOptions&);
+
+/// A log of several stretches (power-ups, dropped data), cut where no column has a number for longer than
+/// `longest_gap_s` [s] and where time goes back. Each is a record on a grid of its own; they share the rate of the
+/// longest one. Pieces of fewer than 32 rows are left out. The notes say how many there are and how long, what was
+/// left out, and, after "segment K:", what is to be known of one.
+/// @return at least one, in the order of the log.
+/// @throws as read_log; InputError too for rates that differ by more than kRateTolerance between segments, and where
+/// no piece is long enough; std::invalid_argument for a gap that is not positive.
+[[nodiscard]] std::vector<Record> read_segments(const LogOptions&, double longest_gap_s);
 
 }  // namespace gyrobudget::inline v0::io

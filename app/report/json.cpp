@@ -186,8 +186,22 @@ Json surface(const AxisResult& axis) {
           {"deviation", rows}};
 }
 
+Json segments_of(const LogResult& result) {
+  Json segments = Json::array();
+  for (const SegmentResult& s : result.segments) {
+    segments.push_back({{"source", s.source},
+                        {"first_row", s.first_row},
+                        {"start_s", s.start_s},
+                        {"samples", s.samples},
+                        {"duration_s", static_cast<double>(s.samples) / result.rate_hz},
+                        {"missing_samples", s.missing_samples}});
+  }
+  return segments;
+}
+
 Json allan_document(const LogResult& result) {
   Json document = head(result, "gyrobudget.allan/1");
+  if (!result.segments.empty()) document["record"]["segments"] = segments_of(result);
   Json& axes = document["axes"] = Json::array();
   for (const AxisResult& axis : result.axes) {
     const Scale scale(deviation_unit(axis));

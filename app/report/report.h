@@ -25,6 +25,8 @@ namespace gyrobudget::inline v0::report {
 /// With a spectrum an axis has "psd":{"method","sides":"two-sided","unit","si_unit","si_per_unit","bandwidth_hz",
 /// "points":[{"frequency_hz","amplitude","lower","upper","dof"}]}, roots of densities; with a surface
 /// "dynamic":{"window_s","unit","si_unit","si_per_unit","time_s","tau_s","deviation"}, rows of the last being windows.
+/// Where several segments are pooled, "record" is their sum and has "segments":[{"source","first_row","start_s",
+/// "samples","duration_s","missing_samples"}].
 /// A column has one entry in "axes" for each estimator asked for; "estimator" at the top is the first of them. The
 /// estimator's bias is divided out: its own variance is "bias" times the square of "deviation".
 /// Doubles survive a round trip; what is not finite is null. Keys keep this order; the text ends in a newline.

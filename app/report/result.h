@@ -95,6 +95,15 @@ struct AxisResult {
   std::vector<std::string> advice;            ///< plain words, one thing to know or do each
 };
 
+/// A stretch of a log that was pooled with others into one curve.
+struct SegmentResult {
+  std::string source;          ///< path or name of its log
+  std::int64_t first_row = 1;  ///< line (binary: row) of its first sample in that log, from 1
+  double start_s = 0;          ///< of its first sample, since that of the log by its own clock
+  std::int64_t samples = 0;    ///< missing ones included
+  std::int64_t missing_samples = 0;
+};
+
 /// What `allan` and `calibrate` found: the one value that tables, JSON, plots and the page are made of.
 struct LogResult {
   std::string source;        ///< path or name of the log
@@ -102,7 +111,8 @@ struct LogResult {
   double rate_hz = 0;        ///< above zero
   std::int64_t samples = 0;  ///< of the time grid, missing ones included
   std::int64_t missing_samples = 0;
-  std::vector<std::string> notes;  ///< how the log was read
+  std::vector<std::string> notes;       ///< how the log was read
+  std::vector<SegmentResult> segments;  ///< where the curves are pooled from several; else empty
   std::vector<AxisResult> axes;
 };
 

@@ -374,6 +374,107 @@ TEST(Pool, IndependentSegmentsAddTheirDegreesOfFreedom) {
   }
 }
 
+TEST(HeldNoise, AWhiteRecordsIntervalsHoldTheTruthToItsEnd) {
+  // Every point of a curve, its noise identified from the record: no fewer than a known noise would cover.
+  constexpr int kRecords = 400;
+  constexpr std::int64_t kSamples = 2048;
+  const noise::Process white[] = {noise::White{1}};
+  const auto factors = octave_factors(Estimator::oadev, kSamples);
+  std::vector<double> covered(factors.size());
+  int angle_noise = 0;
+  const noise::RecordGenerator generate(white, kSamples, 1);
+  for (int r = 0; r < kRecords; ++r) {
+    const auto rate = generate({.seed = 77, .stream = static_cast<std::uint64_t>(r)});
+    const RateRecord record(rate);
+    const Curve curve = overlapped_variance(record, factors);
+    const auto noises = identify_noise(record, curve);
+    const auto facts = statistics(curve, noises);
+    for (std::size_t i = 0; i < factors.size(); ++i) {
+      const double truth = 1 / static_cast<double>(factors[i]);
+      const Interval& interval = facts[i].interval;
+      covered[i] += interval.lower <= truth && truth <= interval.upper ? 1. / kRecords : 0;
+      angle_noise += noises[i].term == noise::Term::quantization ? 1 : 0;
+    }
+  }
+  constexpr double kSigmas = 3.5;  // ten checks: false alarm 3e-3
+  for (std::size_t i = 0; i < factors.size(); ++i)
+    EXPECT_GT(covered[i], 0.95 - kSigmas * std::sqrt(0.05 * 0.95 / kRecords)) << factors[i];
+  EXPECT_LE(angle_noise, 4);
+}
+
+TEST(HeldNoise, TotalCurvesDoNotJumpWhereTheNoiseChanges) {
+  // White into random walk: from factor to factor the bias of Theo1 goes over in small steps.
+  const noise::Process mix[] = {noise::White{1}, noise::RateRandomWalk{0.01}};
+  const auto rate = noise::RecordGenerator(mix, 30'000, 1)({.seed = 3, .stream = 0});
+  const RateRecord record(rate);
+  std::vector<std::int64_t> factors;
+  for (double m = 10; m < 25'000; m *= 1.15) factors.push_back(2 * std::lround(m / 2));
+  const Curve curve = deviation(record, Estimator::theo1, factors);
+  const auto facts = statistics(curve, identify_noise(record, curve));
+  EXPECT_GT(facts.front().bias / facts.back().bias, 2);  // 1 and 1/2.7
+  for (std::size_t i = 1; i < facts.size(); ++i)
+    EXPECT_NEAR(facts[i].bias / facts[i - 1].bias, 1, 0.2) << factors[i];
+}
+
+TEST(HeldNoise, LateNoiseTakesOverAndEqualSamplesAreWhite) {
+  const auto seen = [](noise::Term term, double lag1, int differences, std::int64_t m) {
+    Identified found;
+    found.term = term;
+    found.lag1 = lag1;
+    found.differences = differences;
+    found.m = m;
+    return found;
+  };
+  using enum noise::Term;
+  const auto terms = [](const std::vector<Identified>& list) {
+    std::vector<noise::Term> result;
+    for (const auto& one : list) result.push_back(one.term);
+    return result;
+  };
+  // 3000 samples: at m = 100 white could read -0.2 or -0.4 by chance, at m = 1 it could not.
+  EXPECT_EQ(terms(held_noise({seen(white, 0, 0, 1), seen(quantization, -0.4, 0, 100)}, 3000)),
+            (std::vector{white, white}));
+  EXPECT_EQ(terms(held_noise({seen(quantization, -0.4, 0, 1), seen(white, -0.1, 0, 100)}, 3000)),
+            (std::vector{quantization, white}));
+  EXPECT_EQ(terms(held_noise({seen(white, 0, 0, 1), seen(rate_random_walk, 0.2, 1, 100)}, 3000)),
+            (std::vector{white, rate_random_walk}));
+  EXPECT_EQ(terms(held_noise({seen(white, 0, 0, 1), seen(flicker, -0.35, 1, 100)}, 3000)),
+            (std::vector{white, white}));
+  EXPECT_TRUE(held_noise({}, 10).empty());
+}
+
+TEST(Pool, NoiseThatRunsOnAcrossDroppedDataIsStillCovered) {
+  // One power-up of 3000 samples, of which two stretches were dropped: what pool() assumes independent is not quite.
+  constexpr int kLogs = 1000;
+  constexpr std::int64_t kFrom[] = {0, 1100, 2000}, kTo[] = {1000, 1800, 3000}, kFactors[] = {8, 64, 250};
+  const noise::Process kinds[] = {noise::Flicker{1}, noise::RateRandomWalk{1}};
+  for (const noise::Process& kind : kinds) {
+    const std::span mix(&kind, 1);
+    const noise::RecordGenerator generate(mix, 3000, 1);
+    double covered[3] = {};
+    for (int log = 0; log < kLogs; ++log) {
+      const auto rate = generate({.seed = 8, .stream = static_cast<std::uint64_t>(log)});
+      std::vector<Curve> curves;
+      std::vector<std::vector<PointStatistics>> facts;
+      for (int i = 0; i < 3; ++i) {
+        const std::span part(rate.data() + kFrom[i], rate.data() + kTo[i]);
+        curves.push_back(deviation(part, 1, Estimator::oadev, kFactors));
+        facts.push_back(statistics(curves.back(), mix));
+      }
+      std::vector<Segment> segments;
+      for (int i = 0; i < 3; ++i) segments.push_back({&curves[i], facts[i]});
+      const auto pooled = pool(segments);
+      for (int i = 0; i < 3; ++i) {
+        const double truth = noise::allan_variance(kind, kFactors[i], 1);
+        covered[i] += pooled[i].interval.lower <= truth && truth <= pooled[i].interval.upper ? 1. / kLogs : 0;
+      }
+    }
+    constexpr double kSigmas = 3.5, kCorrelation = 0.01;  // six checks: false alarm 1e-3
+    for (const double share : covered)
+      EXPECT_GT(share, 0.95 - kCorrelation - kSigmas * std::sqrt(0.05 * 0.95 / kLogs));
+  }
+}
+
 TEST(Pool, OneSegmentIsItself) {
   const noise::Process white[] = {noise::White{1}};
   const std::vector<std::int64_t> factors{1, 10};

@@ -212,6 +212,58 @@ TEST_F(Allan, OnlyLikeLogsArePooled) {
   expect_refused(a + " " + a, kUsage, "twice");
 }
 
+/// A log of the noise as two power-ups, the clock of the second one ahead or started anew.
+std::string csv_of_two(const std::vector<double>& values, std::size_t cut, double start) {
+  std::string text = "time (s),gyro_x (deg/h)\n";
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double t = i < cut ? 0.1 * i : start + 0.1 * (i - cut);
+    text += fmt::format("{:.1f},{}\n", t, values[i]);
+  }
+  return text;
+}
+
+TEST_F(Allan, SegmentsOfOneLogArePooledAsLogsAre) {
+  const auto y = noise(5000);
+  const std::string a = scratch_.file("a.csv", csv({y.begin(), y.begin() + 4000})),
+                    b = scratch_.file("b.csv", csv({y.begin() + 4000, y.end()}));
+  const auto logs = run(a + " " + b + " --taus octave");
+  for (const double start : {1000., 0.}) {
+    const auto one =
+        run(scratch_.file("both.csv", csv_of_two(y, 4000, start)) + " --taus octave --segments 5s");
+    ASSERT_EQ(one["axes"][0]["points"].size(), logs["axes"][0]["points"].size());
+    for (std::size_t i = 0; i < logs["axes"][0]["points"].size(); ++i) {
+      const auto &p = one["axes"][0]["points"][i], &q = logs["axes"][0]["points"][i];
+      for (const char* number : {"deviation", "edf", "lower", "upper"})
+        EXPECT_NEAR(p[number].get<double>() / q[number].get<double>(), 1, 1e-9) << number;
+    }
+    const auto& segments = one["record"]["segments"];
+    ASSERT_EQ(segments.size(), 2U);
+    EXPECT_EQ(segments[0]["samples"], 4000);
+    EXPECT_EQ(segments[1]["first_row"], 4002);
+    EXPECT_NEAR(segments[1]["start_s"].get<double>(), start, 1e-6);
+    EXPECT_NEAR(segments[1]["duration_s"].get<double>(), 100, 1e-6);
+    EXPECT_EQ(one["record"]["samples"], 5000);
+  }
+  const Outcome table = gyrobudget_run("allan " + scratch_.path("both.csv") + " --segments 5s");
+  EXPECT_NE(table.out.find("2 segments of 6.67 min, 100 s"), std::string::npos) << table.out;
+  expect_refused(scratch_.path("both.csv"), kBadInput, "allan --segments GAP");
+  expect_refused(scratch_.path("both.csv") + " --segments 0s", kUsage, "--segments 0s: must be above 0");
+  expect_refused(scratch_.path("both.csv") + " --segments 5s --stream", kUsage, "leave out --segments");
+}
+
+TEST_F(Allan, UnevenTimesAreResampledOnlyWhenAsked) {
+  std::string text = "time (s),gyro_x (deg/h)\n";
+  double t = 0;
+  for (const double v : noise(5000)) text += fmt::format("{:.6f},{}\n", t += 0.01 + 0.2 * std::abs(v), v);
+  const std::string log = scratch_.file("uneven.csv", text);
+  expect_refused(log, kBadInput, "--resample HZ");
+  const auto document = run(log + " --resample 4");
+  EXPECT_EQ(document["record"]["rate_hz"], 4);
+  EXPECT_NE(document["notes"].dump().find("resampled to 4 Hz as asked"), std::string::npos);
+  expect_refused(log + " --resample 1kHz", kBadInput, "give a lower rate");
+  expect_refused(log + " --resample 4 --stream", kUsage, "leave out --resample");
+}
+
 // --- Binary logs --------------------------------------------------------------------------------------------------------------
 
 TEST_F(Allan, BinaryLogsAreTheTextInOtherClothes) {

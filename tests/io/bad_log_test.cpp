@@ -291,7 +291,8 @@ TEST_F(BadLog, OptionsWrongWithAnyLog) {
 
 TEST_F(BadLog, TimeThatGoesBack) {
   EXPECT_EQ(message("time (s),w (1)\n0,1\n0.1,2\n0.2,3\n0.15,4\n0.3,5\n"),
-            ":5:1: the time column 'time' goes back by 0.05 s, expected rising time; cut the log here, or "
+            ":5:1: the time column 'time' goes back by 0.05 s, expected rising time; cut the log here (allan "
+            "--segments GAP does), or "
             "put its rows in order");
 }
 
