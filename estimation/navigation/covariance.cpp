@@ -199,18 +199,37 @@ StateVector Covariance::update_dense(const MeasurementRow& row, std::span<const 
   const double s = row.h.dot(g) + row.variance;
   StateVector gain = g / s;
   zero_considered(gain, considered);
-  // Plain: P - k g^T - g k^T + S k k^T, which is P - k h P where k is optimal. Joseph: the same from the left, then
-  // from the right with what h sees of it, so that errors of k enter squared.
+  // Plain: P - k g^T - g k^T + S k k^T, which is P - k h P where k is optimal.
   if (form_ == Form::plain) {
     for (int j = 0; j < size_; ++j) p_.col(j) += (s * gain[j] - g[j]) * gain - gain[j] * g;
+    symmetrise();
   } else {
-    for (int j = 0; j < size_; ++j) p_.col(j) -= g[j] * gain;
-    g.noalias() = p_ * row.h;
-    for (int j = 0; j < size_; ++j) p_.col(j) += gain[j] * (row.variance * gain - g);
+    joseph(row, g, gain);
   }
+  return gain;
+}
+
+// From the left, then from the right with what h sees of it, so that errors of the gain enter squared. g is P h.
+void Covariance::joseph(const MeasurementRow& row, StateVector& g, const StateVector& gain) {
+  for (int j = 0; j < size_; ++j) p_.col(j) -= g[j] * gain;
+  g.noalias() = p_ * row.h;
+  for (int j = 0; j < size_; ++j) p_.col(j) += gain[j] * (row.variance * gain - g);
+  symmetrise();
+}
+
+void Covariance::symmetrise() {
   for (int j = 0; j < size_; ++j)
     for (int i = 0; i < j; ++i) p_(i, j) = p_(j, i) = (p_(i, j) + p_(j, i)) / 2;
-  return gain;
+}
+
+void Covariance::update_with(const MeasurementRow& row, const StateVector& gain) {
+  if (form_ == Form::square_root || row.h.size() != size_ || gain.size() != size_)
+    throw std::invalid_argument(fmt::format(
+        "update with a given gain needs the plain or Joseph form and {} states; row has {}, gain {}", size_,
+        row.h.size(), gain.size()));
+  StateVector g(size_);
+  g.noalias() = p_ * row.h;
+  joseph(row, g, gain);
 }
 
 StateVector Covariance::update_factors(const MeasurementRow& row, std::span<const bool> considered) {

@@ -45,6 +45,10 @@ class Covariance {
   /// Allocates nothing.
   StateVector update(const MeasurementRow&, std::span<const bool> considered = {});
 
+  /// The update by one row with any gain k, (I - k h) P (I - k h)^T + r k k^T, r may be 0. Allocates nothing.
+  /// @throws std::invalid_argument in square-root form, and for sizes that differ.
+  void update_with(const MeasurementRow&, const StateVector& gain);
+
   /// P in full, symmetric.
   [[nodiscard]] StateMatrix matrix() const;
   /// P_ii.
@@ -54,6 +58,8 @@ class Covariance {
   void propagate_dense(const Transition&);
   void propagate_factors(const Transition&);
   StateVector update_dense(const MeasurementRow&, std::span<const bool> considered);
+  void joseph(const MeasurementRow&, StateVector& g, const StateVector& gain);
+  void symmetrise();
   StateVector update_factors(const MeasurementRow&, std::span<const bool> considered);
 
   Form form_;

@@ -79,6 +79,8 @@ class Trajectory {
   explicit Trajectory(std::shared_ptr<const Path>);
 
   [[nodiscard]] double duration() const { return duration_; }  ///< [s]; it starts at 0
+  /// Times inside at which what is sensed, or its derivative, jumps; ascending.
+  [[nodiscard]] const std::vector<double>& breaks() const { return breaks_; }
 
   /// @throws std::invalid_argument for a time outside 0 to duration().
   [[nodiscard]] TrajectoryPoint at(double t) const;

@@ -1,0 +1,310 @@
+// SPDX-License-Identifier: MIT
+#include "budget.h"
+
+#include "gyrobudget/earth/attitude.h"
+#include "gyrobudget/earth/ellipsoid.h"
+#include "gyrobudget/earth/gravity.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace gyrobudget::inline v0::navigation {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+const Vector3d kEarthRate{0, 0, earth::wgs84::kEarthRate};
+constexpr double kShortestStep = 1e-9;  // [s] cuts nearer than this are one
+
+void require(bool good, std::string_view what, double value, std::string_view expected) {
+  if (!good) throw std::invalid_argument(fmt::format("{} is {}, expected {}", what, value, expected));
+}
+
+}  // namespace
+
+// --- What is flown ------------------------------------------------------------------------------------------------
+
+Timeline::Timeline(earth::Trajectory trajectory, std::vector<PlannedFix> fixes, const Options& options)
+    : trajectory_(std::move(trajectory)),
+      fixes_(std::move(fixes)),
+      pad_(options.pad),
+      report_(options.report) {
+  require(options.step > 0 && std::isfinite(options.step), "covariance step [s]", options.step, "above 0");
+  require(options.pad >= 0 && std::isfinite(options.pad), "time on the pad [s]", options.pad, "0 or more");
+  const auto inside = [&](double t) { return t >= start() && t <= end(); };
+  for (const double t : report_) require(inside(t), "time of interest [s]", t, "within the scene");
+  for (const auto& fix : fixes_) require(inside(fix.time), "time of a fix [s]", fix.time, "within the scene");
+  std::stable_sort(fixes_.begin(), fixes_.end(),
+                   [](const auto& a, const auto& b) { return a.time < b.time; });
+  report_.push_back(end());
+  std::sort(report_.begin(), report_.end());
+  report_.erase(std::unique(report_.begin(), report_.end()), report_.end());
+  cut(options);
+}
+
+void Timeline::cut(const Options& options) {
+  std::vector<double> cuts = report_;
+  cuts.push_back(start());
+  cuts.push_back(0);
+  for (const double t : trajectory_.breaks()) cuts.push_back(t);
+  for (const auto& fix : fixes_) cuts.push_back(fix.time);
+  std::sort(cuts.begin(), cuts.end());
+  double from = start();
+  for (const double to : cuts) {
+    if (to - from < kShortestStep) continue;
+    const auto parts = static_cast<int>(std::ceil((to - from) / options.step * (1 - 1e-12)));
+    for (int i = 0; i < parts; ++i)
+      steps_.push_back(make_step(from + (to - from) * i / parts, from + (to - from) * (i + 1) / parts));
+    from = to;
+  }
+}
+
+Timeline::Step Timeline::make_step(double from, double to) const {
+  Step step{from, to, {}};
+  step.input.dt = to - from;
+  const double middle = std::max(0.0, (from + to) / 2);
+  const earth::TrajectoryPoint point = trajectory_.at(middle);
+  step.input.p_eb_e = point.p_eb_e;
+  step.input.C_eb = point.q_eb.toRotationMatrix();
+  if (to <= 0) {  // at rest, whatever the trajectory's first instant does
+    step.input.w_ib_b = step.input.C_eb.transpose() * kEarthRate;
+    step.input.f_ib_b = -(step.input.C_eb.transpose() * earth::normal_gravity(point.p_eb_e));
+  } else {
+    const earth::ImuIncrement imu = trajectory_.increment(from, to);
+    step.input.w_ib_b = imu.angle / (to - from);
+    step.input.f_ib_b = imu.velocity / (to - from);
+  }
+  return step;
+}
+
+Timeline::Instant Timeline::at(double time) const {
+  const earth::TrajectoryPoint point = trajectory_.at(std::max(0.0, time));
+  Instant instant{{point.p_eb_e, point.v_eb_e, point.q_eb}, Vector3d::Zero(), Vector3d::Zero()};
+  if (time <= 0) {
+    instant.state.v_eb_e.setZero();
+    return instant;
+  }
+  const Matrix3d C = point.q_eb.toRotationMatrix();
+  instant.w_eb_b = point.w_ib_b - C.transpose() * kEarthRate;
+  instant.a_eb_e =
+      C * point.f_ib_b + earth::normal_gravity(point.p_eb_e) - 2 * kEarthRate.cross(point.v_eb_e);
+  return instant;
+}
+
+// --- One source through frozen gains ------------------------------------------------------------------------------
+
+namespace {
+
+// [p v psi | estimates of the filter | states of the source], truth minus estimate for the first, estimates
+// themselves for the second: they act on the navigator as a sensor's error does, with the other sign.
+class Passage {
+ public:
+  Passage(const Source& source, const ErrorModel& filter)
+      : source_(source),
+        estimates_(filter.terms.size()),
+        lineariser_(joint(source, filter)),
+        covariance_(initial()) {}
+
+  void propagate(const StepInput& input) {
+    Transition& step = transition_ = lineariser_(input);
+    for (std::size_t k = 0; k < estimates_; ++k) step.terms[k].gain = -step.terms[k].gain;
+    if (source_.shape) shape(input, step);
+    covariance_.propagate(step);
+  }
+
+  // The row for the true states; the filter's gain, of its own length.
+  void update(const Measurement& measurement, std::size_t i, const StateVector& filter_gain, bool own_noise) {
+    MeasurementRow row = measurement.row[i];
+    const auto n = static_cast<Eigen::Index>(estimates_);
+    row.h.segment(kCoreStates, n) *= -1;
+    if (!own_noise) row.variance = 0;
+    StateVector gain = StateVector::Zero(covariance_.size());
+    gain.head<kCoreStates>() = filter_gain.head<kCoreStates>();
+    gain.segment(kCoreStates, n) = -filter_gain.tail(n);
+    covariance_.update_with(row, gain);
+  }
+
+  [[nodiscard]] const ErrorModel& model() const { return lineariser_.model(); }
+  [[nodiscard]] const Source& source() const { return source_; }
+  [[nodiscard]] CoreMatrix core() const {
+    return covariance_.matrix().topLeftCorner<kCoreStates, kCoreStates>();
+  }
+
+ private:
+  static ErrorModel joint(const Source& source, const ErrorModel& filter) {
+    ErrorModel model = source.model;
+    model.terms = filter.terms;
+    for (auto& term : model.terms) term.walk = 0;  // what drives the true error does not drive its estimate
+    model.terms.insert(model.terms.end(), source.model.terms.begin(), source.model.terms.end());
+    return model;
+  }
+
+  [[nodiscard]] Covariance initial() const {
+    const auto m = static_cast<Eigen::Index>(source_.model.terms.size());
+    if (source_.initial.rows() != m || source_.initial.cols() != m)
+      throw std::invalid_argument(fmt::format("source {}: initial covariance of {} x {} for {} terms",
+                                              source_.name, source_.initial.rows(), source_.initial.cols(),
+                                              m));
+    const int size = lineariser_.states();
+    StateMatrix P = StateMatrix::Zero(size, size);
+    P.topLeftCorner<kCoreStates, kCoreStates>() = source_.core;
+    P.bottomRightCorner(m, m) = source_.initial;
+    return {P, Form::joseph};
+  }
+
+  void shape(const StepInput& input, Transition& step) const {
+    const SensorCorrection factors = source_.shape(input);
+    for (std::size_t k = estimates_; k < lineariser_.model().terms.size(); ++k) {
+      const ErrorTerm& term = lineariser_.model().terms[k];
+      if (term.carrier == Carrier::aid) continue;
+      const double factor = (term.carrier == Carrier::gyro ? factors.gyro : factors.accelerometer)[term.axis];
+      step.terms[k].gain *= factor;
+      step.terms[k].spill *= factor;
+    }
+  }
+
+  const Source& source_;
+  std::size_t estimates_;
+  Lineariser lineariser_;
+  Transition transition_;
+  Covariance covariance_;
+};
+
+Measurement linearised(const PlannedFix& planned, const Timeline::Instant& at, const ErrorModel& model,
+                       const double* zeros) {
+  const Estimate estimate{at.state, at.w_eb_b, at.a_eb_e, &model, zeros};
+  return std::visit([&](const auto& fix) { return measure(fix, estimate); }, planned.fix);
+}
+
+int aid_of(const PlannedFix& planned) {
+  return std::visit([](const auto& fix) { return fix.aid; }, planned.fix);
+}
+
+// The filter that sets the gains, moving along with the sources.
+class Gains {
+ public:
+  explicit Gains(const Design& design) : lineariser_(design.model), covariance_(design.initial, design.form) {
+    for (std::size_t k = 0; k < design.model.terms.size(); ++k)
+      considered_[kCoreStates + k] = design.model.terms[k].considered;
+  }
+  void propagate(const StepInput& input) { covariance_.propagate(lineariser_(input)); }
+  StateVector update(const MeasurementRow& row) {
+    return covariance_.update(row, {considered_.data(), static_cast<std::size_t>(covariance_.size())});
+  }
+  [[nodiscard]] const ErrorModel& model() const { return lineariser_.model(); }
+  [[nodiscard]] CoreMatrix core() const {
+    return covariance_.matrix().topLeftCorner<kCoreStates, kCoreStates>();
+  }
+
+ private:
+  Lineariser lineariser_;
+  Covariance covariance_;
+  std::array<bool, kMaxStates> considered_{};
+};
+
+class Run {
+ public:
+  Run(const Timeline& timeline, std::span<const Source> sources, const std::optional<Design>& design)
+      : timeline_(timeline) {
+    if (design) gains_.emplace(*design);
+    if (!design && !timeline.fixes().empty())
+      throw std::invalid_argument("the scene has fixes but no filter that would use them");
+    const ErrorModel none;
+    passages_.reserve(sources.size());
+    for (const auto& source : sources) {
+      passages_.emplace_back(source, design ? design->model : none);
+      budget_.lines.push_back({source.name, {}});
+    }
+    zeros_.fill(0);
+  }
+
+  Budget operator()() {
+    report_at(timeline_.start());
+    fixes_at(timeline_.start());
+    for (const auto& step : timeline_.steps()) {
+      if (gains_) gains_->propagate(step.input);
+      for (auto& passage : passages_) passage.propagate(step.input);
+      fixes_at(step.to);
+      report_at(step.to);
+    }
+    budget_.steps = timeline_.steps().size();
+    return std::move(budget_);
+  }
+
+ private:
+  void fixes_at(double time) {
+    while (next_fix_ < timeline_.fixes().size() && timeline_.fixes()[next_fix_].time <= time + kShortestStep)
+      apply(timeline_.fixes()[next_fix_++]);
+  }
+
+  void apply(const PlannedFix& planned) {
+    const Timeline::Instant at = timeline_.at(planned.time);
+    const Measurement measurement = linearised(planned, at, gains_->model(), zeros_.data());
+    std::array<StateVector, 3> gain;
+    for (std::size_t i = 0; i < static_cast<std::size_t>(measurement.rows); ++i)
+      gain[i] = gains_->update(measurement.row[i]);
+    for (auto& passage : passages_) {
+      const Measurement rows = linearised(planned, at, passage.model(), zeros_.data());
+      const bool own = passage.source().aid >= 0 && passage.source().aid == aid_of(planned);
+      for (std::size_t i = 0; i < static_cast<std::size_t>(rows.rows); ++i)
+        passage.update(rows, i, gain[i], own);
+    }
+  }
+
+  void report_at(double time) {
+    const auto& report = timeline_.report();
+    if (next_report_ == report.size() || report[next_report_] > time + kShortestStep) return;
+    budget_.times.push_back(report[next_report_++]);
+    CoreMatrix total = CoreMatrix::Zero();
+    for (std::size_t i = 0; i < passages_.size(); ++i) {
+      budget_.lines[i].covariance.push_back(passages_[i].core());
+      total += budget_.lines[i].covariance.back();
+    }
+    budget_.total.push_back(total);
+    if (gains_) budget_.claimed.push_back(gains_->core());
+  }
+
+  const Timeline& timeline_;
+  std::optional<Gains> gains_;
+  std::vector<Passage> passages_;
+  Budget budget_;
+  std::size_t next_fix_ = 0, next_report_ = 0;
+  std::array<double, kMaxErrorTerms> zeros_{};
+};
+
+}  // namespace
+
+Budget error_budget(const Timeline& timeline, std::span<const Source> sources,
+                    const std::optional<Design>& design) {
+  return Run(timeline, sources, design)();
+}
+
+std::vector<double> fix_times(const FixPlan& plan) {
+  require(plan.interval > 0 && std::isfinite(plan.interval), "interval of fixes [s]", plan.interval,
+          "above 0");
+  require(plan.last - plan.first <= 1e8 * plan.interval, "number of fixes",
+          (plan.last - plan.first) / plan.interval, "at most 1e8");
+  std::vector<double> times;
+  for (std::size_t k = 0;; ++k) {
+    const double t = plan.first + static_cast<double>(k) * plan.interval;
+    if (!(t <= plan.last + 1e-9 * plan.interval)) break;
+    const bool out = std::any_of(plan.outages.begin(), plan.outages.end(),
+                                 [t](const auto& outage) { return t >= outage.first && t < outage.second; });
+    if (!out) times.push_back(std::min(t, plan.last));
+  }
+  return times;
+}
+
+LocalSigmas local_sigmas(const CoreMatrix& covariance_e, const Matrix3d& C_el) {
+  const auto sigmas = [&](int row) -> Vector3d {
+    const Matrix3d local = C_el.transpose() * covariance_e.block<3, 3>(row, row) * C_el;
+    return local.diagonal().cwiseMax(0).cwiseSqrt();
+  };
+  return {sigmas(kPosition), sigmas(kVelocity), sigmas(kAttitude)};
+}
+
+}  // namespace gyrobudget::inline v0::navigation

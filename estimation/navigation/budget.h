@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: MIT
+// The navigation error budget: what each source of error costs along a planned scene, by linear covariance.
+//
+// A filter that aids the navigator has one set of gains, from its own design model. They are computed once and
+// frozen: each source then passes alone, with its true model, through the same
+//   x+ = (I - K H) Phi x,
+// x holding the errors of position, velocity and attitude, the filter's estimates and the source's own states.
+// So sources that are independent add up exactly, and the true sigma stands beside the one the filter claims.
+// Running the filter again for each source would tune it anew to that source and add up to nothing.
+// Sources: Gelb (ed.), Applied Optimal Estimation (1974), section 7.2; Maybeck, Stochastic Models, Estimation and
+// Control, vol. 1 (1979), section 6.8.
+#pragma once
+
+#include "gyrobudget/earth/trajectory.h"
+#include "gyrobudget/navigation/aiding.h"
+#include "gyrobudget/navigation/covariance.h"
+#include "gyrobudget/navigation/error_state.h"
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace gyrobudget::inline v0::navigation {
+
+/// A fix that will be taken, with its true values: residual zero.
+struct PlannedFix {
+  double time = 0;  ///< [s] on the scene's clock, which is below 0 on the pad
+  std::variant<PositionFix, VelocityFix, HeightFix, AttitudeFix> fix;
+};
+
+/// What is flown, in steps on which the error model is linearised.
+class Timeline {
+ public:
+  struct Options {
+    double step = 0.1;           ///< longest step [s]
+    double pad = 0;              ///< rest at the trajectory's first point before its start [s]
+    std::vector<double> report;  ///< times of interest [s]; the trajectory's end is always one
+  };
+  struct Step {
+    double from = 0, to = 0;  ///< [s]
+    StepInput input;
+  };
+  /// State at the end of a step.
+  struct Instant {
+    NavigationState state;
+    Eigen::Vector3d w_eb_b, a_eb_e;
+  };
+
+  /// Steps end at every fix, time of interest and break of the trajectory.
+  /// @throws std::invalid_argument for a step or pad out of range, times outside the scene.
+  Timeline(earth::Trajectory, std::vector<PlannedFix> fixes, const Options&);
+
+  [[nodiscard]] const earth::Trajectory& trajectory() const { return trajectory_; }
+  [[nodiscard]] double start() const { return -pad_; }
+  [[nodiscard]] double end() const { return trajectory_.duration(); }
+  [[nodiscard]] const std::vector<Step>& steps() const { return steps_; }
+  [[nodiscard]] const std::vector<PlannedFix>& fixes() const { return fixes_; }  ///< by time
+  [[nodiscard]] const std::vector<double>& report() const { return report_; }    ///< ascending
+  [[nodiscard]] Instant at(double time) const;
+
+ private:
+  void cut(const Options&);
+  [[nodiscard]] Step make_step(double from, double to) const;
+
+  earth::Trajectory trajectory_;
+  std::vector<PlannedFix> fixes_;
+  double pad_ = 0;
+  std::vector<double> report_;
+  std::vector<Step> steps_;
+};
+
+/// One line of the budget: something that is wrong, with its true size, and nothing else.
+struct Source {
+  std::string name;                      ///< "gyro.arw", "initial.heading", "aid.gnss.position"
+  ErrorModel model;                      ///< white noise and terms of this source
+  StateMatrix initial;                   ///< covariance of model.terms at the scene's start
+  CoreMatrix core = CoreMatrix::Zero();  ///< covariance of position, velocity, attitude there, axes of e
+  int aid = -1;                          ///< the white noise of this aid's fixes is the source
+  /// Where given, the bias terms of gyro and accelerometer are multiplied by it [any unit]: errors that are
+  /// fixed in other axes than the body's, such as Earth's rate left out or an error of gravity.
+  std::function<SensorCorrection(const StepInput&)> shape;
+};
+
+/// The filter as it is designed: it sets the gains.
+struct Design {
+  ErrorModel model;
+  StateMatrix initial;  ///< its P0, core and terms
+  Form form = Form::joseph;
+};
+
+struct Budget {
+  struct Line {
+    std::string name;
+    std::vector<CoreMatrix> covariance;  ///< true errors of p, v, psi at each time, axes of e
+  };
+  std::vector<double> times;
+  std::vector<Line> lines;          ///< one a source, in their order
+  std::vector<CoreMatrix> total;    ///< their sum
+  std::vector<CoreMatrix> claimed;  ///< what the filter believes; empty without a design
+  std::size_t steps = 0;
+};
+
+/// @throws std::invalid_argument for sources whose initial covariance does not fit their terms, more states than
+/// kMaxStates together with the filter's, and fixes without a design.
+[[nodiscard]] Budget error_budget(const Timeline&, std::span<const Source>,
+                                  const std::optional<Design>& = {});
+
+/// Fixes at `interval` from `first` to `last`, those in outages left out, with the truth of the trajectory.
+struct FixPlan {
+  double first = 0, last = 0, interval = 1;        ///< [s]
+  std::vector<std::pair<double, double>> outages;  ///< from, to [s]
+};
+[[nodiscard]] std::vector<double> fix_times(const FixPlan&);
+
+/// Horizontal, vertical and attitude errors in the axes of a local frame.
+struct LocalSigmas {
+  Eigen::Vector3d position;  ///< [m]
+  Eigen::Vector3d velocity;  ///< [m/s]
+  Eigen::Vector3d attitude;  ///< rotation vector [rad]
+};
+[[nodiscard]] LocalSigmas local_sigmas(const CoreMatrix& covariance_e, const Eigen::Matrix3d& C_el);
+
+}  // namespace gyrobudget::inline v0::navigation
