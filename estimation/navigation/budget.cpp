@@ -18,7 +18,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 const Vector3d kEarthRate{0, 0, earth::wgs84::kEarthRate};
-constexpr double kShortestStep = 1e-9;  // [s] cuts nearer than this are one
+constexpr double kSameTime = 1e-9;  // [s]
 
 void require(bool good, std::string_view what, double value, std::string_view expected) {
   if (!good) throw std::invalid_argument(fmt::format("{} is {}, expected {}", what, value, expected));
@@ -55,7 +55,7 @@ void Timeline::cut(const Options& options) {
   std::sort(cuts.begin(), cuts.end());
   double from = start();
   for (const double to : cuts) {
-    if (to - from < kShortestStep) continue;
+    if (to - from < kSameTime) continue;
     const auto parts = static_cast<int>(std::ceil((to - from) / options.step * (1 - 1e-12)));
     for (int i = 0; i < parts; ++i)
       steps_.push_back(make_step(from + (to - from) * i / parts, from + (to - from) * (i + 1) / parts));
@@ -95,7 +95,73 @@ Timeline::Instant Timeline::at(double time) const {
   return instant;
 }
 
-// --- One source through frozen gains ------------------------------------------------------------------------------
+// --- The filter's gains -------------------------------------------------------------------------------------------
+
+int aid_of(const PlannedFix& planned) {
+  return std::visit([](const auto& fix) { return fix.aid; }, planned.fix);
+}
+
+Measurement linearise(const PlannedFix& planned, const Timeline::Instant& at, const ErrorModel& model) {
+  constexpr std::array<double, kMaxErrorTerms> zeros{};
+  const Estimate estimate{at.state, at.w_eb_b, at.a_eb_e, &model, zeros.data()};
+  return std::visit([&](const auto& fix) { return measure(fix, estimate); }, planned.fix);
+}
+
+namespace {
+
+class GainRun {
+ public:
+  GainRun(const Timeline& timeline, const Design& design)
+      : timeline_(timeline), lineariser_(design.model), covariance_(design.initial, design.form) {
+    for (std::size_t k = 0; k < design.model.terms.size(); ++k)
+      considered_[kCoreStates + k] = design.model.terms[k].considered;
+    result_.model = design.model;
+  }
+
+  FrozenGains operator()() {
+    now(timeline_.start());
+    for (const auto& step : timeline_.steps()) {
+      covariance_.propagate(lineariser_(step.input));
+      now(step.to);
+    }
+    return std::move(result_);
+  }
+
+ private:
+  void now(double time) {
+    const auto& fixes = timeline_.fixes();
+    while (result_.of_fix.size() < fixes.size() && fixes[result_.of_fix.size()].time <= time + kSameTime)
+      use(fixes[result_.of_fix.size()]);
+    const auto& report = timeline_.report();
+    if (result_.claimed.size() < report.size() && report[result_.claimed.size()] <= time + kSameTime)
+      result_.claimed.emplace_back(covariance_.matrix().topLeftCorner<kCoreStates, kCoreStates>());
+  }
+
+  void use(const PlannedFix& planned) {
+    const Measurement measurement = linearise(planned, timeline_.at(planned.time), lineariser_.model());
+    auto& gains = result_.of_fix.emplace_back();
+    for (std::size_t i = 0; i < static_cast<std::size_t>(measurement.rows); ++i)
+      gains.emplace_back(covariance_.update(
+          measurement.row[i], {considered_.data(), static_cast<std::size_t>(covariance_.size())}));
+  }
+
+  const Timeline& timeline_;
+  Lineariser lineariser_;
+  Covariance covariance_;
+  std::array<bool, kMaxStates> considered_{};
+  FrozenGains result_;
+};
+
+}  // namespace
+
+FrozenGains frozen_gains(const Timeline& timeline, const std::optional<Design>& design) {
+  if (design) return GainRun(timeline, *design)();
+  if (!timeline.fixes().empty())
+    throw std::invalid_argument("the scene has fixes but no filter that would use them");
+  return {};
+}
+
+// --- One source through them --------------------------------------------------------------------------------------
 
 namespace {
 
@@ -116,20 +182,22 @@ class Passage {
     covariance_.propagate(step);
   }
 
-  // The row for the true states; the filter's gain, of its own length.
-  void update(const Measurement& measurement, std::size_t i, const StateVector& filter_gain, bool own_noise) {
-    MeasurementRow row = measurement.row[i];
+  void update(const Timeline& timeline, std::size_t fix, std::span<const Eigen::VectorXd> filter_gains) {
+    const PlannedFix& planned = timeline.fixes()[fix];
+    Measurement measurement = linearise(planned, timeline.at(planned.time), lineariser_.model());
+    const bool own_noise = source_.aid >= 0 && source_.aid == aid_of(planned);
     const auto n = static_cast<Eigen::Index>(estimates_);
-    row.h.segment(kCoreStates, n) *= -1;
-    if (!own_noise) row.variance = 0;
     StateVector gain = StateVector::Zero(covariance_.size());
-    gain.head<kCoreStates>() = filter_gain.head<kCoreStates>();
-    gain.segment(kCoreStates, n) = -filter_gain.tail(n);
-    covariance_.update_with(row, gain);
+    for (std::size_t i = 0; i < filter_gains.size(); ++i) {
+      MeasurementRow& row = measurement.row[i];
+      row.h.segment(kCoreStates, n) *= -1;
+      if (!own_noise) row.variance = 0;
+      gain.head<kCoreStates>() = filter_gains[i].head<kCoreStates>();
+      gain.segment(kCoreStates, n) = -filter_gains[i].tail(n);
+      covariance_.update_with(row, gain);
+    }
   }
 
-  [[nodiscard]] const ErrorModel& model() const { return lineariser_.model(); }
-  [[nodiscard]] const Source& source() const { return source_; }
   [[nodiscard]] CoreMatrix core() const {
     return covariance_.matrix().topLeftCorner<kCoreStates, kCoreStates>();
   }
@@ -174,59 +242,22 @@ class Passage {
   Covariance covariance_;
 };
 
-Measurement linearised(const PlannedFix& planned, const Timeline::Instant& at, const ErrorModel& model,
-                       const double* zeros) {
-  const Estimate estimate{at.state, at.w_eb_b, at.a_eb_e, &model, zeros};
-  return std::visit([&](const auto& fix) { return measure(fix, estimate); }, planned.fix);
-}
-
-int aid_of(const PlannedFix& planned) {
-  return std::visit([](const auto& fix) { return fix.aid; }, planned.fix);
-}
-
-// The filter that sets the gains, moving along with the sources.
-class Gains {
- public:
-  explicit Gains(const Design& design) : lineariser_(design.model), covariance_(design.initial, design.form) {
-    for (std::size_t k = 0; k < design.model.terms.size(); ++k)
-      considered_[kCoreStates + k] = design.model.terms[k].considered;
-  }
-  void propagate(const StepInput& input) { covariance_.propagate(lineariser_(input)); }
-  StateVector update(const MeasurementRow& row) {
-    return covariance_.update(row, {considered_.data(), static_cast<std::size_t>(covariance_.size())});
-  }
-  [[nodiscard]] const ErrorModel& model() const { return lineariser_.model(); }
-  [[nodiscard]] CoreMatrix core() const {
-    return covariance_.matrix().topLeftCorner<kCoreStates, kCoreStates>();
-  }
-
- private:
-  Lineariser lineariser_;
-  Covariance covariance_;
-  std::array<bool, kMaxStates> considered_{};
-};
-
 class Run {
  public:
-  Run(const Timeline& timeline, std::span<const Source> sources, const std::optional<Design>& design)
-      : timeline_(timeline) {
-    if (design) gains_.emplace(*design);
-    if (!design && !timeline.fixes().empty())
-      throw std::invalid_argument("the scene has fixes but no filter that would use them");
-    const ErrorModel none;
+  Run(const Timeline& timeline, std::span<const Source> sources, const FrozenGains& gains)
+      : timeline_(timeline), gains_(gains) {
     passages_.reserve(sources.size());
     for (const auto& source : sources) {
-      passages_.emplace_back(source, design ? design->model : none);
+      passages_.emplace_back(source, gains.model);
       budget_.lines.push_back({source.name, {}});
     }
-    zeros_.fill(0);
+    budget_.claimed = gains.claimed;
   }
 
   Budget operator()() {
     report_at(timeline_.start());
     fixes_at(timeline_.start());
     for (const auto& step : timeline_.steps()) {
-      if (gains_) gains_->propagate(step.input);
       for (auto& passage : passages_) passage.propagate(step.input);
       fixes_at(step.to);
       report_at(step.to);
@@ -237,27 +268,14 @@ class Run {
 
  private:
   void fixes_at(double time) {
-    while (next_fix_ < timeline_.fixes().size() && timeline_.fixes()[next_fix_].time <= time + kShortestStep)
-      apply(timeline_.fixes()[next_fix_++]);
-  }
-
-  void apply(const PlannedFix& planned) {
-    const Timeline::Instant at = timeline_.at(planned.time);
-    const Measurement measurement = linearised(planned, at, gains_->model(), zeros_.data());
-    std::array<StateVector, 3> gain;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(measurement.rows); ++i)
-      gain[i] = gains_->update(measurement.row[i]);
-    for (auto& passage : passages_) {
-      const Measurement rows = linearised(planned, at, passage.model(), zeros_.data());
-      const bool own = passage.source().aid >= 0 && passage.source().aid == aid_of(planned);
-      for (std::size_t i = 0; i < static_cast<std::size_t>(rows.rows); ++i)
-        passage.update(rows, i, gain[i], own);
-    }
+    for (; next_fix_ < timeline_.fixes().size() && timeline_.fixes()[next_fix_].time <= time + kSameTime;
+         ++next_fix_)
+      for (auto& passage : passages_) passage.update(timeline_, next_fix_, gains_.of_fix[next_fix_]);
   }
 
   void report_at(double time) {
     const auto& report = timeline_.report();
-    if (next_report_ == report.size() || report[next_report_] > time + kShortestStep) return;
+    if (next_report_ == report.size() || report[next_report_] > time + kSameTime) return;
     budget_.times.push_back(report[next_report_++]);
     CoreMatrix total = CoreMatrix::Zero();
     for (std::size_t i = 0; i < passages_.size(); ++i) {
@@ -265,22 +283,24 @@ class Run {
       total += budget_.lines[i].covariance.back();
     }
     budget_.total.push_back(total);
-    if (gains_) budget_.claimed.push_back(gains_->core());
   }
 
   const Timeline& timeline_;
-  std::optional<Gains> gains_;
+  const FrozenGains& gains_;
   std::vector<Passage> passages_;
   Budget budget_;
   std::size_t next_fix_ = 0, next_report_ = 0;
-  std::array<double, kMaxErrorTerms> zeros_{};
 };
 
 }  // namespace
 
 Budget error_budget(const Timeline& timeline, std::span<const Source> sources,
                     const std::optional<Design>& design) {
-  return Run(timeline, sources, design)();
+  return error_budget(timeline, sources, frozen_gains(timeline, design));
+}
+
+Budget error_budget(const Timeline& timeline, std::span<const Source> sources, const FrozenGains& gains) {
+  return Run(timeline, sources, gains)();
 }
 
 std::vector<double> fix_times(const FixPlan& plan) {

@@ -92,6 +92,20 @@ struct Design {
   Form form = Form::joseph;
 };
 
+/// Gains of every row of every fix, from the design alone.
+struct FrozenGains {
+  ErrorModel model;                                  ///< of the design; empty: no filter
+  std::vector<std::vector<Eigen::VectorXd>> of_fix;  ///< [fix][row], core and model.terms
+  std::vector<CoreMatrix> claimed;                   ///< the design's own covariance at the times of interest
+};
+/// @throws std::invalid_argument for fixes without a design, and what Covariance refuses.
+[[nodiscard]] FrozenGains frozen_gains(const Timeline&, const std::optional<Design>&);
+
+/// Rows of a planned fix for a model's terms; the residual is zero.
+[[nodiscard]] Measurement linearise(const PlannedFix&, const Timeline::Instant&, const ErrorModel&);
+/// Number of the aid that takes it.
+[[nodiscard]] int aid_of(const PlannedFix&);
+
 struct Budget {
   struct Line {
     std::string name;
@@ -106,6 +120,7 @@ struct Budget {
 
 /// @throws std::invalid_argument for sources whose initial covariance does not fit their terms, more states than
 /// kMaxStates together with the filter's, and fixes without a design.
+[[nodiscard]] Budget error_budget(const Timeline&, std::span<const Source>, const FrozenGains&);
 [[nodiscard]] Budget error_budget(const Timeline&, std::span<const Source>,
                                   const std::optional<Design>& = {});
 

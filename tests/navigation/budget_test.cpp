@@ -5,11 +5,12 @@
 #include "gyrobudget/earth/frames.h"
 #include "gyrobudget/earth/gravity.h"
 #include "gyrobudget/earth/paths.h"
+#include "gyrobudget/navigation/adjoint.h"
 #include "gyrobudget/navigation/sensor_states.h"
 
-#include <cmath>
-
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 using namespace gyrobudget;  // NOLINT
 using Eigen::Matrix3d;
@@ -54,11 +55,12 @@ navigation::SensorStates::Options epoch_of(double length) {
 
 // Constant specific force along the vertical: each horizontal axis has f N sqrt(T^5/20), f K sqrt(T^7/252), f b T^3/6.
 TEST(Budget, MeetsTheClosedFormsOfConstantForce) {
-  constexpr double kScene = 10;  // [s]: what gravity's gradient adds is (T/800 s)^2/4, 4e-5; Earth's turn 7e-4/2
+  constexpr double kScene =
+      10;  // [s]: what gravity's gradient adds is (T/800 s)^2/4, 4e-5; Earth's turn 7e-4/2
   constexpr double kPhysics = 4e-4;
   const auto path = climb(kScene);
   const struct {
-    double noise::ErrorModel::* coefficient;
+    double noise::ErrorModel::*coefficient;
     double expected;
   } cases[] = {{&noise::ErrorModel::white, kForce * std::sqrt(std::pow(kScene, 5) / 20)},
                {&noise::ErrorModel::rate_random_walk, kForce * std::sqrt(std::pow(kScene, 7) / 252)}};
@@ -85,18 +87,249 @@ TEST(Budget, ConvergesWithTheSquareOfTheStep) {
   const double fine = at_end(path, both, 0.025).position.norm();
   const double error_1 = at_end(path, both, 1).position.norm() - fine;
   const double error_2 = at_end(path, both, 0.5).position.norm() - fine;
-  printf("%g %g %g\n", fine, error_1, error_2);
   EXPECT_NEAR(error_1 / error_2, 4, 0.3);
 }
-TEST(Budget, Ascent) {
-  const auto path = earth::ascent({});
-  const double deg = earth::kDegree;
-  for (int mems = 0; mems < 2; ++mems) {
-    noise::SensorModel sensor;
-    sensor.gyro.white = (mems ? 0.15 : 5.4e-4) * deg / 60;
-    printf("ARW %g m\n", at_end(path, source(sensor, epoch_of(83)), 0.1).position.norm());
-  }
+
+// --- With a filter ------------------------------------------------------------------------------------------------
+
+namespace {
+
+constexpr double kMicroG = 9.80665e-6;
+
+noise::SensorModel tactical() {
   noise::SensorModel sensor;
-  sensor.gyro.turn_on_bias = 0.01 * deg / 3600;
-  printf("bias %g m\n", at_end(path, source(sensor, epoch_of(83)), 0.1).position.norm());
+  sensor.gyro.white = 0.1 * earth::kDegree / 60;
+  sensor.gyro.rate_random_walk = 1e-7;
+  sensor.gyro.turn_on_bias = 5 * earth::kDegree / 3600;
+  sensor.gyro.scale_factor = 1e-4;
+  sensor.accelerometer.emplace();
+  sensor.accelerometer->white = 5e-4;
+  sensor.accelerometer->turn_on_bias = 1000 * kMicroG;
+  return sensor;
+}
+
+CoreMatrix diagonal(double position, double velocity, double level, double heading, const Matrix3d& C_el) {
+  CoreMatrix P = CoreMatrix::Zero();
+  P.block<3, 3>(0, 0).diagonal().setConstant(position * position);
+  P.block<3, 3>(3, 3).diagonal().setConstant(velocity * velocity);
+  P.block<3, 3>(6, 6) =
+      C_el * Vector3d(level * level, level * level, heading * heading).asDiagonal() * C_el.transpose();
+  return P;
+}
+
+// A turning cruise with position and velocity each second but for an outage.
+struct Aided {
+  static constexpr double kDuration = 200;
+  static constexpr double kPositionSigma = 3, kVelocitySigma = 0.1;
+  Matrix3d C_el;
+  Timeline timeline;
+  navigation::SensorStates states;
+  navigation::Design design;
+  std::vector<Source> sources;
+
+  Aided() : C_el(local()), timeline(make_timeline()), states(sensor_states(tactical(), options())) {
+    const CoreMatrix core = diagonal(10, 1, 1e-3, 1e-2, C_el);
+    design = {states.model, navigation::initial_covariance(core, states.initial)};
+    sources.push_back({.name = "initial", .initial = {}, .core = core});
+    sources.push_back({.name = "white"});
+    sources.back().model.gyro_white = states.model.gyro_white;
+    sources.back().model.accelerometer_white = states.model.accelerometer_white;
+    for (std::size_t k = 0; k < states.model.terms.size(); ++k) {
+      sources.push_back({.name = name(states.model.terms[k])});
+      sources.back().model.terms = {states.model.terms[k]};
+      sources.back().initial = states.initial.block(static_cast<int>(k), static_cast<int>(k), 1, 1);
+    }
+    sources.push_back({.name = "aid.position", .aid = 0});
+    sources.push_back({.name = "aid.velocity", .aid = 1});
+    for (auto& source : sources) {
+      const auto m = static_cast<Eigen::Index>(source.model.terms.size());
+      if (source.initial.rows() != m) source.initial = navigation::StateMatrix::Zero(m, m);
+    }
+  }
+
+ private:
+  static navigation::SensorStates::Options options() {
+    auto options = epoch_of(kDuration);
+    options.gyro.powered_on_before = 600;
+    return options;
+  }
+  static earth::Trajectory path() {
+    earth::Cruise cruise;
+    cruise.turn_acceleration = 4;
+    cruise.duration = kDuration;
+    return earth::cruise(cruise);
+  }
+  static Matrix3d local() { return earth::LocalFrame::east_north_up(earth::Cruise{}.start).C_el(); }
+  [[nodiscard]] Timeline make_timeline() const {
+    std::vector<navigation::PlannedFix> fixes;
+    for (const double t : navigation::fix_times({1, kDuration, 1, {{100, 150}}})) {
+      const auto truth = path().at(t);
+      fixes.push_back({t, navigation::PositionFix{.p_eb_e = truth.p_eb_e,
+                                                  .sigma = Vector3d::Constant(kPositionSigma),
+                                                  .axes = C_el,
+                                                  .lever_arm = {1, 0.5, -0.3},
+                                                  .aid = 0}});
+      fixes.push_back({t, navigation::VelocityFix{.v_eb_e = truth.v_eb_e,
+                                                  .sigma = Vector3d::Constant(kVelocitySigma),
+                                                  .axes = C_el,
+                                                  .lever_arm = {1, 0.5, -0.3},
+                                                  .aid = 1}});
+    }
+    Timeline::Options timeline_options;
+    timeline_options.step = 0.25;
+    timeline_options.report = {0, 50, 150};
+    return {path(), fixes, timeline_options};
+  }
+};
+
+// Largest difference of entries over the standard deviations of `scale`.
+double difference(const CoreMatrix& a, const CoreMatrix& b, const CoreMatrix& scale) {
+  const Eigen::VectorXd s = scale.diagonal().cwiseSqrt();
+  double worst = 0;
+  for (int i = 0; i < 9; ++i)
+    for (int j = 0; j < 9; ++j) worst = std::max(worst, std::abs(a(i, j) - b(i, j)) / (s[i] * s[j]));
+  return worst;
+}
+
+}  // namespace
+
+// Where the truth is what the filter was designed for, the sources add up to what it claims, through gains, outage and
+// lever arms; and no source alone shows its own claim.
+TEST(Budget, SourcesAddUpToTheClaimOfARightFilter) {
+  const Aided scene;
+  const auto budget = error_budget(scene.timeline, scene.sources, scene.design);
+  ASSERT_EQ(budget.times.size(), 4u);
+  constexpr double kRounding = 1e-8;  // of Joseph updates over 300 fixes
+  for (std::size_t i = 0; i < budget.times.size(); ++i)
+    EXPECT_LT(difference(budget.total[i], budget.claimed[i], budget.claimed[i]), kRounding)
+        << budget.times[i];
+}
+
+// What is not in the design costs more than it claims: a gyro bias that is driven a hundred times harder.
+TEST(Budget, ShowsWhatTheFilterDoesNotKnow) {
+  const Aided scene;
+  auto sources = scene.sources;
+  for (auto& source : sources)
+    for (auto& term : source.model.terms)
+      if (term.carrier == navigation::Carrier::gyro && term.walk > 0) term.walk *= 100;
+  const auto budget = error_budget(scene.timeline, sources, scene.design);
+  for (int i = 0; i < 9; ++i) EXPECT_GT(budget.total[2](i, i), 1.2 * budget.claimed[2](i, i)) << i;
+}
+
+// The backward pass finds the same for every source and time.
+TEST(Budget, AgreesWithTheAdjoint) {
+  const Aided scene;
+  const auto gains = frozen_gains(scene.timeline, scene.design);
+  const auto budget = error_budget(scene.timeline, scene.sources, gains);
+  constexpr double kConstants = 1e-8;  // rounding
+  constexpr double kProcesses = 2e-3;  // midpoints of steps of 0.25 s
+  for (std::size_t i = 1; i < budget.times.size(); ++i) {
+    const auto backward = adjoint(scene.timeline, gains, budget.times[i]);
+    CoreMatrix walk_forward = CoreMatrix::Zero();
+    for (std::size_t s = 0; s < scene.sources.size(); ++s) {
+      Source source = scene.sources[s];
+      const bool white = !source.model.gyro_white.isZero();
+      CoreMatrix expected = budget.lines[s].covariance[i];
+      if (white) {
+        CoreMatrix ours = CoreMatrix::Zero();
+        for (const auto carrier : {navigation::Carrier::gyro, navigation::Carrier::accelerometer}) {
+          const auto& n = carrier == navigation::Carrier::gyro ? source.model.gyro_white
+                                                               : source.model.accelerometer_white;
+          ours += process_response(backward, scene.timeline, carrier, noise::White{n.x()}, {}, 0.01);
+        }
+        EXPECT_LT(difference(ours, expected, budget.total[i]), kConstants);
+      } else if (!source.model.terms.empty() && source.model.terms[0].walk > 0) {
+        walk_forward += expected;  // with the turn-on bias; one axis each
+      } else {
+        EXPECT_LT(difference(constant_response(backward, scene.timeline, source), expected, budget.total[i]),
+                  kConstants)
+            << source.name << " at " << budget.times[i];
+      }
+    }
+    // Random walk and turn-on bias of all gyro axes together.
+    CoreMatrix ours = process_response(backward, scene.timeline, navigation::Carrier::gyro,
+                                       noise::RateRandomWalk{tactical().gyro.rate_random_walk},
+                                       {.powered_on_before = 600}, 0.01);
+    noise::SensorModel biased;
+    biased.gyro.turn_on_bias = tactical().gyro.turn_on_bias;
+    ours += constant_response(backward, scene.timeline, source(biased, epoch_of(Aided::kDuration)));
+    EXPECT_LT(difference(ours, walk_forward, budget.total[i]), kProcesses) << budget.times[i];
+  }
+}
+
+// Flicker by three states against its exact structure function, unaided and through a filter that knows nothing of it.
+TEST(Budget, HoldsFlickerByStatesAsByItsStructureFunction) {
+  const auto path = earth::ascent({});
+  Timeline::Options options;
+  options.step = 0.5;
+  const Timeline timeline(path, {}, options);
+  const auto gains = frozen_gains(timeline, {});
+  const auto backward = adjoint(timeline, gains, path.duration());
+  noise::SensorModel sensor;
+  sensor.gyro.bias_instability = 1e-6;
+  constexpr double kStates = 0.02;  // of the deviation; SensorStates has 0.012 at midpoints
+  for (const navigation::Epoch epoch :
+       {navigation::Epoch{}, navigation::Epoch{60}, navigation::Epoch{3600}, navigation::Epoch{0, 83}}) {
+    auto states = epoch_of(83);
+    states.flicker_states = 3;
+    states.gyro = epoch;
+    const auto forward = error_budget(timeline, std::vector{source(sensor, states)}, gains).total.back();
+    const auto exact =
+        process_response(backward, timeline, navigation::Carrier::gyro, noise::Flicker{1e-6}, epoch, 0.01);
+    for (int i = 0; i < 9; ++i) EXPECT_NEAR(std::sqrt(forward(i, i) / exact(i, i)), 1, kStates) << i;
+  }
+}
+
+// Levelled by the accelerometer that then errs: at rest the tilt cancels the bias, under thrust f only (1 - f/g) of it
+// is left. 100 ug, 83 s of 16 m/s^2 upwards: b (1 - f/g) T^2/2 = 2.1 m, not the 6.5 m of independent errors.
+TEST(Budget, ChargesTheTiltToTheAccelerometerThatLevelled) {
+  constexpr double kScene = 83, kBias = 100 * kMicroG;
+  const auto path = climb(kScene);
+  const auto frame = earth::LocalFrame::east_north_up(earth::alcantara().position);
+  const auto truth = path.at(0);
+  std::vector<navigation::PlannedFix> fixes;
+  for (const double t : navigation::fix_times({-60, 0, 1, {}}))
+    fixes.push_back({t, navigation::VelocityFix{
+                            .v_eb_e = Vector3d::Zero(), .sigma = Vector3d::Constant(1e-4), .aid = 0}});
+  Timeline::Options options;
+  options.step = 0.5;
+  options.pad = 60;
+  const Timeline timeline(path, fixes, options);
+
+  noise::SensorModel sensor;
+  sensor.accelerometer.emplace();
+  sensor.accelerometer->turn_on_bias = kBias;
+  const auto states = sensor_states(sensor, epoch_of(kScene));
+  navigation::Design design;
+  design.model.gyro_white.setConstant(1e-7);
+  design.model.accelerometer_white.setConstant(1e-5);
+  design.initial = diagonal(1e-3, 1e-3, 0.1, 1e-3, frame.C_el());  // tilt unknown: levelling finds it
+
+  const Source levelled{
+      .name = "accelerometer.turn_on_bias", .model = states.model, .initial = states.initial};
+  const auto budget = error_budget(timeline, std::vector{levelled}, design);
+  const auto sigma = navigation::local_sigmas(budget.total.back(), frame.C_el());
+  const double g = earth::normal_gravity(truth.p_eb_e).norm();
+  const double expected = kBias * (kForce / g - 1) * kScene * kScene / 2;
+  constexpr double kPhysics = 0.03;  // Earth's turn and gravity's gradient over 143 s
+  EXPECT_NEAR(expected, 2.1, 0.05);
+  EXPECT_NEAR(sigma.position.x() / expected, 1, kPhysics);
+  EXPECT_NEAR(sigma.position.y() / expected, 1, kPhysics);
+  EXPECT_NEAR(kBias * std::hypot(1, kForce / g) * kScene * kScene / 2, 6.5, 0.05);
+}
+
+TEST(Budget, RefusesWhatDoesNotFit) {
+  const Aided scene;
+  EXPECT_THROW((void)error_budget(scene.timeline, scene.sources), std::invalid_argument);  // fixes, no filter
+  auto sources = scene.sources;
+  sources[0].initial = navigation::StateMatrix::Identity(2, 2);
+  EXPECT_THROW((void)error_budget(scene.timeline, sources, scene.design), std::invalid_argument);
+  Timeline::Options options;
+  options.step = 0;
+  EXPECT_THROW(Timeline(climb(10), {}, options), std::invalid_argument);
+  options.step = 1;
+  options.report = {11};
+  EXPECT_THROW(Timeline(climb(10), {}, options), std::invalid_argument);
+  const auto gains = frozen_gains(scene.timeline, scene.design);
+  EXPECT_THROW((void)adjoint(scene.timeline, gains, 0.1), std::invalid_argument);
 }

@@ -1,0 +1,246 @@
+// SPDX-License-Identifier: MIT
+#include "adjoint.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace gyrobudget::inline v0::navigation {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+
+constexpr double kSameTime = 1e-9;  // [s]
+
+using Rows = Eigen::Matrix<double, kCoreStates, Eigen::Dynamic, 0, kCoreStates, kMaxStates>;
+
+// x+ = (I - k h) x + k v for [core | estimates], whose gain and row have the sign of an estimate.
+void back_through_fix(const FrozenGains& gains, std::size_t index, const Timeline& timeline, Rows& lambda,
+                      Eigen::Matrix<double, kCoreStates, 3>& by_row) {
+  const PlannedFix& planned = timeline.fixes()[index];
+  const Measurement measurement = linearise(planned, timeline.at(planned.time), gains.model);
+  const auto n = static_cast<Eigen::Index>(gains.model.terms.size());
+  by_row.setZero();
+  for (int i = measurement.rows - 1; i >= 0; --i) {
+    StateVector h = measurement.row[static_cast<std::size_t>(i)].h;
+    StateVector k = gains.of_fix[index][static_cast<std::size_t>(i)];
+    h.tail(n) *= -1;
+    k.tail(n) *= -1;
+    const Eigen::Matrix<double, kCoreStates, 1> gain = lambda * k;
+    by_row.col(i) = -gain;  // x+ = x - k (h x + v): the error of a row enters with the sign of the residual
+    lambda -= gain * h.transpose();
+  }
+}
+
+}  // namespace
+
+Adjoint adjoint(const Timeline& timeline, const FrozenGains& gains, double time) {
+  const auto& steps = timeline.steps();
+  Adjoint result;
+  result.time = time;
+  result.steps = static_cast<std::size_t>(
+      std::count_if(steps.begin(), steps.end(), [&](const auto& s) { return s.to <= time + kSameTime; }));
+  const double reached = result.steps == 0 ? timeline.start() : steps[result.steps - 1].to;
+  if (!(std::abs(reached - time) <= kSameTime))
+    throw std::invalid_argument(fmt::format("no step ends at {} s: make it a time of interest", time));
+  result.input.resize(result.steps);
+  const auto& fixes = timeline.fixes();
+  auto fix = static_cast<std::size_t>(
+      std::count_if(fixes.begin(), fixes.end(), [&](const auto& f) { return f.time <= time + kSameTime; }));
+  result.fix.resize(fix);
+
+  ErrorModel estimates = gains.model;  // they act as errors of the other sign and nothing drives them
+  Lineariser lineariser(estimates);
+  const int n = static_cast<int>(estimates.terms.size());
+  Rows lambda = Rows::Zero(kCoreStates, kCoreStates + n);
+  lambda.leftCols<kCoreStates>().setIdentity();
+  const auto fixes_from = [&](double from) {
+    for (; fix > 0 && fixes[fix - 1].time > from + kSameTime; --fix)
+      back_through_fix(gains, fix - 1, timeline, lambda, result.fix[fix - 1]);
+  };
+  for (std::size_t k = result.steps; k-- > 0;) {
+    fixes_from(steps[k].from);
+    const Transition& step = lineariser(steps[k].input);
+    const CoreMatrix core = lambda.leftCols<kCoreStates>();
+    result.input[k] = core * step.input;
+    lambda.leftCols<kCoreStates>() = core * step.core;
+    for (int j = 0; j < n; ++j) {
+      const Transition::Term& term = step.terms[static_cast<std::size_t>(j)];
+      lambda.col(kCoreStates + j) *= term.decay;
+      if (term.signal >= 0) lambda.col(kCoreStates + j) -= term.gain * result.input[k].col(term.signal);
+    }
+  }
+  fixes_from(timeline.start() - 1);
+  result.initial = lambda.leftCols<kCoreStates>();
+  return result;
+}
+
+// --- Processes ----------------------------------------------------------------------------------------------------
+
+namespace {
+
+// Structure function at any lag [s]; below a sample it falls to zero linearly.
+class Structure {
+ public:
+  Structure(const noise::Process& process, double dt) : process_(process), dt_(dt) {}
+  [[nodiscard]] double operator()(double lag) const {
+    const double samples = lag / dt_;
+    const double whole = std::floor(samples);
+    const double below = at(whole);
+    return below + (samples - whole) * (at(whole + 1) - below);
+  }
+  // Mean over lags from a to b, 16 midpoints a doubling of what is beyond a sample.
+  [[nodiscard]] double mean(double a, double b) const {
+    const int points = 64 + static_cast<int>(16 * std::log2(1 + (b - a) / dt_));
+    // Denser towards a: lag = a + (b - a) u^2.
+    double sum = 0;
+    for (int i = 0; i < points; ++i) {
+      const double u = (i + 0.5) / points;
+      sum += 2 * u * (*this)(a + (b - a) * u * u);
+    }
+    return sum / points;
+  }
+
+ private:
+  [[nodiscard]] double at(double samples) const {
+    return samples < 1 ? 0 : noise::structure_function(process_, static_cast<std::int64_t>(samples), dt_);
+  }
+  const noise::Process& process_;
+  double dt_;
+};
+
+// Covariance of the process since its epoch, between times of steps.
+class SinceEpoch {
+ public:
+  SinceEpoch(const noise::Process& process, const Epoch& epoch, double dt,
+             std::span<const Timeline::Step> steps)
+      : structure_(process, dt) {
+    const double start = steps.front().from;
+    for (const auto& step : steps) {
+      const double t = (step.from + step.to) / 2 - start;
+      middle_.push_back(t);
+      length_.push_back(step.to - step.from);
+      to_epoch_.push_back(epoch.calibrated_over ? structure_.mean(t, t + *epoch.calibrated_over)
+                                                : structure_(t + epoch.powered_on_before));
+    }
+    if (epoch.calibrated_over) within_ = mean_within(*epoch.calibrated_over);
+  }
+  [[nodiscard]] double operator()(std::size_t k, std::size_t l) const {
+    // The mean of a concave D over all pairs within a step is near that at a third of it.
+    const double lag = k == l ? length_[k] / 3 : std::abs(middle_[k] - middle_[l]);
+    return (to_epoch_[k] + to_epoch_[l] - structure_(lag) - within_) / 2;
+  }
+
+ private:
+  // (2/T^2) int_0^T (T - u) D(u) du
+  [[nodiscard]] double mean_within(double T) const {
+    constexpr int points = 512;
+    double sum = 0;
+    for (int i = 0; i < points; ++i) {
+      const double u = (i + 0.5) / points;
+      sum += 2 * u * (1 - u * u) * structure_(T * u * u);
+    }
+    return 2 * sum / points;
+  }
+
+  Structure structure_;
+  std::vector<double> middle_, length_, to_epoch_;
+  double within_ = 0;
+};
+
+CoreMatrix of_white(const Adjoint& adjoint, const Timeline& timeline, int first, double n,
+                    const Epoch& epoch) {
+  CoreMatrix covariance = CoreMatrix::Zero();
+  Eigen::Matrix<double, kCoreStates, 3> sum = Eigen::Matrix<double, kCoreStates, 3>::Zero();
+  for (std::size_t k = 0; k < adjoint.steps; ++k) {
+    const auto input = adjoint.input[k].middleCols<3>(first);
+    covariance += n * n / timeline.steps()[k].input.dt * input * input.transpose();
+    sum += input;
+  }
+  if (epoch.calibrated_over) covariance += n * n / *epoch.calibrated_over * sum * sum.transpose();
+  return covariance;
+}
+
+}  // namespace
+
+CoreMatrix process_response(const Adjoint& adjoint, const Timeline& timeline, Carrier carrier,
+                            const noise::Process& process, const Epoch& epoch, double imu_interval) {
+  const noise::Term term = noise::term(process);
+  if (term == noise::Term::quantization || term == noise::Term::rate_ramp || term == noise::Term::sinusoid)
+    throw std::invalid_argument("quantization, ramp and sinusoid have no response by a structure function");
+  if (!(imu_interval > 0) || carrier == Carrier::aid)
+    throw std::invalid_argument(
+        fmt::format("IMU interval is {} s, expected above 0 s, of a gyro or accelerometer", imu_interval));
+  const int first = carrier == Carrier::gyro ? 0 : 3;
+  if (adjoint.steps == 0) return CoreMatrix::Zero();
+  if (term == noise::Term::white)
+    return of_white(adjoint, timeline, first, noise::coefficient(process), epoch);
+
+  // A Gauss-Markov process is stationary, not zero at power-on.
+  Epoch from = epoch;
+  const bool stationary = term == noise::Term::gauss_markov && !epoch.calibrated_over;
+  const double variance = stationary ? std::pow(noise::coefficient(process), 2) : 0;
+  const std::span steps(timeline.steps().data(), adjoint.steps);
+  const SinceEpoch since(process, from, imu_interval, steps);
+  const Structure structure(process, imu_interval);
+  const auto K = static_cast<Eigen::Index>(adjoint.steps);
+  MatrixXd R(K, K);
+  for (Eigen::Index l = 0; l < K; ++l)
+    for (Eigen::Index k = 0; k <= l; ++k) {
+      const auto& a = steps[static_cast<std::size_t>(k)];
+      const auto& b = steps[static_cast<std::size_t>(l)];
+      const double lag = k == l ? (a.to - a.from) / 3 : (b.from + b.to - a.from - a.to) / 2;
+      R(k, l) = R(l, k) = stationary ? variance - structure(lag) / 2
+                                     : since(static_cast<std::size_t>(k), static_cast<std::size_t>(l));
+    }
+  CoreMatrix covariance = CoreMatrix::Zero();
+  MatrixXd column(kCoreStates, K);
+  for (int axis = 0; axis < 3; ++axis) {
+    for (Eigen::Index k = 0; k < K; ++k)
+      column.col(k) = adjoint.input[static_cast<std::size_t>(k)].col(first + axis);
+    covariance += column * R * column.transpose();
+  }
+  return (covariance + covariance.transpose()) / 2;
+}
+
+// --- Constants ----------------------------------------------------------------------------------------------------
+
+CoreMatrix constant_response(const Adjoint& adjoint, const Timeline& timeline, const Source& source) {
+  const auto m = static_cast<Eigen::Index>(source.model.terms.size());
+  for (const auto& term : source.model.terms)
+    if (std::isfinite(term.correlation_time) || term.walk != 0)
+      throw std::invalid_argument(
+          fmt::format("{}: {} varies, constants were expected", source.name, name(term)));
+  MatrixXd column = MatrixXd::Zero(kCoreStates, m);
+  Lineariser lineariser(source.model);
+  for (std::size_t k = 0; k < adjoint.steps; ++k) {
+    const StepInput& input = timeline.steps()[k].input;
+    const Transition& step = lineariser(input);
+    const SensorCorrection shape = source.shape ? source.shape(input) : SensorCorrection{};
+    for (Eigen::Index j = 0; j < m; ++j) {
+      const Transition::Term& term = step.terms[static_cast<std::size_t>(j)];
+      if (term.signal < 0) continue;
+      const double factor = !source.shape     ? 1
+                            : term.signal < 3 ? shape.gyro[term.signal]
+                                              : shape.accelerometer[term.signal - 3];
+      column.col(j) += factor * term.gain * adjoint.input[k].col(term.signal);
+    }
+  }
+  CoreMatrix covariance = adjoint.initial * source.core * adjoint.initial.transpose();
+  for (std::size_t i = 0; i < adjoint.fix.size(); ++i) {
+    const PlannedFix& planned = timeline.fixes()[i];
+    const Measurement rows = linearise(planned, timeline.at(planned.time), source.model);
+    for (int r = 0; r < rows.rows; ++r) {
+      const auto& row = rows.row[static_cast<std::size_t>(r)];
+      column += adjoint.fix[i].col(r) * row.h.tail(m).transpose();
+      if (source.aid >= 0 && source.aid == aid_of(planned))
+        covariance += row.variance * adjoint.fix[i].col(r) * adjoint.fix[i].col(r).transpose();
+    }
+  }
+  return covariance + column * source.initial * column.transpose();
+}
+
+}  // namespace gyrobudget::inline v0::navigation
