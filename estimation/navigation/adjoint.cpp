@@ -219,13 +219,10 @@ CoreMatrix constant_response(const Adjoint& adjoint, const Timeline& timeline, c
   for (std::size_t k = 0; k < adjoint.steps; ++k) {
     const StepInput& input = timeline.steps()[k].input;
     const Transition& step = lineariser(input);
-    const SensorCorrection shape = source.shape ? source.shape(input) : SensorCorrection{};
     for (Eigen::Index j = 0; j < m; ++j) {
       const Transition::Term& term = step.terms[static_cast<std::size_t>(j)];
       if (term.signal < 0) continue;
-      const double factor = !source.shape     ? 1
-                            : term.signal < 3 ? shape.gyro[term.signal]
-                                              : shape.accelerometer[term.signal - 3];
+      const double factor = source.shape ? source.shape(input, static_cast<std::size_t>(j)) : 1;
       column.col(j) += factor * term.gain * adjoint.input[k].col(term.signal);
     }
   }

@@ -225,13 +225,10 @@ class Passage {
   }
 
   void shape(const StepInput& input, Transition& step) const {
-    const SensorCorrection factors = source_.shape(input);
-    for (std::size_t k = estimates_; k < lineariser_.model().terms.size(); ++k) {
-      const ErrorTerm& term = lineariser_.model().terms[k];
-      if (term.carrier == Carrier::aid) continue;
-      const double factor = (term.carrier == Carrier::gyro ? factors.gyro : factors.accelerometer)[term.axis];
-      step.terms[k].gain *= factor;
-      step.terms[k].spill *= factor;
+    for (std::size_t k = 0; k < source_.model.terms.size(); ++k) {
+      const double factor = source_.shape(input, k);
+      step.terms[estimates_ + k].gain *= factor;
+      step.terms[estimates_ + k].spill *= factor;
     }
   }
 

@@ -80,9 +80,9 @@ struct Source {
   StateMatrix initial;                   ///< covariance of model.terms at the scene's start
   CoreMatrix core = CoreMatrix::Zero();  ///< covariance of position, velocity, attitude there, axes of e
   int aid = -1;                          ///< the white noise of this aid's fixes is the source
-  /// Where given, the bias terms of gyro and accelerometer are multiplied by it [any unit]: errors that are
-  /// fixed in other axes than the body's, such as Earth's rate left out or an error of gravity.
-  std::function<SensorCorrection(const StepInput&)> shape;
+  /// Where given, each term's effect is multiplied by it [any unit]: errors that are fixed in other axes than
+  /// the body's, such as Earth's rate left out or an error of gravity.
+  std::function<double(const StepInput&, std::size_t term)> shape;
 };
 
 /// The filter as it is designed: it sets the gains.

@@ -6,7 +6,9 @@
 #include "gyrobudget/earth/gravity.h"
 #include "gyrobudget/earth/paths.h"
 #include "gyrobudget/navigation/adjoint.h"
+#include "gyrobudget/navigation/budget_sources.h"
 #include "gyrobudget/navigation/sensor_states.h"
+#include "gyrobudget/navigation/strapdown.h"
 
 #include <gtest/gtest.h>
 
@@ -316,6 +318,76 @@ TEST(Budget, ChargesTheTiltToTheAccelerometerThatLevelled) {
   EXPECT_NEAR(sigma.position.x() / expected, 1, kPhysics);
   EXPECT_NEAR(sigma.position.y() / expected, 1, kPhysics);
   EXPECT_NEAR(kBias * std::hypot(1, kForce / g) * kScene * kScene / 2, 6.5, 0.05);
+}
+
+// 83 s of ascent with perfect accelerometers and a perfect start.
+TEST(Budget, FindsWhatAnAscentCosts) {
+  const auto path = earth::ascent({});
+  noise::SensorModel sensor;
+  sensor.gyro.white = 5.4e-4 * earth::kDegree / 60;  // fibre-optic
+  const double ifog = at_end(path, source(sensor, epoch_of(83)), 0.1).position.norm();
+  EXPECT_GT(ifog, 0.045);  // independent checks on point-mass trajectories gave 0.05 to 0.06 m
+  EXPECT_LT(ifog, 0.065);
+  sensor.gyro.white = 0.15 * earth::kDegree / 60;  // MEMS
+  const double mems = at_end(path, source(sensor, epoch_of(83)), 0.1).position.norm();
+  EXPECT_NEAR(mems / ifog, 0.15 / 5.4e-4, 1e-6 * mems / ifog);
+  noise::SensorModel biased;
+  biased.gyro.turn_on_bias = 0.01 * earth::kDegree / 3600;
+  EXPECT_NEAR(at_end(path, source(biased, epoch_of(83)), 0.1).position.norm() / ifog, 2, 0.3);
+}
+
+// Against a strapdown that leaves Earth's rate out: 0.347 degrees in all, and metres.
+TEST(Budget, KnowsWhatEarthsRateCostsUncompensated) {
+  const auto path = earth::ascent({});
+  const auto truth = path.at(0);
+  navigation::Strapdown::Options options;
+  options.earth_rate_in_attitude = false;
+  navigation::Strapdown navigator({truth.p_eb_e, truth.v_eb_e, truth.q_eb}, options);
+  constexpr double kStep = 0.01;
+  for (int k = 0; k < 8300; ++k) navigator.step(path.increment(k * kStep, (k + 1) * kStep), kStep);
+  const auto end = path.at(83);
+  const Vector3d dp = end.p_eb_e - navigator.state().p_eb_e;
+
+  const auto frame = earth::LocalFrame::east_north_up(earth::alcantara().position);
+  const auto sigma = at_end(path, navigation::uncompensated_earth_rate(), 0.1);
+  EXPECT_NEAR(sigma.attitude.norm() / earth::kDegree, 0.347, 0.001);
+  constexpr double kSecondOrder = 0.01;  // half of 0.347 degrees is 3e-3
+  const Vector3d expected = (frame.C_el().transpose() * dp).cwiseAbs();
+  for (int i = 0; i < 3; ++i) EXPECT_NEAR(sigma.position[i], expected[i], kSecondOrder * expected.norm());
+}
+
+// A vertical error of gravity falls as a stone does, a deflection sideways.
+TEST(Budget, KnowsWhatGravityCosts) {
+  const auto path = climb(20);
+  const auto vertical = at_end(path, navigation::gravity_error(1e-3), 0.1).position;
+  EXPECT_NEAR(vertical.z(), 1e-3 * 20 * 20 / 2, 1e-3 * 0.2);
+  EXPECT_LT(vertical.head<2>().norm(), 1e-3 * vertical.z());
+  const auto deflection = at_end(path, navigation::deflection_of_the_vertical(1e-4), 0.1).position;
+  EXPECT_NEAR(deflection.x(), 9.78e-4 * 20 * 20 / 2, 1e-3 * 0.2);
+  EXPECT_NEAR(deflection.y(), deflection.x(), 1e-4 * deflection.x());
+}
+
+TEST(Budget, NamesTheLinesOfASensor) {
+  noise::SensorModel sensor = tactical();
+  sensor.gyro.bias_instability = 1e-6;
+  sensor.gyro.quantization = 1e-6;
+  sensor.accelerometer->misalignment = 1e-4;
+  const auto [sources, left_out] = navigation::sensor_sources(sensor, epoch_of(100));
+  std::vector<std::string> names;
+  for (const auto& source : sources) names.push_back(source.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"gyro.arw", "gyro.bias_instability", "gyro.rrw",
+                                             "gyro.turn_on_bias", "gyro.scale_factor", "accelerometer.vrw",
+                                             "accelerometer.turn_on_bias", "accelerometer.misalignment"}));
+  ASSERT_EQ(left_out.size(), 1u);
+  EXPECT_EQ(left_out[0].what, "gyro quantization");
+
+  const Matrix3d C_el = earth::C_e_enu(0.3, 1);
+  EXPECT_EQ(navigation::initial_sources({.level = 1e-3}, C_el).size(), 1u);
+  const CoreMatrix core =
+      navigation::initial_core({.position = {1, 2, 3}, .level = 1e-3, .heading = 1e-2}, C_el);
+  const auto sigma = navigation::local_sigmas(core, C_el);
+  EXPECT_NEAR(sigma.position.y(), 2, 1e-12);
+  EXPECT_NEAR(sigma.attitude.z(), 1e-2, 1e-14);
 }
 
 TEST(Budget, RefusesWhatDoesNotFit) {
