@@ -3,6 +3,7 @@
 
 #include "gyrobudget/noise/detail/state_bank.h"
 #include "gyrobudget/noise/detail/streaming_filter.h"
+#include "gyrobudget/noise/detail/streams.h"
 #include "gyrobudget/noise/fft.h"
 
 #include <fmt/core.h>
@@ -39,20 +40,18 @@ void require_generable(std::span<const Process> processes, double dt) {
 class Streams {
  public:
   explicit Streams(StreamKey key) : key_(key) {
-    if (key.stream >> kUserBits != 0) {
-      throw std::invalid_argument(fmt::format("stream {} must be below 2^{}", key.stream, kUserBits));
+    if (key.stream >> detail::kUserBits != 0) {
+      throw std::invalid_argument(fmt::format("stream {} must be below 2^{}", key.stream, detail::kUserBits));
     }
   }
   StreamKey next(Term term) { return next(static_cast<char>(term)); }
   StreamKey next(char kind) {
     const std::uint64_t occurrence = used_[kind]++;
     if (occurrence > 255) throw std::invalid_argument("more than 256 noise processes of one term");
-    const auto letter = static_cast<std::uint64_t>(static_cast<unsigned char>(kind));
-    return {key_.seed, key_.stream | letter << kUserBits | occurrence << (kUserBits + 8)};
+    return detail::source_stream(key_, kind, occurrence);
   }
 
  private:
-  static constexpr int kUserBits = 48;
   StreamKey key_;
   std::map<char, std::uint64_t> used_;
 };

@@ -4,6 +4,8 @@
 #include "gyrobudget/noise/process.h"
 #include "gyrobudget/noise/units.h"
 
+#include <array>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -27,7 +29,21 @@ enum class Signal { angular_rate, specific_force, dimensionless };
 /// Name for people: "angle random walk", "bias instability".
 [[nodiscard]] std::string_view label(Signal, Term);
 
-/// One sensor triad's errors, SI, one sigma each. Zero or empty means the sensor has none of it.
+/// What a datasheet gives once for all three axes, or once for each.
+class PerAxis {
+ public:
+  constexpr PerAxis(double all = 0) : axis_{all, all, all} {}  // one number is a value for all
+  constexpr PerAxis(double x, double y, double z) : axis_{x, y, z} {}
+  [[nodiscard]] constexpr double operator[](std::size_t axis) const { return axis_[axis]; }
+  [[nodiscard]] constexpr bool is_uniform() const { return axis_[0] == axis_[1] && axis_[1] == axis_[2]; }
+  friend constexpr bool operator==(const PerAxis&, const PerAxis&) = default;
+
+ private:
+  std::array<double, 3> axis_;
+};
+
+/// One sensor triad's errors, SI, one sigma each. Zero or empty means the sensor has none of it. What each of
+/// them does to a reading stands in imu.h.
 struct ErrorModel {
   double quantization = 0;      ///< Q
   double white = 0;             ///< N
@@ -36,13 +52,20 @@ struct ErrorModel {
   double rate_ramp = 0;         ///< R
   std::vector<GaussMarkov> gauss_markov;
   std::vector<Sinusoid> sinusoids;
-  // What a static log cannot give; kept as read, used by flight and budget.
-  std::optional<double> turn_on_bias;   ///< std [signal]
-  std::optional<double> scale_factor;   ///< std [1]
-  std::optional<double> misalignment;   ///< std [rad]
-  std::optional<double> g_sensitivity;  ///< std [signal/(m/s^2)]
-  std::optional<double> bandwidth;      ///< [Hz]
-  std::optional<double> range;          ///< [signal]
+  // What a static log cannot give; kept as read, used by flight and budget. Of the axis that errs.
+  std::optional<PerAxis> turn_on_bias;             ///< std [signal]
+  std::optional<PerAxis> scale_factor;             ///< std [1]
+  std::optional<PerAxis> misalignment;             ///< std of each angle [rad]
+  std::optional<PerAxis> g_sensitivity;            ///< std of each coefficient [signal/(m/s^2)], gyros
+  std::optional<PerAxis> g2_sensitivity;           ///< std [signal/(m/s^2)^2]
+  std::optional<PerAxis> vibration_rectification;  ///< std [signal/(m/s^2 rms)^2]
+  std::optional<double> bandwidth;                 ///< -3 dB [Hz]
+  int filter_order = 1;                            ///< of the low pass that `bandwidth` means, 1 or 2
+  std::optional<double> delay;                     ///< [s]
+  std::optional<double> range;                     ///< [signal]
+  // Epoch of the noise: what it is at the start of a scene depends on when it was known last.
+  std::optional<double> powered_on_before;  ///< [s] before the scene; empty: at its start
+  std::optional<double> calibrated_over;    ///< [s] up to the scene; empty: not calibrated
 
   /// The non-zero noise processes.
   [[nodiscard]] std::vector<Process> processes() const;
@@ -56,6 +79,7 @@ struct SensorModel {
   std::string name;
   ErrorModel gyro;
   std::optional<ErrorModel> accelerometer;
+  std::array<double, 3> lever_arm = {};  ///< from the IMU to the centre of mass, body axes [m]
 };
 
 }  // namespace gyrobudget::inline v0::noise

@@ -8,6 +8,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <numbers>
@@ -21,6 +22,7 @@ namespace {
 
 using noise::Dimension;
 using noise::ErrorModel;
+using noise::PerAxis;
 using noise::SensorModel;
 using noise::Signal;
 using noise::Term;
@@ -28,25 +30,37 @@ namespace dimension = noise::dimension;
 
 // --- Keys, for reading and writing alike -----------------------------------------------------------------------------
 
+constexpr Dimension kLength{0, 2, 0};
 constexpr Term kCoefficients[] = {Term::white, Term::flicker, Term::rate_random_walk, Term::quantization,
                                   Term::rate_ramp};
 
-/// A value that a static log cannot give.
+/// What a static log cannot give: a member of ErrorModel, `Member` being for all axes or one for each.
+template <class Member>
 struct Extra {
   std::string_view key;
-  std::optional<double> ErrorModel::*member;
+  std::optional<Member> ErrorModel::*member;
   std::string_view gyro_unit, accelerometer_unit;  ///< in which it is written; empty: has none of it
+  bool above_zero = false;
 };
-constexpr Extra kExtras[] = {
+constexpr Extra<PerAxis> kPerAxis[] = {
     {"turn_on_bias", &ErrorModel::turn_on_bias, "deg/h", "ug"},
     {"scale_factor", &ErrorModel::scale_factor, "ppm", "ppm"},
     {"misalignment", &ErrorModel::misalignment, "arcsec", "arcsec"},
     {"g_sensitivity", &ErrorModel::g_sensitivity, "deg/h/g", ""},
-    {"bandwidth", &ErrorModel::bandwidth, "Hz", "Hz"},
-    {"range", &ErrorModel::range, "deg/s", "g"},
+    {"g2_sensitivity", &ErrorModel::g2_sensitivity, "deg/h/g^2", "ug/g^2"},
+    {"vibration_rectification", &ErrorModel::vibration_rectification, "deg/h/g^2", "ug/g^2"},
 };
+constexpr Extra<double> kForAll[] = {
+    {"bandwidth", &ErrorModel::bandwidth, "Hz", "Hz", true},
+    {"delay", &ErrorModel::delay, "ms", "ms"},
+    {"range", &ErrorModel::range, "deg/s", "g"},
+    {"powered_on_before", &ErrorModel::powered_on_before, "s", "s"},
+    {"calibrated_over", &ErrorModel::calibrated_over, "s", "s"},
+};
+constexpr std::string_view kFilterOrder = "filter_order", kLeverArm = "lever_arm";
 
-std::string_view unit_of(const Extra& extra, Signal signal) {
+template <class Member>
+std::string_view unit_of(const Extra<Member>& extra, Signal signal) {
   return signal == Signal::angular_rate ? extra.gyro_unit : extra.accelerometer_unit;
 }
 
@@ -154,8 +168,10 @@ class Reader {
         gyro = true;
       } else if (key.Scalar() == "accelerometer") {
         model.accelerometer = error_model(value, Signal::specific_force, "accelerometer");
+      } else if (key.Scalar() == kLeverArm) {
+        model.lever_arm = three(kLeverArm, value, kLength, any);
       } else {
-        fail_unknown_key(key, "a sensor file", {"name", "gyro", "accelerometer"});
+        fail_unknown_key(key, "a sensor file", {"name", "gyro", "accelerometer", std::string(kLeverArm)});
       }
     });
     if (!gyro) fail_here(root_, "found no \"gyro:\", expected one; its errors stand below it");
@@ -167,9 +183,11 @@ class Reader {
     for (const Term t : kCoefficients) result.emplace_back(noise::key(signal, t));
     result.emplace_back(noise::key(signal, Term::gauss_markov));
     result.emplace_back(noise::key(signal, Term::sinusoid));
-    for (const Extra& e : kExtras) {
+    for (const auto& e : kPerAxis) {
       if (!unit_of(e, signal).empty()) result.emplace_back(e.key);
     }
+    for (const auto& e : kForAll) result.emplace_back(e.key);
+    result.emplace_back(kFilterOrder);
     return result;
   }
 
@@ -190,9 +208,21 @@ class Reader {
           quantity(key, value, noise::dimension_of(signal, t), t == Term::rate_ramp ? any : not_negative);
       return true;
     }
-    for (const Extra& e : kExtras) {
+    for (const auto& e : kPerAxis) {
       if (key != e.key || unit_of(e, signal).empty()) continue;
-      model.*e.member = quantity(key, value, noise::parse_unit(unit_of(e, signal)).dimension, not_negative);
+      model.*e.member = per_axis(key, value, noise::parse_unit(unit_of(e, signal)).dimension);
+      return true;
+    }
+    for (const auto& e : kForAll) {
+      if (key != e.key) continue;
+      model.*e.member = quantity(key, value, noise::parse_unit(unit_of(e, signal)).dimension,
+                                 e.above_zero ? above_zero : not_negative);
+      return true;
+    }
+    if (key == kFilterOrder) {
+      if (!value.IsScalar() || (value.Scalar() != "1" && value.Scalar() != "2"))
+        fail_here(value, fmt::format("{}: found {}, expected 1 or 2", key, kind(value)));
+      model.filter_order = value.Scalar() == "1" ? 1 : 2;
       return true;
     }
     if (key == noise::key(signal, Term::gauss_markov)) {
@@ -221,6 +251,27 @@ class Reader {
     }
     check_sign(key, value, result, sign);
     return result;
+  }
+
+  /// One quantity for each axis, in a list.
+  std::array<double, 3> three(std::string_view key, const Node& value, const Dimension& expected,
+                              Sign sign) const {
+    std::array<double, 3> result{};
+    if (!value.IsSequence() || value.size() != result.size()) {
+      fail_here(value,
+                fmt::format("{}: found {}, expected a list of three, [x, y, z], each a number and a "
+                            "unit ({})",
+                            key, value.IsSequence() ? fmt::format("a list of {}", value.size()) : kind(value),
+                            noise::example_units(expected)));
+    }
+    for (std::size_t i = 0; i < result.size(); ++i) result[i] = quantity(key, value[i], expected, sign);
+    return result;
+  }
+
+  PerAxis per_axis(std::string_view key, const Node& value, const Dimension& expected) const {
+    if (!value.IsSequence()) return quantity(key, value, expected, not_negative);
+    const auto v = three(key, value, expected, not_negative);
+    return {v[0], v[1], v[2]};
   }
 
   void check_sign(std::string_view key, const Node& value, double number, Sign sign) const {
@@ -405,6 +456,10 @@ class Writer {
     if (!model.name.empty()) text_ += fmt::format("name: {}\n", scalar(model.name));
     triad("gyro", model.gyro, Signal::angular_rate);
     if (model.accelerometer) triad("accelerometer", *model.accelerometer, Signal::specific_force);
+    if (model.lever_arm != std::array<double, 3>{}) {
+      const auto& l = model.lever_arm;
+      text_ += fmt::format("{}: {}\n", kLeverArm, three({l[0], l[1], l[2]}, "m"));
+    }
     return std::move(text_);
   }
 
@@ -418,9 +473,14 @@ class Writer {
     }
     list(noise::key(signal, Term::gauss_markov), model.gauss_markov, kGaussMarkov, signal);
     list(noise::key(signal, Term::sinusoid), model.sinusoids, kSinusoid, signal);
-    for (const Extra& e : kExtras) {
+    for (const auto& e : kPerAxis) {
+      if (model.*e.member && !unit_of(e, signal).empty())
+        line(e.key, per_axis(*(model.*e.member), unit_of(e, signal)));
+    }
+    for (const auto& e : kForAll) {
       if (model.*e.member) line(e.key, quantity(*(model.*e.member), unit_of(e, signal)));
     }
+    if (model.filter_order != 1) line(kFilterOrder, std::to_string(model.filter_order));
   }
 
   void line(std::string_view key, const std::string& value) {
@@ -445,6 +505,14 @@ class Writer {
 
   static std::string quantity(double si, std::string_view unit) {
     return exact_quantity(si, unit, si_unit(noise::parse_unit(unit).dimension));
+  }
+
+  static std::string three(const PerAxis& value, std::string_view unit) {
+    return fmt::format("[{}, {}, {}]", quantity(value[0], unit), quantity(value[1], unit),
+                       quantity(value[2], unit));
+  }
+  static std::string per_axis(const PerAxis& value, std::string_view unit) {
+    return value.is_uniform() ? quantity(value[0], unit) : three(value, unit);
   }
 
   /// Quoted where YAML could read something else into it.

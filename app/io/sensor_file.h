@@ -20,16 +20,23 @@ namespace gyrobudget::inline v0::io {
 ///       rate_ramp: 1e-4 deg/h/h
 ///       gauss_markov: [{sigma: 0.1 deg/h, correlation_time: 300 s}]
 ///       sinusoid: [{amplitude: 2 deg/h, frequency: 50 mHz, phase: 0 deg}]
-///       turn_on_bias: 0.01 deg/h
-///       scale_factor: 10 ppm
+///       turn_on_bias: 0.01 deg/h              # for all axes, or [0.01 deg/h, 0.01 deg/h, 0.02 deg/h]
+///       scale_factor: 10 ppm                  # so too, as are the next four
 ///       misalignment: 20 arcsec
-///       g_sensitivity: 0 deg/h/g
+///       g_sensitivity: 0.1 deg/h/g            # gyros only
+///       g2_sensitivity: 0.02 deg/h/g^2
+///       vibration_rectification: 0.05 deg/h/g^2
 ///       bandwidth: 100 Hz
+///       filter_order: 2                       # of the bandwidth's low pass, 1 or 2; left out: 1
+///       delay: 2 ms
 ///       range: 400 deg/s
+///       powered_on_before: 1 h                # the scene; its noise has run since
+///       calibrated_over: 10 min               # the last before the scene, whose mean is taken off
 ///     accelerometer:                          # the same with vrw, accel_rw; left out: ideal
 ///       vrw: 0.05 m/s/sqrt(h)
+///     lever_arm: [0.1 m, 0 m, -0.02 m]        # from the IMU to the centre of mass, forward, right, down
 ///
-/// What is left out is zero. Three forms of others are read too, as continuous-time SI numbers without units:
+/// What is left out is zero; noise/imu.h says what each of them does. Three forms of others are read too, as continuous-time SI numbers without units:
 /// - Kalibr's imu.yaml, also below imu0 (OpenVINS, %YAML:1.0): noise_density is N, random_walk is K, B is zero.
 /// - VINS' gyr_n, gyr_w, acc_n, acc_w at the top level: n is N, w is K.
 /// - imu_utils' file (Gyr: avg-axis: gyr_n, gyr_w): n is N; w is the minimum of the Allan deviation, so

@@ -58,11 +58,18 @@ void expect_same(const ErrorModel& a, const ErrorModel& b) {
   EXPECT_EQ(a.misalignment, b.misalignment);
   EXPECT_EQ(a.g_sensitivity, b.g_sensitivity);
   EXPECT_EQ(a.bandwidth, b.bandwidth);
+  EXPECT_EQ(a.g2_sensitivity, b.g2_sensitivity);
+  EXPECT_EQ(a.vibration_rectification, b.vibration_rectification);
+  EXPECT_EQ(a.filter_order, b.filter_order);
+  EXPECT_EQ(a.delay, b.delay);
   EXPECT_EQ(a.range, b.range);
+  EXPECT_EQ(a.powered_on_before, b.powered_on_before);
+  EXPECT_EQ(a.calibrated_over, b.calibrated_over);
 }
 
 void expect_same(const SensorModel& a, const SensorModel& b) {
   EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.lever_arm, b.lever_arm);
   expect_same(a.gyro, b.gyro);
   ASSERT_EQ(a.accelerometer.has_value(), b.accelerometer.has_value());
   if (a.accelerometer) expect_same(*a.accelerometer, *b.accelerometer);
@@ -88,9 +95,18 @@ gyro:
   scale_factor: 10 ppm
   misalignment: 20 arcsec
   g_sensitivity: 0.5 deg/h/g
+  g2_sensitivity: 0.02 deg/h/g^2
+  vibration_rectification: [1 deg/h/g^2, 2 deg/h/g^2, 3 deg/h/g^2]
   bandwidth: 100 Hz
+  filter_order: 2
+  delay: 2 ms
   range: 400 deg/s
+  powered_on_before: 1 h
+  calibrated_over: 10 min
+lever_arm: [10 cm, 0 m, -2 mm]
 accelerometer:
+  turn_on_bias: [1 mg, 2 mg, 3000 ug]
+  g2_sensitivity: 15 ug/g^2
   vrw: 0.06 m/s/sqrt(h)
   bias_instability: 10 ug
   accel_rw: 1 ug/sqrt(h)
@@ -107,12 +123,27 @@ accelerometer:
   ASSERT_EQ(m.gyro.sinusoids.size(), 1U);
   expect_near(m.gyro.sinusoids[0].frequency, 0.05);
   expect_near(m.gyro.sinusoids[0].phase, std::numbers::pi / 2);
-  expect_near(m.gyro.turn_on_bias.value(), 0.01 * kDegree / kHour);
-  expect_near(m.gyro.scale_factor.value(), 1e-5);
-  expect_near(m.gyro.misalignment.value(), 20 * kDegree / kHour);
-  expect_near(m.gyro.g_sensitivity.value(), 0.5 * kDegree / kHour / kGravity);
+  expect_near(m.gyro.turn_on_bias.value()[0], 0.01 * kDegree / kHour);
+  expect_near(m.gyro.scale_factor.value()[0], 1e-5);
+  expect_near(m.gyro.misalignment.value()[0], 20 * kDegree / kHour);
+  expect_near(m.gyro.g_sensitivity.value()[0], 0.5 * kDegree / kHour / kGravity);
   expect_near(m.gyro.bandwidth.value(), 100);
+  expect_near(m.gyro.g2_sensitivity.value()[2], 0.02 * kDegree / kHour / (kGravity * kGravity));
+  for (const std::size_t axis : {0U, 1U, 2U}) {
+    const auto number = static_cast<double>(axis + 1);
+    expect_near(m.gyro.vibration_rectification.value()[axis],
+                number * kDegree / kHour / (kGravity * kGravity));
+    expect_near(m.accelerometer.value().turn_on_bias.value()[axis], number * 1e-3 * kGravity);
+  }
+  EXPECT_EQ(m.gyro.filter_order, 2);
+  expect_near(m.gyro.delay.value(), 0.002);
   expect_near(m.gyro.range.value(), 400 * kDegree);
+  expect_near(m.gyro.powered_on_before.value(), kHour);
+  expect_near(m.gyro.calibrated_over.value(), 600);
+  expect_near(m.lever_arm[0], 0.1);
+  EXPECT_EQ(m.lever_arm[1], 0);
+  expect_near(m.lever_arm[2], -0.002);
+  expect_near(m.accelerometer.value().g2_sensitivity.value()[1], 15e-6 / kGravity);
   ASSERT_TRUE(m.accelerometer);
   expect_near(m.accelerometer->white, 0.001);
   expect_near(m.accelerometer->bias_instability, 1e-5 * kGravity);
@@ -141,8 +172,12 @@ TEST_F(SensorFile, RoundTripIsExact) {
       m[t] = any();
     m.gauss_markov = {{any(), any()}, {any(), any()}};
     m.sinusoids = {{any(), any(), any()}, {any(), any(), 0}};
-    for (auto* extra : {&m.turn_on_bias, &m.scale_factor, &m.misalignment, &m.bandwidth, &m.range})
+    m.turn_on_bias = any();
+    m.scale_factor = m.misalignment = m.g2_sensitivity = m.vibration_rectification =
+        noise::PerAxis(any(), 0, any());
+    for (auto* extra : {&m.bandwidth, &m.delay, &m.range, &m.powered_on_before, &m.calibrated_over})
       *extra = any();
+    m.filter_order = 2;
   };
   constexpr int kModels = 300;
   for (int i = 0; i < kModels; ++i) {
@@ -150,7 +185,10 @@ TEST_F(SensorFile, RoundTripIsExact) {
     model.name = i % 2 ? "gyro \"x\": #1, 5 °C\t" : "plain name";
     fill(model.gyro);
     model.gyro.g_sensitivity = any();
-    if (i % 3) fill(model.accelerometer.emplace());
+    if (i % 3) {
+      fill(model.accelerometer.emplace());
+      model.lever_arm = {any(), -any(), 0};
+    }
     expect_same(read(io::sensor_yaml(model, "written\nby a test")), model);
   }
 }
@@ -189,6 +227,15 @@ TEST_F(SensorFile, ErrorsNamePlaceFindingAndExpectation) {
   EXPECT_CONTAINS(message("gyro:\n  vrw: 1 m/s/sqrt(h)\n"), "'vrw' is no key of gyro");
   EXPECT_CONTAINS(message("gyro:\naccelerometer:\n  g_sensitivity: 1 deg/h/g\n"),
                   ":3:3: 'g_sensitivity' is no key of accelerometer");
+  EXPECT_CONTAINS(message("gyro:\n  turn_on_bias: [1 deg/h, 2 deg/h]\n"),
+                  ":2:17: turn_on_bias: found a list of 2, expected a list of three, [x, y, z]");
+  EXPECT_CONTAINS(message("gyro:\n  turn_on_bias: [1 deg/h, 2 deg/h, 3]\n"),
+                  ":2:36: turn_on_bias: '3' has no unit");
+  EXPECT_CONTAINS(message("gyro:\n  filter_order: 3\n"), ":2:17: filter_order: found '3', expected 1 or 2");
+  EXPECT_CONTAINS(message("gyro:\n  bandwidth: 0 Hz\n"), "expected a value above 0");
+  EXPECT_CONTAINS(message("gyro:\n  calibrated_ovr: 1 s\n"), "did you mean 'calibrated_over'?");
+  EXPECT_CONTAINS(message("gyro:\nlever_arm: 1 m\n"),
+                  ":2:12: lever_arm: found '1 m', expected a list of three");
   EXPECT_CONTAINS(message("gyro:\nscale: 1\n"), ":2:1: 'scale' is no key of a sensor file");
   EXPECT_CONTAINS(message("accelerometer:\n"), "found no \"gyro:\"");
   EXPECT_CONTAINS(message("gyro: 5\n"), ":1:7: gyro: found '5', expected keys and values below it");
