@@ -83,7 +83,9 @@ void AxisNoise::add_bank(const Setting& setting, char kind, std::uint64_t occurr
   for (std::size_t i = 0; i < states.size(); ++i) {
     bank.origin += add_state(setting, bank, states[i], std::span(u).subspan(kDraws * i, kDraws));
   }
-  if (kind == 'G') bank.origin = 0;  // a Gauss-Markov process of the sensor was never zero
+  if (setting.epoch.powered == 0)
+    bank.origin = bank.states.sum();  // zero at the first sample to the last digit
+  if (kind == 'G') bank.origin = 0;   // a Gauss-Markov process of the sensor was never zero
   if (setting.epoch.calibrated > 0) calibrated_mean_ -= bank.origin;
   normals_.resize(std::max(normals_.size(), kTile * states.size() + StateBank::kLanes));
   banks_.push_back(std::move(bank));

@@ -117,7 +117,7 @@ struct ImuConstants {
 /// error of the truth at rest and without vibration, is taken off: turn-on bias, noise of every kind and
 /// quantization are in it, errors that depend on the motion (s, M, G, D) are not. The turn-on bias cancels;
 /// of flicker remains b(t) less its mean. Then powered_on_before cannot be shorter than T, and where it is
-/// not given it is T; the readings do not depend on it. Times are rounded to whole samples.
+/// not given it is T; the law of the readings does not depend on it. Times are rounded to whole samples.
 ///
 /// What comes before the first sample is not run through: flicker is noise::flicker_approximation, so all
 /// that has a past is a first-order state whose value at the start and whose sum over the calibration are
