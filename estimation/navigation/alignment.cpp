@@ -1,0 +1,291 @@
+// SPDX-License-Identifier: MIT
+#include "gyrobudget/navigation/alignment.h"
+
+#include <fmt/core.h>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+namespace gyrobudget::inline v0::navigation {
+namespace {
+
+using earth::kDegree;
+using earth::wgs84::kEarthRate;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using std::numbers::pi;
+
+constexpr std::size_t kParts = 6;
+constexpr double kStudent =
+    2.570582 / 1.959964;  // t of 95 % with kParts - 1 degrees of freedom, beside normal's
+constexpr double kUnknownHeading = pi * std::numbers::inv_sqrt3;  // sigma of an angle that may be any
+constexpr double kFlat = 2 * std::numbers::ln2 / pi;              // Allan variance of flicker beside B^2
+constexpr double kSteepest = 1e-3;                                // horizontal part of a heading's axis
+
+/// From errors of mean specific force and rate in east, north, up to psi.
+struct Jacobian {
+  Matrix3d force = Matrix3d::Zero();
+  Matrix3d rate = Matrix3d::Zero();
+};
+
+/// Variances of the means over T, per body axis.
+struct Variances {
+  Vector3d bias, calibration, noise;
+};
+
+double gauss_markov_mean(const noise::GaussMarkov& process, double T) {
+  const double a = T / process.correlation_time;
+  const double mean = a < 1e-4 ? 1 - a / 3 : 2 * (a + std::expm1(-a)) / (a * a);
+  return process.sigma * process.sigma * mean;
+}
+
+double squared(double x) { return x * x; }
+
+/// `signal` is what the triad senses, `force` what it is under.
+Variances variances(const noise::ErrorModel& model, const Vector3d& signal, const Vector3d& force, double T) {
+  double bias = squared(model.turn_on_bias.value_or(0)) + kFlat * squared(model.bias_instability) +
+                squared(model.rate_random_walk) * T / 3 + squared(model.rate_ramp * T) / 2;
+  for (const noise::GaussMarkov& process : model.gauss_markov) bias += gauss_markov_mean(process, T);
+  const double noise = squared(model.white) / T + 2 * squared(model.quantization / T);
+  const Vector3d squares = signal.cwiseAbs2();
+  const Vector3d calibration =
+      (squared(model.scale_factor.value_or(0)) * squares +
+       squared(model.misalignment.value_or(0)) * (Vector3d::Constant(squares.sum()) - squares))
+          .array() +
+      squared(model.g_sensitivity.value_or(0)) * force.squaredNorm();
+  return {Vector3d::Constant(bias), calibration, Vector3d::Constant(noise)};
+}
+
+/// C_lb of east, north, up from the vertical and any vector with a part to the north.
+Matrix3d axes(const Vector3d& up_b, const Vector3d& northward_b) {
+  const Vector3d east = northward_b.cross(up_b).normalized();
+  Matrix3d C_lb;
+  C_lb << east.transpose(), up_b.cross(east).transpose(), up_b.transpose();
+  return C_lb;
+}
+
+Eigen::Quaterniond north_east_down(const Matrix3d& C_enu_b) {
+  Matrix3d C_nb;
+  C_nb << C_enu_b.row(1), C_enu_b.row(0), -C_enu_b.row(2);
+  return Eigen::Quaterniond(C_nb);
+}
+
+Matrix3d mapped(const Matrix3d& J, const Vector3d& variance) {
+  return J * variance.asDiagonal() * J.transpose();
+}
+
+void check(const AlignmentOptions& options) {
+  if (options.latitude && !(std::abs(*options.latitude) <= pi / 2))
+    throw std::invalid_argument(
+        fmt::format("latitude {} degrees of the alignment must be within 90", *options.latitude / kDegree));
+  if (!(options.limit > 0) || !std::isfinite(options.limit))
+    throw std::invalid_argument(
+        fmt::format("limit {} rad of the heading must be positive, finite", options.limit));
+  if (!options.heading) return;
+  const GivenHeading& heading = *options.heading;
+  if (!std::isfinite(heading.azimuth) || !(heading.sigma >= 0) || !std::isfinite(heading.sigma))
+    throw std::invalid_argument(fmt::format("heading {} +- {} rad must be finite, its sigma not negative",
+                                            heading.azimuth, heading.sigma));
+  if (!heading.axis.allFinite() || !(heading.axis.norm() > 0))
+    throw std::invalid_argument("axis of the heading must be finite and not zero");
+}
+
+void check(const StaticMeans& means) {
+  if (!means.f_ib_b.allFinite() || !means.w_ib_b.allFinite() || !(means.f_ib_b.norm() > 0))
+    throw std::invalid_argument("mean specific force and rate must be finite, and the force not zero");
+  if (!(means.duration > 0) || !std::isfinite(means.duration))
+    throw std::invalid_argument(fmt::format("duration {} s of the record must be positive", means.duration));
+}
+
+/// One alignment under way.
+class Aligner {
+ public:
+  Aligner(const StaticMeans& means, const AlignmentOptions& options, std::span<const StaticMeans> parts)
+      : options_(options), parts_(parts) {
+    check(means);
+    check(options);
+    a_.means = means;
+    g_ = means.f_ib_b.norm();
+    a_.up_b = means.f_ib_b / g_;
+    gyro_ = variances(options.sensor.gyro, means.w_ib_b, means.f_ib_b, means.duration);
+    accelerometer_ = variances(options.sensor.accelerometer.value_or(noise::ErrorModel{}), means.f_ib_b,
+                               means.f_ib_b, means.duration);
+  }
+
+  Alignment run() {
+    find_latitude();
+    gyrocompass();
+    if (options_.heading) use_given_heading();
+    if (!options_.sensor.gyro.turn_on_bias && !options_.heading)
+      say("The gyro's file states no turn-on bias: heading's sigma leaves it out.");
+    return std::move(a_);
+  }
+
+ private:
+  void say(const std::string& sentence) {
+    if (!a_.message.empty()) a_.message += ' ';
+    a_.message += sentence;
+  }
+
+  void find_latitude() {
+    const Vector3d& w = a_.means.w_ib_b;
+    const double rate = w.norm();
+    a_.latitude = rate > 0 ? std::asin(std::clamp(w.dot(a_.up_b) / rate, -1.0, 1.0)) : 0;
+    latitude_ = options_.latitude.value_or(a_.latitude);
+  }
+
+  Matrix3d level() const {
+    Matrix3d force = Matrix3d::Zero();
+    force(0, 1) = -1 / g_;
+    force(1, 0) = 1 / g_;
+    return force;
+  }
+
+  void gyrocompass() {
+    const Vector3d& w = a_.means.w_ib_b;
+    const double c = kEarthRate * std::cos(latitude_);
+    const Vector3d across = w - a_.up_b * a_.up_b.dot(w);
+    // Where nothing is seen, any axis serves to speak of level.
+    C_lb_ = axes(a_.up_b, across.norm() > 0 ? across : Vector3d(a_.up_b.unitOrthogonal()));
+    Jacobian J{.force = level()};
+    J.force(2, 0) = std::tan(latitude_) / g_;
+    J.rate(2, 0) = -1 / c;
+    account(J);
+    latitude_uncertainty();
+    const double sigma = a_.sigma().z();
+    const double seen = across.norm() / c;
+    a_.heading_observable = sigma <= options_.limit && seen > 0.5 && seen < 2;
+    if (a_.heading_observable) {
+      a_.q_nb = north_east_down(C_lb_);
+      return;
+    }
+    if (!(sigma <= options_.limit))
+      say(fmt::format(
+          "Heading is not observable: its one sigma would be {:.3g} degrees, where {:.3g} are allowed "
+          "(gyro bias {:.3g}, noise {:.3g}, motion {:.3g}).",
+          sigma / kDegree, options_.limit / kDegree, a_.parts.bias.z() / kDegree,
+          a_.parts.noise.z() / kDegree, a_.parts.motion.z() / kDegree));
+    else
+      say(fmt::format(
+          "Heading is not observable: the horizontal rate is {:.3g} deg/h where Earth's is {:.3g}; the "
+          "body turns, or latitude or unit is wrong.",
+          across.norm() / kDegree * 3600, c / kDegree * 3600));
+    if (!options_.heading) say("Give the heading.");
+    a_.parts.bias.z() = a_.parts.calibration.z() = a_.parts.noise.z() = a_.parts.motion.z() = 0;
+    a_.covariance.row(2).setZero();
+    a_.covariance.col(2).setZero();
+    a_.covariance(2, 2) = squared(kUnknownHeading);
+    a_.gyro_bias_covariance.row(2).setZero();
+    a_.accelerometer_bias_covariance.row(2).setZero();
+  }
+
+  /// psi_U = e + v/h^2 (E psi_E + N psi_N) for an axis (E, N, v) with horizontal part h.
+  void use_given_heading() {
+    const GivenHeading& given = *options_.heading;
+    const Vector3d axis = given.axis.normalized();
+    const double v = axis.dot(a_.up_b);
+    const Vector3d horizontal = axis - v * a_.up_b;
+    const double h = horizontal.norm();
+    if (h < kSteepest) {
+      say("The axis of the given heading is vertical: give that of another.");
+      return;
+    }
+    // The axis lies at `azimuth`: north is that far to its left.
+    C_lb_ = axes(a_.up_b, Eigen::AngleAxisd(given.azimuth, a_.up_b) * horizontal);
+    Jacobian J{.force = level()};
+    const Vector3d local = C_lb_ * axis;
+    J.force.row(2) = v / (h * h) * (local.x() * J.force.row(0) + local.y() * J.force.row(1));
+    account(J);
+    a_.parts.heading.z() = given.sigma;
+    a_.covariance(2, 2) += squared(given.sigma);
+    a_.q_nb = north_east_down(C_lb_);
+  }
+
+  void account(const Jacobian& J) {
+    const Matrix3d rate = J.rate * C_lb_;
+    const Matrix3d force = J.force * C_lb_;
+    const Matrix3d bias = mapped(rate, gyro_.bias) + mapped(force, accelerometer_.bias);
+    const Matrix3d calibration = mapped(rate, gyro_.calibration) + mapped(force, accelerometer_.calibration);
+    const Matrix3d noise = mapped(rate, gyro_.noise) + mapped(force, accelerometer_.noise);
+    const Vector3d motion = (scatter(rate, force) - noise.diagonal()).cwiseMax(0);
+    a_.parts = {.bias = bias.diagonal().cwiseSqrt(),
+                .calibration = calibration.diagonal().cwiseSqrt(),
+                .noise = noise.diagonal().cwiseSqrt(),
+                .motion = motion.cwiseSqrt()};
+    a_.covariance = bias + calibration + noise;
+    a_.covariance.diagonal() += motion;
+    a_.gyro_bias_covariance = rate * gyro_.bias.asDiagonal();
+    a_.accelerometer_bias_covariance = force * accelerometer_.bias.asDiagonal();
+    a_.gyro_bias_variance = gyro_.bias;
+    a_.accelerometer_bias_variance = accelerometer_.bias;
+  }
+
+  /// Variance of psi over the whole record as the parts show it.
+  Vector3d scatter(const Matrix3d& rate, const Matrix3d& force) const {
+    Vector3d sum = Vector3d::Zero();
+    for (const StaticMeans& part : parts_)
+      sum += (rate * (part.w_ib_b - a_.means.w_ib_b) + force * (part.f_ib_b - a_.means.f_ib_b)).cwiseAbs2();
+    return squared(kStudent) / (kParts * (kParts - 1)) * sum;
+  }
+
+  /// sin L = u.w/|w|: dL = (cos L dw_U - sin L dw_N)/Omega - df_N/g.
+  void latitude_uncertainty() {
+    const double s = std::sin(a_.latitude);
+    const double c = std::cos(a_.latitude);
+    Eigen::RowVector3d rate(0, -s / kEarthRate, c / kEarthRate);
+    Eigen::RowVector3d force(0, -1 / g_, 0);
+    rate = rate * C_lb_;
+    force = force * C_lb_;
+    const Vector3d dw = gyro_.bias + gyro_.calibration + gyro_.noise;
+    const Vector3d df = accelerometer_.bias + accelerometer_.calibration + accelerometer_.noise;
+    double motion = 0;
+    for (const StaticMeans& part : parts_)
+      motion += squared(rate.dot(part.w_ib_b - a_.means.w_ib_b) + force.dot(part.f_ib_b - a_.means.f_ib_b));
+    motion *= squared(kStudent) / (kParts * (kParts - 1));
+    a_.latitude_sigma = std::sqrt(rate.cwiseAbs2().dot(dw) + force.cwiseAbs2().dot(df) + motion);
+  }
+
+  const AlignmentOptions& options_;
+  std::span<const StaticMeans> parts_;
+  Alignment a_;
+  double g_ = 0;
+  double latitude_ = 0;
+  Variances gyro_, accelerometer_;
+  Matrix3d C_lb_;  ///< l: east, north, up
+};
+
+StaticMeans means_of(std::span<const earth::ImuIncrement> imu, double dt) {
+  const double T = dt * static_cast<double>(imu.size());
+  StaticMeans means{Vector3d::Zero(), Vector3d::Zero(), T};
+  for (const earth::ImuIncrement& increment : imu) {
+    means.f_ib_b += increment.velocity;
+    means.w_ib_b += increment.angle;
+  }
+  means.f_ib_b /= T;
+  means.w_ib_b /= T;
+  return means;
+}
+
+}  // namespace
+
+Alignment align(std::span<const earth::ImuIncrement> imu, double dt, const AlignmentOptions& options) {
+  if (imu.size() < 2 * kParts)
+    throw std::invalid_argument(
+        fmt::format("{} increments are too few to align: {} at least", imu.size(), 2 * kParts));
+  if (!(dt > 0) || !std::isfinite(dt))
+    throw std::invalid_argument(fmt::format("interval {} s of the increments must be positive", dt));
+  std::array<StaticMeans, kParts> parts;
+  for (std::size_t k = 0; k < kParts; ++k) {
+    const std::size_t from = k * imu.size() / kParts;
+    parts[k] = means_of(imu.subspan(from, (k + 1) * imu.size() / kParts - from), dt);
+  }
+  return Aligner(means_of(imu, dt), options, parts).run();
+}
+
+Alignment align(const StaticMeans& means, const AlignmentOptions& options) {
+  return Aligner(means, options, {}).run();
+}
+
+}  // namespace gyrobudget::inline v0::navigation
