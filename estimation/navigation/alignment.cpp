@@ -43,19 +43,26 @@ double gauss_markov_mean(const noise::GaussMarkov& process, double T) {
 
 double squared(double x) { return x * x; }
 
+Vector3d squares(const std::optional<noise::PerAxis>& sigma) {
+  if (!sigma) return Vector3d::Zero();
+  return Vector3d((*sigma)[0], (*sigma)[1], (*sigma)[2]).cwiseAbs2();
+}
+
 /// `signal` is what the triad senses, `force` what it is under.
 Variances variances(const noise::ErrorModel& model, const Vector3d& signal, const Vector3d& force, double T) {
-  double bias = squared(model.turn_on_bias.value_or(0)) + kFlat * squared(model.bias_instability) +
-                squared(model.rate_random_walk) * T / 3 + squared(model.rate_ramp * T) / 2;
-  for (const noise::GaussMarkov& process : model.gauss_markov) bias += gauss_markov_mean(process, T);
+  double moved = kFlat * squared(model.bias_instability) + squared(model.rate_random_walk) * T / 3 +
+                 squared(model.rate_ramp * T) / 2;
+  for (const noise::GaussMarkov& process : model.gauss_markov) moved += gauss_markov_mean(process, T);
+  const Vector3d constant = model.calibrated_over
+                                ? Vector3d(Vector3d::Constant(squared(model.white) / *model.calibrated_over))
+                                : squares(model.turn_on_bias);
+  const Vector3d across = Vector3d::Constant(signal.squaredNorm()) - signal.cwiseAbs2();
+  const Vector3d calibration = squares(model.scale_factor).cwiseProduct(signal.cwiseAbs2()) +
+                               squares(model.misalignment).cwiseProduct(across) +
+                               squares(model.g_sensitivity) * force.squaredNorm() +
+                               squares(model.g2_sensitivity).cwiseProduct(force.cwiseAbs2().cwiseAbs2());
   const double noise = squared(model.white) / T + 2 * squared(model.quantization / T);
-  const Vector3d squares = signal.cwiseAbs2();
-  const Vector3d calibration =
-      (squared(model.scale_factor.value_or(0)) * squares +
-       squared(model.misalignment.value_or(0)) * (Vector3d::Constant(squares.sum()) - squares))
-          .array() +
-      squared(model.g_sensitivity.value_or(0)) * force.squaredNorm();
-  return {Vector3d::Constant(bias), calibration, Vector3d::Constant(noise)};
+  return {constant + Vector3d::Constant(moved), calibration, Vector3d::Constant(noise)};
 }
 
 /// C_lb of east, north, up from the vertical and any vector with a part to the north.
@@ -118,7 +125,8 @@ class Aligner {
     find_latitude();
     gyrocompass();
     if (options_.heading) use_given_heading();
-    if (!options_.sensor.gyro.turn_on_bias && !options_.heading)
+    const noise::ErrorModel& gyro = options_.sensor.gyro;
+    if (!gyro.turn_on_bias && !gyro.calibrated_over && !options_.heading)
       say("The gyro's file states no turn-on bias: heading's sigma leaves it out.");
     return std::move(a_);
   }

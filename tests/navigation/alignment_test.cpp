@@ -92,11 +92,11 @@ TEST(Alignment, SigmasAreTheClosedForms) {
   const Alignment a = align(standing(q_nb, kLatitude, T), {.sensor = sensor, .latitude = kLatitude});
   const double g = earth::somigliana(kLatitude);
   const double c = earth::wgs84::kEarthRate * std::cos(kLatitude);
-  const double level = *sensor.accelerometer->turn_on_bias / g;
+  const double level = (*sensor.accelerometer->turn_on_bias)[0] / g;
   EXPECT_NEAR(a.parts.bias.x() / level, 1, 1e-12);
   EXPECT_NEAR(a.parts.bias.y() / level, 1, 1e-12);
-  EXPECT_NEAR(a.parts.bias.z() / std::hypot(*sensor.gyro.turn_on_bias / c, level * std::tan(kLatitude)), 1,
-              1e-12);
+  EXPECT_NEAR(a.parts.bias.z() / std::hypot((*sensor.gyro.turn_on_bias)[0] / c, level * std::tan(kLatitude)),
+              1, 1e-12);
   EXPECT_NEAR(
       a.parts.noise.z() / std::hypot(sensor.gyro.white / (c * std::sqrt(T)),
                                      sensor.accelerometer->white / (g * std::sqrt(T)) * std::tan(kLatitude)),
@@ -155,8 +155,8 @@ TEST(Alignment, AttitudeAndBiasesAreConsistentTogether) {
   };
   double sum = 0;
   for (int run = 0; run < kRuns; ++run) {
-    const Vector3d gyro = vector(*sensor.gyro.turn_on_bias);
-    const Vector3d accelerometer = vector(*sensor.accelerometer->turn_on_bias);
+    const Vector3d gyro = vector((*sensor.gyro.turn_on_bias)[0]);
+    const Vector3d accelerometer = vector((*sensor.accelerometer->turn_on_bias)[0]);
     StaticMeans means = truth;
     means.w_ib_b += gyro + vector(sensor.gyro.white / std::sqrt(T));
     means.f_ib_b += accelerometer + vector(sensor.accelerometer->white / std::sqrt(T));
