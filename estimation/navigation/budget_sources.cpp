@@ -25,6 +25,8 @@ template <typename Member>
 noise::ErrorModel alone(const noise::ErrorModel& all, Member member) {
   noise::ErrorModel one;
   one.*member = all.*member;
+  one.powered_on_before = all.powered_on_before;
+  one.calibrated_over = all.calibrated_over;
   return one;
 }
 
@@ -38,8 +40,8 @@ std::vector<std::pair<std::string, noise::ErrorModel>> single_errors(const noise
   const auto add_term = [&](Term term, double noise::ErrorModel::*member) {
     add(std::string(key(signal, term)), all.*member != 0, alone(all, member));
   };
-  const auto add_constant = [&](std::string name, std::optional<double> noise::ErrorModel::*member) {
-    add(std::move(name), (all.*member).value_or(0) != 0, alone(all, member));
+  const auto add_constant = [&](std::string name, std::optional<noise::PerAxis> noise::ErrorModel::*member) {
+    add(std::move(name), (all.*member).value_or(noise::PerAxis(0)) != noise::PerAxis(0), alone(all, member));
   };
   add_term(Term::white, &noise::ErrorModel::white);
   add_term(Term::flicker, &noise::ErrorModel::bias_instability);
@@ -49,6 +51,8 @@ std::vector<std::pair<std::string, noise::ErrorModel>> single_errors(const noise
   add_constant("scale_factor", &noise::ErrorModel::scale_factor);
   add_constant("misalignment", &noise::ErrorModel::misalignment);
   if (signal == Signal::angular_rate) add_constant("g_sensitivity", &noise::ErrorModel::g_sensitivity);
+  add_constant("g2_sensitivity", &noise::ErrorModel::g2_sensitivity);
+  add_constant("vibration_rectification", &noise::ErrorModel::vibration_rectification);
   return list;
 }
 

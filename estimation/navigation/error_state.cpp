@@ -64,7 +64,7 @@ void check_term(const ErrorTerm& term) {
   require(term.aid >= 0, term, "aid", term.aid, "0 or more");
   const bool of_aid = term.effect == Effect::lever_arm || term.effect == Effect::time_tag;
   const bool of_sensor = term.effect == Effect::scale_factor || term.effect == Effect::misalignment ||
-                         term.effect == Effect::g_sensitivity;
+                         term.effect == Effect::g_sensitivity || term.effect == Effect::g2_sensitivity;
   const bool of_gyro = term.effect == Effect::g_sensitivity;
   const bool good =
       term.carrier == Carrier::aid ? !of_sensor : !of_aid && (!of_gyro || term.carrier == Carrier::gyro);
@@ -108,8 +108,8 @@ double mean_decay(const ErrorTerm& term, double dt) { return mean_exponential(dt
 
 std::string name(const ErrorTerm& term) {
   constexpr std::string_view axes = "xyz";
-  constexpr std::array<std::string_view, 6> effects{"bias",          "scale factor", "misalignment",
-                                                    "g-sensitivity", "lever arm",    "time tag"};
+  constexpr std::array<std::string_view, 7> effects{
+      "bias", "scale factor", "misalignment", "g-sensitivity", "g2-sensitivity", "lever arm", "time tag"};
   const auto axis = [&](int i) {
     return i >= 0 && i < 3 ? axes.substr(static_cast<std::size_t>(i), 1) : "?";
   };

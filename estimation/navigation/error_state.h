@@ -47,11 +47,12 @@ enum class Carrier { gyro, accelerometer, aid };
 ///   scale_factor   s u_axis e_axis              [1]
 ///   misalignment   s u_input e_axis             [rad], axis != input
 ///   g_sensitivity  s f_input e_axis             [rad/s per m/s^2], gyro only
+///   g2_sensitivity s f_axis^2 e_axis            [signal/(m/s^2)^2]
 /// and for an aid, of number `aid`,
 ///   bias           s on component `axis` of what it measures, in its own axes and unit
 ///   lever_arm      s along body axis `axis`     [m], from IMU to antenna
 ///   time_tag       s, measured later than stated by [s]; no axis
-enum class Effect { bias, scale_factor, misalignment, g_sensitivity, lever_arm, time_tag };
+enum class Effect { bias, scale_factor, misalignment, g_sensitivity, g2_sensitivity, lever_arm, time_tag };
 
 /// One state beyond position, velocity and attitude: first-order Gauss-Markov, random walk or constant,
 ///   ds/dt = -s/correlation_time + w,  w white of two-sided density walk^2.

@@ -19,7 +19,7 @@ constexpr double kFlatVariance = 2 * std::numbers::ln2 / std::numbers::pi;  // o
 struct Triad {
   Carrier carrier;
   const noise::ErrorModel& errors;
-  const Epoch& epoch;
+  Epoch epoch;
   std::string name;
 };
 
@@ -183,8 +183,13 @@ class Builder {
     const noise::ErrorModel& errors = triad.errors;
     const auto T = triad.epoch.calibrated_over;
     const double P = triad.epoch.powered_on_before;
-    const double K = errors.rate_random_walk, b0 = errors.turn_on_bias.value_or(0);
-    double variance = beyond;
+    const auto of_axis = [axis](const std::optional<noise::PerAxis>& sigma) {
+      return sigma.value_or(0)[static_cast<std::size_t>(axis)];
+    };
+    const double K = errors.rate_random_walk, b0 = of_axis(errors.turn_on_bias);
+    const double rectified =
+        of_axis(errors.vibration_rectification) * options_.vibration * options_.vibration;
+    double variance = beyond + rectified * rectified;  // no calibration at rest takes off what vibration adds
     variance += T ? K * K * *T / 3 + errors.white * errors.white / *T : b0 * b0 + K * K * P;
     // Correlation of the bias with each process, over sigma^2, and the variance that the epoch charges for it.
     struct Link {
@@ -216,33 +221,46 @@ class Builder {
   }
 
   void add_constants(const Triad& triad) {
-    const auto add_all = [&](Effect effect, const std::optional<double>& sigma, Use use, bool own,
-                             bool cross) {
-      if (!sigma || *sigma == 0) return;
-      if (use == Use::left_out) {
-        result_.left_out.push_back({fmt::format("{} {}", triad.name, word(effect)), "as asked"});
-        return;
-      }
-      for (int axis = 0; axis < 3; ++axis)
-        for (int input = 0; input < 3; ++input)
-          if (axis == input ? own : cross)
-            add_term({.carrier = triad.carrier,
-                      .effect = effect,
-                      .axis = axis,
-                      .input = input,
-                      .considered = use == Use::considered},
-                     *sigma * *sigma);
-    };
-    add_all(Effect::scale_factor, triad.errors.scale_factor, options_.scale_factor, true, false);
-    add_all(Effect::misalignment, triad.errors.misalignment, options_.misalignment, false, true);
+    const noise::ErrorModel& errors = triad.errors;
+    add_constant(triad, Effect::scale_factor, errors.scale_factor, options_.scale_factor);
+    add_constant(triad, Effect::misalignment, errors.misalignment, options_.misalignment);
     if (triad.carrier == Carrier::gyro)
-      add_all(Effect::g_sensitivity, triad.errors.g_sensitivity, options_.g_sensitivity, true, true);
+      add_constant(triad, Effect::g_sensitivity, errors.g_sensitivity, options_.g_sensitivity);
+    add_constant(triad, Effect::g2_sensitivity, errors.g2_sensitivity, options_.g_sensitivity);
+  }
+
+  void add_constant(const Triad& triad, Effect effect, const std::optional<noise::PerAxis>& sigma, Use use) {
+    if (!sigma || *sigma == noise::PerAxis(0)) return;
+    if (use == Use::left_out) {
+      result_.left_out.push_back({fmt::format("{} {}", triad.name, word(effect)), "as asked"});
+      return;
+    }
+    const bool own = effect != Effect::misalignment;
+    const bool cross = effect == Effect::misalignment || effect == Effect::g_sensitivity;
+    for (int axis = 0; axis < 3; ++axis)
+      for (int input = 0; input < 3; ++input) {
+        const double s = (*sigma)[static_cast<std::size_t>(axis)];
+        if (axis == input ? own : cross)
+          add_term({.carrier = triad.carrier,
+                    .effect = effect,
+                    .axis = axis,
+                    .input = input,
+                    .considered = use == Use::considered},
+                   s * s);
+      }
   }
 
   static std::string_view word(Effect effect) {
-    return effect == Effect::scale_factor   ? "scale factor"
-           : effect == Effect::misalignment ? "misalignment"
-                                            : "g-sensitivity";
+    switch (effect) {
+      case Effect::scale_factor:
+        return "scale factor";
+      case Effect::misalignment:
+        return "misalignment";
+      case Effect::g_sensitivity:
+        return "g-sensitivity";
+      default:
+        return "g2-sensitivity";
+    }
   }
 
   void mention(const Triad& triad) {
@@ -265,11 +283,16 @@ class Builder {
 
 }  // namespace
 
+Epoch epoch_of(const noise::ErrorModel& errors) {
+  return {errors.powered_on_before.value_or(0), errors.calibrated_over};
+}
+
 SensorStates sensor_states(const noise::SensorModel& sensor, const SensorStates::Options& options) {
   Builder builder(options);
-  builder.add({Carrier::gyro, sensor.gyro, options.gyro, "gyro"});
+  builder.add({Carrier::gyro, sensor.gyro, options.gyro.value_or(epoch_of(sensor.gyro)), "gyro"});
   if (sensor.accelerometer)
-    builder.add({Carrier::accelerometer, *sensor.accelerometer, options.accelerometer, "accelerometer"});
+    builder.add({Carrier::accelerometer, *sensor.accelerometer,
+                 options.accelerometer.value_or(epoch_of(*sensor.accelerometer)), "accelerometer"});
   return builder.take();
 }
 

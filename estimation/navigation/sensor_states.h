@@ -20,6 +20,9 @@ struct Epoch {
   std::optional<double> calibrated_over;
 };
 
+/// That of a sensor file, which counts from the scene's start.
+[[nodiscard]] Epoch epoch_of(const noise::ErrorModel&);
+
 /// What becomes of a constant that a datasheet gives: a state to be estimated, one that is only counted
 /// (Schmidt), or none.
 enum class Use { estimated, considered, left_out };
@@ -27,9 +30,10 @@ enum class Use { estimated, considered, left_out };
 /// From a sensor file to the states that a scene needs, and no others.
 ///
 /// Per axis and triad, with r(t) what is left of the slow errors since the epoch:
-///   one bias state       turn-on bias, random walk K, and what flicker has moved more slowly than its band
+///   one bias state       turn-on bias, vibration rectification, random walk K, and what flicker has moved more
+///                        slowly than its band
 ///   Gauss-Markov states  flicker, by flicker_states(); each gauss_markov entry of the file
-/// and, where the file has them, scale factor, misalignment (six a triad) and g-sensitivity (nine).
+/// and, where the file has them, scale factor, misalignment (six a triad), g-sensitivity (nine) and g2-sensitivity.
 ///
 /// Flicker is F(t) = sum g_i(t), g_i stationary; its value at the epoch leaves it, so the bias state starts
 /// correlated with each g_i: with sum g_i(-P) taken off for a sensor switched on P before,
@@ -40,16 +44,17 @@ enum class Use { estimated, considered, left_out };
 /// What the true structure function D has moved beyond the band adds to c's variance.
 struct SensorStates {
   struct Options {
-    double scene_length = 0;  ///< [s], positive
-    double step = 0.01;       ///< interval of the IMU [s], positive
-    Epoch gyro, accelerometer;
+    double scene_length = 0;                   ///< [s], positive
+    double step = 0.01;                        ///< interval of the IMU [s], positive
+    std::optional<Epoch> gyro, accelerometer;  ///< in place of the sensor file's
+    double vibration = 0;                      ///< level that vibration rectification sees [m/s^2 rms]
     /// Gauss-Markov states for flicker, per axis; not given: the fewest, up to 3, that hold the Allan
     /// deviation of all noise together at the scene's length to `tolerance`.
     std::optional<int> flicker_states;
     double tolerance = 0.01;
     Use scale_factor = Use::estimated;
     Use misalignment = Use::estimated;
-    Use g_sensitivity = Use::estimated;
+    Use g_sensitivity = Use::estimated;  ///< and g2_sensitivity
   };
   /// What the file has and the states leave out, with a word why.
   struct LeftOut {

@@ -152,7 +152,7 @@ struct Aided {
  private:
   static navigation::SensorStates::Options options() {
     auto options = epoch_of(kDuration);
-    options.gyro.powered_on_before = 600;
+    options.gyro = navigation::Epoch{.powered_on_before = 600};
     return options;
   }
   static earth::Trajectory path() {

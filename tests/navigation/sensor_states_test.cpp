@@ -89,7 +89,7 @@ SensorStates::Options scene(double dt, const Case& c) {
   SensorStates::Options options;
   options.scene_length = kScene;
   options.step = dt;
-  options.gyro = {c.powered_on_before, c.calibrated_over};
+  options.gyro = navigation::Epoch{c.powered_on_before, c.calibrated_over};
   return options;
 }
 
@@ -201,8 +201,8 @@ TEST(SensorStates, RefuseWhatMakesNoSense) {
   refused([](auto& o) { o.scene_length = 0; });
   refused([](auto& o) { o.step = NAN; });
   refused([](auto& o) { o.tolerance = 0; });
-  refused([](auto& o) { o.gyro.powered_on_before = -1; });
-  refused([](auto& o) { o.gyro.calibrated_over = 0; });
+  refused([](auto& o) { o.gyro->powered_on_before = -1; });
+  refused([](auto& o) { o.gyro->calibrated_over = 0; });
   refused([](auto& o) { o.flicker_states = 7; });
   noise::SensorModel many = flicker_alone();
   many.gyro.gauss_markov.assign(25, {.sigma = 1, .correlation_time = 10});
