@@ -15,17 +15,19 @@
 namespace gyrobudget::inline v0::allan {
 namespace {
 
+using Factors = std::vector<std::int64_t>;
 using detail::FamilyRecord;
 using detail::TermSum;
 
 void check(Estimator estimator, std::int64_t samples, std::span<const std::int64_t> factors,
            const EstimatorOptions& options) {
-  const FactorRange range = factor_range(estimator, samples);
   for (const std::int64_t m : factors) {
-    if (m < range.least || m > range.most || m % range.step != 0) {
+    if (!has_terms(estimator, samples, m)) {
+      const FactorRange range = factor_range(estimator, samples);
       throw std::invalid_argument(
-          fmt::format("averaging factor is {}; for {} of a record of {} samples it must be {}from {} to {}",
-                      m, name(estimator), samples, range.step == 2 ? "even, " : "", range.least, range.most));
+          fmt::format("averaging factor is {}; for {} of a record of {} samples it must be {}from {} to {}{}",
+                      m, name(estimator), samples, range.step == 2 ? "even, " : "", range.least, range.most,
+                      estimator == Estimator::theoh ? ", a multiple of 3 above a fifth of them" : ""));
     }
   }
   constexpr std::int64_t kLongestStretch = INT32_MAX;  // of an even continuation
@@ -76,7 +78,8 @@ Job make_job(Estimator estimator, std::int64_t samples, std::int64_t m, const Es
   job.terms = ceil_ratio(detail::family_positions(estimator, samples, m), job.stride);
   constexpr std::int64_t kStepsPerTile = 1 << 15;
   // A tile of the modified deviations has prefix sums of its own, which reach m or 3m beyond it.
-  const bool has_sums = estimator == Estimator::mdev || estimator == Estimator::tdev;
+  const bool has_sums =
+      estimator == Estimator::mdev || estimator == Estimator::tdev || estimator == Estimator::pdev;
   const std::int64_t steps = has_sums ? std::max(kStepsPerTile, m) / job.stride
                                       : kStepsPerTile / detail::steps_per_term(estimator, m);
   job.tile = std::max<std::int64_t>(steps, detail::steps_per_term(estimator, m) > 1 ? 8 : 1);
@@ -150,8 +153,9 @@ std::vector<TermSum> sum_terms(const RateRecord& record, Estimator estimator, st
 
 }  // namespace
 
-std::int64_t stride_of(Estimator estimator, std::int64_t samples, std::int64_t m,
+std::int64_t stride_of(Estimator named, std::int64_t samples, std::int64_t factor,
                        const EstimatorOptions& options) {
+  const auto [estimator, m] = basis_of(named, samples, factor);
   if (estimator == Estimator::adev || estimator == Estimator::hdev) return m;
   if (options.overlap > 0) {
     const std::int64_t stride = m / options.overlap;
@@ -168,9 +172,61 @@ std::int64_t stride_of(Estimator estimator, std::int64_t samples, std::int64_t m
   return std::max<std::int64_t>(1, std::min(wanted, m / least_overlap));
 }
 
+namespace {
+
+/// Mean of the record's own ratios of Allan to Theo1 variance at taus of 9, 12, 15 ... dt up to a tenth of it, as
+/// TheoBR has it; of more than 64 ratios 16, evenly spread.
+double bias_ratio(const RateRecord& record) {
+  constexpr std::int64_t kAll = 64, kSome = 16;
+  const std::int64_t last = std::max<std::int64_t>(0, (record.samples() + 1) / 30 - 3);
+  const std::int64_t ratios = last < kAll ? last + 1 : kSome;
+  Factors of_theo1, of_allan;
+  for (std::int64_t k = 0; k < ratios; ++k) {
+    const std::int64_t i = ratios > 1 ? k * last / (ratios - 1) : 0;
+    of_theo1.push_back(12 + 4 * i);
+    of_allan.push_back(9 + 3 * i);
+  }
+  const EstimatorOptions thinned{.overlap = last < kAll ? 0 : 16};
+  const Curve theo1 = deviation(record, Estimator::theo1, of_theo1, thinned);
+  const Curve allan = deviation(record, Estimator::oadev, of_allan);
+  double sum = 0, count = 0;
+  for (std::size_t k = 0; k < theo1.points.size(); ++k) {
+    const double ratio = allan.points[k].variance / theo1.points[k].variance;
+    if (std::isfinite(ratio)) sum += ratio, ++count;
+  }
+  return count > 0 ? sum / count : 1;  // of a record without noise
+}
+
+/// TheoBR and TheoH, whose terms are those of others.
+Curve composed(const RateRecord& record, Estimator estimator, std::span<const std::int64_t> factors,
+               const EstimatorOptions& options) {
+  Curve curve{record.dt(), record.samples(), record.mean(), Form::full, {}, record.mask(), estimator};
+  Factors of_theo1, of_allan;
+  for (const std::int64_t m : factors) {
+    const Basis basis = basis_of(estimator, record.samples(), m);
+    (basis.estimator == Estimator::theo1 ? of_theo1 : of_allan).push_back(basis.m);
+  }
+  const Curve theo1 = deviation(record, Estimator::theo1, of_theo1, options);
+  const Curve allan = deviation(record, Estimator::oadev, of_allan, options);
+  const double ratio = of_theo1.empty() ? 1 : bias_ratio(record);
+  std::size_t next_theo1 = 0, next_allan = 0;
+  for (const std::int64_t m : factors) {
+    const bool is_theo1 = basis_of(estimator, record.samples(), m).estimator == Estimator::theo1;
+    Point point = is_theo1 ? theo1.points[next_theo1++] : allan.points[next_allan++];
+    if (is_theo1) point.variance *= ratio;
+    point.m = m;
+    curve.points.push_back(point);
+  }
+  return curve;
+}
+
+}  // namespace
+
 Curve deviation(const RateRecord& record, Estimator estimator, std::span<const std::int64_t> factors,
                 const EstimatorOptions& options) {
   check(estimator, record.samples(), factors, options);
+  if (estimator == Estimator::theobr || estimator == Estimator::theoh)
+    return composed(record, estimator, factors, options);
   if (estimator == Estimator::oadev && options.overlap == 0)
     return overlapped_variance(record, factors, options.form);
 

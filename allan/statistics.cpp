@@ -24,8 +24,8 @@ using detail::Moments;
 using Mix = std::span<const noise::Process>;
 
 void check(const Estimation& of) {
-  const FactorRange range = factor_range(of.estimator, of.samples);
-  if (of.m < range.least || of.m > range.most || of.m % range.step != 0) {
+  if (!has_terms(of.estimator, of.samples, of.m)) {
+    const FactorRange range = factor_range(of.estimator, of.samples);
     throw std::invalid_argument(fmt::format(
         "averaging factor is {}; for {} of a record of {} samples it must be {}from {} to {}", of.m,
         name(of.estimator), of.samples, range.step == 2 ? "even, " : "", range.least, range.most));
@@ -121,7 +121,10 @@ class DenseDof {
 };
 
 /// @param mix normalized.
-double degrees_of_freedom(const Estimation& of, Mix mix, DenseDof& dense) {
+double degrees_of_freedom(Estimation of, Mix mix, DenseDof& dense) {
+  const Basis basis = basis_of(of.estimator, of.samples, of.m);
+  of.estimator = basis.estimator;
+  of.m = basis.m;
   if (!detail::is_stationary(of.estimator)) return dense(of, mix);
   return detail::lag_moments(of.estimator, of.samples, of.m, of.stride, of.dt, mix).edf();
 }
@@ -204,7 +207,8 @@ struct Facts {
 
 Facts facts_of(const Curve& curve, const Point& point, Mix mix, DenseDof& dense) {
   const Estimation of{curve.estimator, curve.samples, point.m, curve.dt, point.stride};
-  const bool overlapped = curve.estimator == Estimator::oadev && point.stride == 1;
+  const Estimator basis = basis_of(curve.estimator, curve.samples, point.m).estimator;
+  const bool overlapped = basis == Estimator::oadev && point.stride == 1;
   const double edf = overlapped
                          ? equivalent_dof(curve.samples, point.m, curve.dt, mix, curve.form, curve.mask.get())
                          : degrees_of_freedom(of, normalized(mix), dense);
@@ -213,10 +217,11 @@ Facts facts_of(const Curve& curve, const Point& point, Mix mix, DenseDof& dense)
 
 /// Part of the terms that gaps have left; 1 where the degrees of freedom know of the gaps.
 double share_left(const Curve& curve, const Point& point) {
-  if (curve.estimator == Estimator::oadev && point.stride == 1 && curve.mask) return 1;
+  const auto [estimator, m] = basis_of(curve.estimator, curve.samples, point.m);
+  if (estimator == Estimator::oadev && point.stride == 1 && curve.mask) return 1;
   const std::int64_t positions = curve.form == Form::ieee
-                                     ? complete_terms(curve.samples, point.m, curve.form)
-                                     : detail::family_positions(curve.estimator, curve.samples, point.m);
+                                     ? complete_terms(curve.samples, m, curve.form)
+                                     : detail::family_positions(estimator, curve.samples, m);
   const double complete = std::ceil(static_cast<double>(positions) / static_cast<double>(point.stride));
   return std::min(1., static_cast<double>(point.terms) / complete);
 }
@@ -280,8 +285,10 @@ double expectation_ratio(const Estimation& of, Mix mix) {
       return stretch_ratio(of, scaled, Estimator::mdev);
     case Estimator::htotdev:
       return of.m == 1 ? 1 : stretch_ratio(of, scaled, Estimator::ohdev);
-    default:
+    case Estimator::theo1:
       return theo1_ratio(of, scaled);
+    default:
+      return 1;
   }
 }
 

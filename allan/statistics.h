@@ -29,7 +29,8 @@ struct Estimation {
 /// - The totals and Theo1: exact from the estimate's quadratic form in the phases for at least m <= 16
 ///   (Theo1: 48) with n <= 13 m (5 m). For longer clusters the form of a record with fewer samples a cluster
 ///   and the same n/m stands in, for longer records the straight line in n/m through two such: within 2 %,
-///   Theo1 of white noise 3 %. Quantization is the exception: its degrees of freedom grow with n, not n/m,
+///   Theo1 of white noise 3 %. So is the pdev; TheoBR and TheoH count as what they are made of (the scatter of the
+///   ratio in TheoBR is left out). Quantization is the exception: its degrees of freedom grow with n, not n/m,
 ///   where phases are not averaged, and this gives too few for totdev, htotdev and Theo1 at large m:
 ///   intervals err on the safe side.
 ///

@@ -197,6 +197,40 @@ TermSum theo1(const FamilyRecord& record, std::int64_t m, const Positions& at) {
       span_of(m));
 }
 
+// ---- Parabolic: slopes of lines fitted to the phases of two neighbouring clusters ----
+
+/// sum_j ((m-1)/2 - j) z[k+j] of z[i] = x[i] - x[i+m], from prefix sums P of z and Q of P: it is the sum of P[k+1] ..
+/// P[k+m-1] less (m-1)/2 (P[k] + P[k+m]). The sums start anew every few clusters, so they stay near their terms.
+TermSum parabolic(const FamilyRecord& record, std::int64_t m, const Positions& at) {
+  if (m == 1) return second_differences(record, 1, at);
+  const std::int64_t most = 4 * m + 64;  // samples
+  const Numbers p = numbers(most + m + 1), q = numbers(most + m + 2);
+  const std::int64_t block = std::max<std::int64_t>(1, most / at.stride);
+  TermSum sum;
+  for (std::int64_t i = 0; i < at.count; i += block) {
+    const Positions part{at.at(i), at.stride, std::min(block, at.count - i)};
+    const std::int64_t first = part.first, length = part.last() - first + m;
+    const double* x = record.x + first;
+    p[0] = q[0] = 0;
+    q[1] = 0;
+    for (std::int64_t k = 0; k < length; ++k) {
+      p[k + 1] = p[k] + (x[k] - x[k + m]);
+      q[k + 2] = q[k + 1] + p[k + 1];
+    }
+    const double half = static_cast<double>(m - 1) / 2;
+    const TermSum some = sum_terms(
+        record, part,
+        [&](std::int64_t k) {
+          const std::int64_t l = k - first;
+          return square((q[l + m] - q[l + 1]) - half * (p[l] + p[l + m]));
+        },
+        span_of(2 * m - 1));
+    sum.squares += some.squares;
+    sum.terms += some.terms;
+  }
+  return sum;
+}
+
 }  // namespace
 
 std::int64_t family_positions(Estimator estimator, std::int64_t samples, std::int64_t m) {
@@ -216,7 +250,11 @@ std::int64_t family_positions(Estimator estimator, std::int64_t samples, std::in
     case Estimator::totdev:
       return samples - 1;
     case Estimator::theo1:
+    case Estimator::theobr:
+    case Estimator::theoh:
       return samples - m + 1;
+    case Estimator::pdev:
+      return m == 1 ? samples - 1 : samples - 2 * m + 2;
   }
   return 0;
 }
@@ -264,6 +302,11 @@ TermSum family_sum(Estimator estimator, const FamilyRecord& record, std::int64_t
       return hadamard_total(record, m, at);
     case Estimator::theo1:
       return theo1(record, m, at);
+    case Estimator::pdev:
+      return parabolic(record, m, at);
+    case Estimator::theobr:
+    case Estimator::theoh:
+      break;
   }
   return {};
 }
@@ -288,6 +331,11 @@ double family_scale(Estimator estimator, std::int64_t m, double dt) {
       return mean * mean / 2 * time;
     case Estimator::theo1:
       return mean / 0.75;
+    case Estimator::pdev:
+      return m == 1 ? 0.5 : 72 * mean * mean * mean;
+    case Estimator::theobr:
+    case Estimator::theoh:
+      break;
   }
   return 1;
 }

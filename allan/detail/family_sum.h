@@ -33,6 +33,7 @@ struct TermSum {
 /// What one term costs in elementary steps: 1, or about m where it is a sum over m samples.
 [[nodiscard]] std::int64_t steps_per_term(Estimator, std::int64_t m);
 
+/// TheoBR and TheoH have no terms of their own: see basis_of.
 /// Sum of the squares of the terms that begin at positions first, first + stride, ... (count of them), in
 /// units where x is the phase and one sample is the unit of time: see family_scale.
 [[nodiscard]] TermSum family_sum(Estimator, const FamilyRecord&, std::int64_t m, std::int64_t first,

@@ -93,7 +93,17 @@ void add_theo1(Gram& gram, Index m, Index k) {
     gram.add<4>({{{k, 1.}, {k + m, 1.}, {k + j, -1.}, {k + m - j, -1.}}}, 1 / static_cast<double>(j));
 }
 
-/// The form of one term of the estimators that look at 3m neighbours at a time; empty for the others.
+/// Difference of the slopes of the lines through m and the next m values, times m^3 / 12 or so.
+RowVectorXd parabolic_filter(Index m) {
+  RowVectorXd filter(2 * m);
+  for (Index j = 0; j < m; ++j) {
+    filter[j] = static_cast<double>(m - 1) / 2 - static_cast<double>(j);
+    filter[m + j] = -filter[j];
+  }
+  return filter;
+}
+
+/// The form of one term of the estimators that look at many neighbours at a time; empty for the others.
 MatrixXd stretch_matrix(Estimator estimator, Index m) {
   switch (estimator) {
     case Estimator::mdev:
@@ -104,6 +114,8 @@ MatrixXd stretch_matrix(Estimator estimator, Index m) {
       return evenly_continued(m);
     case Estimator::htotdev:
       return of_phases(evenly_continued(m));
+    case Estimator::pdev:
+      return parabolic_filter(m).transpose() * parabolic_filter(m);
     default:
       return {};
   }
@@ -138,6 +150,7 @@ MatrixXd estimator_matrix(Estimator estimator, std::int64_t samples, std::int64_
   if (estimator == Estimator::tdev) estimator = Estimator::mdev;
   if (estimator == Estimator::ttotdev) estimator = Estimator::mtotdev;
   if (estimator == Estimator::htotdev && m == 1) estimator = Estimator::ohdev;
+  if (estimator == Estimator::pdev && m == 1) estimator = Estimator::oadev;
 
   Gram gram(samples + 1);
   const MatrixXd stretch = stretch_matrix(estimator, m);
@@ -161,10 +174,14 @@ MatrixXd estimator_matrix(Estimator estimator, std::int64_t samples, std::int64_
       case Estimator::mtotdev:
       case Estimator::ttotdev:
       case Estimator::htotdev:
+      case Estimator::pdev:
         gram.add_block(k, stretch);
         break;
       case Estimator::theo1:
         add_theo1(gram, m, k);
+        break;
+      case Estimator::theobr:
+      case Estimator::theoh:
         break;
     }
   }

@@ -37,9 +37,9 @@ struct Measured {
 
 Measured measure(const allan::RateRecord& rates, Estimator estimator,
                  const std::vector<std::int64_t>& factors, const AllanArguments& a) {
-  const auto [least, most, step] = allan::factor_range(estimator, rates.samples());
   std::vector<std::int64_t> usable;  // a segment may be shorter than the one that the factors are made for
-  std::ranges::copy_if(factors, std::back_inserter(usable), [&](auto m) { return m >= least && m <= most; });
+  std::ranges::copy_if(factors, std::back_inserter(usable),
+                       [&](auto m) { return allan::has_terms(estimator, rates.samples(), m); });
   allan::Curve curve =
       allan::deviation(rates, estimator, usable, {.overlap = a.overlap, .form = form_of(a.curve)});
   auto noises = allan::identify_noise(rates, curve);

@@ -290,10 +290,10 @@ void finish(SimulateArguments& a, const Texts& texts) {
 void add_estimators(CLI::App& app, Texts& texts) {
   auto* group = app.add_option_group("Estimator");
   group
-      ->add_option(
-          "--estimator", texts.estimators,
-          "adev, oadev, mdev, tdev, hdev, ohdev, totdev, mtotdev, ttotdev, htotdev, theo1; several with "
-          "commas; or all")
+      ->add_option("--estimator", texts.estimators,
+                   "adev, oadev, mdev, tdev, hdev, ohdev, totdev, mtotdev, ttotdev, htotdev, theo1, theobr, "
+                   "theoh, pdev; several with "
+                   "commas; or all")
       ->type_name("NAME,...")
       ->capture_default_str();
   group

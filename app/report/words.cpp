@@ -413,6 +413,12 @@ std::string_view deviation_name(allan::Estimator estimator) {
       return "Hadamard total deviation";
     case theo1:
       return "Theo1 deviation";
+    case theobr:
+      return "TheoBR deviation";
+    case theoh:
+      return "TheoH deviation";
+    case pdev:
+      return "parabolic deviation";
     case adev:
     case oadev:
       break;
@@ -451,8 +457,13 @@ std::string estimator_text(allan::Estimator estimator) {
     case htotdev:
     case theo1:
       return text("", ", its bias divided out");
+    case theobr:
+      return text("", ", Theo1 times the record's own ratio to the Allan deviation");
+    case theoh:
+      return text("", ", Allan to a fifth of the record, TheoBR beyond");
     case mdev:
     case tdev:
+    case pdev:
       break;
   }
   return text("");

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "family_reference.h"
 
+#include <algorithm>
 #include <functional>
 #include <vector>
 
@@ -117,6 +118,28 @@ long double family_variance(Estimator estimator, std::span<const double> rate, d
     }
     case Estimator::theo1:
       return theo1(x, m, stride) / (tau * tau);
+    case Estimator::theobr: {
+      Real ratio = 0;
+      const std::int64_t last = std::max<std::int64_t>(0, (n + 1) / 30 - 3);
+      for (std::int64_t i = 0; i <= last; ++i) {
+        ratio += family_variance(Estimator::oadev, rate, dt, 9 + 3 * i) /
+                 family_variance(Estimator::theo1, rate, dt, 12 + 4 * i) / static_cast<Real>(last + 1);
+      }
+      return ratio * family_variance(Estimator::theo1, rate, dt, m, stride);
+    }
+    case Estimator::theoh:
+      return 5 * m <= n ? family_variance(Estimator::oadev, rate, dt, m, stride)
+                        : family_variance(Estimator::theobr, rate, dt, 4 * m / 3, stride);
+    case Estimator::pdev: {
+      if (m == 1) return family_variance(Estimator::oadev, rate, dt, 1, stride);
+      const auto slopes = [&](std::int64_t k) {
+        Real sum = 0;
+        for (std::int64_t j = 0; j < m; ++j) sum += ((m - 1) / 2.0L - j) * (X(k + j) - X(k + j + m));
+        return sum;
+      };
+      const Real M = static_cast<Real>(m);
+      return 72 / (M * M * M * M * tau * tau) * mean_square(n - 2 * m + 2, stride, slopes);
+    }
   }
   return 0;
 }
