@@ -122,7 +122,7 @@ TEST_F(Allan, AllOfThemHaveIntervalsAtEveryTau) {
   ASSERT_EQ(document["axes"].size(), 14U);
   for (const auto& axis : document["axes"]) {
     SCOPED_TRACE(axis["estimator"]);
-    EXPECT_GT(axis["points"].size(), 5U);
+    EXPECT_GE(axis["points"].size(), 5U);
     for (const auto& p : axis["points"]) {
       for (const char* number : {"deviation", "lower", "upper", "edf", "bias"})
         EXPECT_GT(p[number], 0) << number;
