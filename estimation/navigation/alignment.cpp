@@ -87,9 +87,9 @@ void check(const AlignmentOptions& options) {
   if (options.latitude && !(std::abs(*options.latitude) <= pi / 2))
     throw std::invalid_argument(
         fmt::format("latitude {} degrees of the alignment must be within 90", *options.latitude / kDegree));
-  if (!(options.limit > 0) || !std::isfinite(options.limit))
+  if (!(options.heading_limit > 0) || !std::isfinite(options.heading_limit))
     throw std::invalid_argument(
-        fmt::format("limit {} rad of the heading must be positive, finite", options.limit));
+        fmt::format("limit {} rad of the heading must be positive, finite", options.heading_limit));
   if (!options.heading) return;
   const GivenHeading& heading = *options.heading;
   if (!std::isfinite(heading.azimuth) || !(heading.sigma >= 0) || !std::isfinite(heading.sigma))
@@ -164,16 +164,16 @@ class Aligner {
     latitude_uncertainty();
     const double sigma = a_.sigma().z();
     const double seen = across.norm() / c;
-    a_.heading_observable = sigma <= options_.limit && seen > 0.5 && seen < 2;
+    a_.heading_observable = sigma <= options_.heading_limit && seen > 0.5 && seen < 2;
     if (a_.heading_observable) {
       a_.q_nb = north_east_down(C_lb_);
       return;
     }
-    if (!(sigma <= options_.limit))
+    if (!(sigma <= options_.heading_limit))
       say(fmt::format(
           "Heading is not observable: its one sigma would be {:.3g} degrees, where {:.3g} are allowed "
           "(gyro bias {:.3g}, noise {:.3g}, motion {:.3g}).",
-          sigma / kDegree, options_.limit / kDegree, a_.parts.bias.z() / kDegree,
+          sigma / kDegree, options_.heading_limit / kDegree, a_.parts.bias.z() / kDegree,
           a_.parts.noise.z() / kDegree, a_.parts.motion.z() / kDegree));
     else
       say(fmt::format(

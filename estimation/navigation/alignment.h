@@ -36,13 +36,15 @@ struct AlignmentOptions {
   noise::SensorModel sensor;            ///< one sigma of what the record cannot show
   std::optional<double> latitude;       ///< [rad]; not given: found from the record
   std::optional<GivenHeading> heading;  ///< not given: by Earth's rate
-  double limit = 10 * earth::kDegree;   ///< sigma of heading above which it counts as not observable [rad]
+  double heading_limit =
+      10 * earth::kDegree;  ///< sigma of heading above which it counts as not observable [rad]
 };
 
-/// Attitude of the mean pose over the record, with q_nb against north, east, down.
+/// Attitude of the mean pose over the record, with q_nb against north, east, down. A heading that is given
+/// replaces the one by Earth's rate.
 ///
-/// Its error is psi in east, north, up, q = exp(psi) q^ as error_state.h has it. With errors df, dw of the
-/// means in these axes, c = Omega cos L,
+/// Its error is psi in east, north, up, q = exp(psi) q^ as error_state.h has it (psi_e = C_e_enu psi). With
+/// errors df, dw of the means in these axes, c = Omega cos L,
 ///   psi_E = -df_N/g,  psi_N = df_E/g,  psi_U = psi_N tan L - dw_E/c:
 /// accelerometer bias b costs b/g of level; gyro bias e costs e/c of heading, white noise N/(c sqrt(T)).
 /// Tilt and accelerometer bias, heading and gyro bias are then correlated, and a filter that starts without

@@ -36,14 +36,14 @@ struct NavigationState {
 /// dt^2/12, once, at any order.
 ///
 /// Orders by cost and error (tests/bench/strapdown_benchmark, 1000 s at 300 m/s, S-turns of 0.5 g, 1 degree
-/// of coning and 0.2 g of sculling at 5 Hz, position in metres; instructions a step):
+/// of coning and 0.2 g of sculling at 5 Hz; error of position in metres, nanoseconds a step):
 ///   order                    1         2         3         4         5         6         7         8
 ///   100 Hz              1.1e+5    2.2e+3    3.2e+3       312       158        30       7.8       2.7
 ///   200 Hz              2.8e+4       140       209       5.0       2.8      0.13     0.043     0.003
 ///   400 Hz              7.1e+3       8.8        13     0.079     0.046    5.1e-4    1.8e-4    4.1e-6
-///   instructions          1250                          2050                                   2640
+///   nanoseconds            122       140       145       193       196       222       227       233
 /// Each pair of orders gains two powers of the step on coning: even ones are the better buys. The default
-/// is the highest, which costs a fourth more than order 4. It pays where the sensor's band ends below a
+/// is the highest, which costs a fifth more than order 4. It pays where the sensor's band ends below a
 /// third of the sample rate; vibration between there and half the rate it rectifies falsely, up to 4 times
 /// the drift that order 1 leaves, while order 4 never does worse than order 1.
 ///

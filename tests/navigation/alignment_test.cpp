@@ -323,7 +323,7 @@ TEST(Alignment, RefusesMisuse) {
   wrong.latitude = 2;
   EXPECT_THROW((void)align(good, wrong), std::invalid_argument);
   wrong = options;
-  wrong.limit = 0;
+  wrong.heading_limit = 0;
   EXPECT_THROW((void)align(good, wrong), std::invalid_argument);
   wrong = options;
   wrong.heading = {.azimuth = nan};
