@@ -15,7 +15,7 @@ endfunction()
 file(REMOVE_RECURSE ${WORK})
 must(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
 set(configure ${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/build -G Ninja -DCMAKE_PREFIX_PATH=${WORK}/prefix -DCASE=${CASE})
-if(CASE MATCHES "noise_allan|optional|earth")  # as on a machine that has neither
+if(CASE MATCHES "noise_allan|optional|earth|navigation")  # as on a machine that has neither
   list(APPEND configure -DCMAKE_DISABLE_FIND_PACKAGE_Ceres=ON -DCMAKE_DISABLE_FIND_PACKAGE_Boost=ON)
 endif()
 
@@ -36,6 +36,9 @@ endif()
 must(ninja -C ${WORK}/build -t commands user)
 if(CASE MATCHES "noise_allan|optional" AND output MATCHES "ceres|glog|GeographicLib")
   message(FATAL_ERROR "noise and allan drag in more than they need:\n${output}")
+endif()
+if(CASE STREQUAL "navigation" AND output MATCHES "ceres|glog|gyrobudget_(allan|fit)")
+  message(FATAL_ERROR "navigation drags in more than it needs:\n${output}")
 endif()
 if(CASE STREQUAL "earth" AND output MATCHES "ceres|glog|gyrobudget_noise")
   message(FATAL_ERROR "earth drags in more than it needs:\n${output}")

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: MIT
+#include <gyrobudget/earth/paths.h>
+#include <gyrobudget/navigation/alignment.h>
+#include <gyrobudget/navigation/strapdown.h>
+
+#include <cstdio>
+
+int main() {
+  using namespace gyrobudget;
+  const auto imu = earth::stand({}).increments(10);
+  const auto aligned = navigation::align(imu, 10, {});
+  const auto truth = earth::stand({}).at(0);
+  navigation::Strapdown strapdown({truth.p_eb_e, truth.v_eb_e, truth.q_eb});
+  for (const auto& increment : imu) strapdown.step(increment, 10);
+  const double moved = (strapdown.state().p_eb_e - truth.p_eb_e).norm();
+  const bool sane = aligned.heading_observable && moved < 0.1;
+  std::printf("%s\n", sane ? "ok" : "wrong");
+  return sane ? 0 : 1;
+}
