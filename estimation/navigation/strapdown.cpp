@@ -320,11 +320,13 @@ void Strapdown::remember(const Increment& increment) {
   intervals_[0] = dt;
   Rates difference = 1 / dt * increment.sum;
   double span = dt;
-  for (std::size_t m = 0; m < static_cast<std::size_t>(known_); ++m) {
+  const auto last = static_cast<std::size_t>(known_ - 1);
+  for (std::size_t m = 0; m < last; ++m) {
     std::swap(differences_[m], difference);
-    if (m + 1 < intervals_.size()) span += intervals_[m + 1];
+    span += intervals_[m + 1];
     difference = 1 / span * (differences_[m] - difference);
   }
+  differences_[last] = difference;
 }
 
 /// From where the history begins, each interval with the polynomial through all of it.

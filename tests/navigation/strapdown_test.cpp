@@ -119,7 +119,7 @@ TEST(StrapdownConing, EvenOrderFallsWithTwoMorePowersOfTheStep) {
 }
 
 TEST(StrapdownConing, NearHalfTheRateOrderFourIsSafeAndTheDefaultBounded) {
-  for (double x = 0.2; x < pi; x += 0.2) {
+  for (double x = 0.2; x < pi; x += 0.3) {
     const double none = coning_left(1, x);
     EXPECT_LT(coning_left(4, x), none) << x;
     EXPECT_LT(coning_left(Strapdown::Options{}.order, x), x < pi / 2 ? none : 5.0) << x;
