@@ -106,7 +106,11 @@ class Builder {
     if (!(options.tolerance > 0))
       throw std::invalid_argument(fmt::format("tolerance is {}, expected above 0", options.tolerance));
     longest_ = options.scene_length;
-    shortest_ = std::max(std::min(options.step, longest_ / 2), longest_ * std::pow(10, -kBandDecades));
+    const double shortest = options.shortest.value_or(longest_ * std::pow(10, -kBandDecades));
+    if (!(shortest > 0 && shortest < longest_))
+      throw std::invalid_argument(fmt::format(
+          "band of flicker from {} s to {} s, expected positive and ascending", shortest, longest_));
+    shortest_ = std::max(std::min(options.step, longest_ / 2), shortest);
     result_.initial = StateMatrix::Zero(kMaxErrorTerms, kMaxErrorTerms);
   }
 

@@ -52,6 +52,9 @@ struct SensorStates {
     /// deviation of all noise together at the scene's length to `tolerance`.
     std::optional<int> flicker_states;
     double tolerance = 0.01;
+    /// Start of the band of flicker [s]; not given: scene_length/100. The bias over shorter times than this holds
+    /// more than its states say, though not by what reaches velocity: where it is looked at itself, give its time.
+    std::optional<double> shortest;
     Use scale_factor = Use::estimated;
     Use misalignment = Use::estimated;
     Use g_sensitivity = Use::estimated;  ///< and g2_sensitivity
@@ -67,8 +70,9 @@ struct SensorStates {
   std::vector<LeftOut> left_out;
 };
 
-/// The band of flicker is from scene_length/100 (not below `step`) to scene_length: what is faster acts as white
-/// noise below 1e-4 of flicker's own Allan variance at the scene's length, what is slower is constant within it.
+/// The band of flicker is from `shortest` (not below `step`) to scene_length. What is faster than a hundredth of the
+/// scene acts as white noise below 1e-4 of flicker's own Allan variance at its length, what is slower than the scene is
+/// constant within it.
 /// A sensor without an error has no state for it; `accelerometer` left out of the file has none at all.
 /// @throws std::invalid_argument for options out of range, a calibration of 0 s or less, a negative
 /// powered_on_before, and more than kMaxErrorTerms states.
