@@ -111,7 +111,7 @@ Measurement measure(const HeightFix& fix, const Estimate& estimate) {
   row.variance = variance(fix.sigma);
   row.h.segment<3>(kPosition) = up;
   each_term(estimate, fix.aid, [&](std::size_t k, const ErrorTerm& term) {
-    if (term.effect == Effect::lever_arm) return;
+    if (term.effect == Effect::lever_arm || (term.effect == Effect::bias && term.axis != 0)) return;
     const double column = term.effect == Effect::bias ? 1 : up.dot(estimate.state.v_eb_e);
     row.h[kCoreStates + static_cast<int>(k)] = column;
     result.residual[0] -= column * estimate.terms[k];

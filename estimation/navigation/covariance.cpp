@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "covariance.h"
 
+#include "gyrobudget/navigation/detail/covariance_kernel.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,12 +14,12 @@ namespace gyrobudget::inline v0::navigation {
 namespace {
 
 constexpr int kCore = kCoreStates;
-// Room for the weighted rows of Thornton's algorithm: states, six inputs, one noise a term.
-constexpr int kMaxColumns = kMaxStates + 6 + kMaxErrorTerms;
-using Tall = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMaxColumns, kMaxStates>;
-using Weights = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMaxColumns, 1>;
-using Signals = Eigen::Matrix<double, Eigen::Dynamic, 6, 0, kMaxStates, 6>;
-using CoreColumns = Eigen::Matrix<double, Eigen::Dynamic, kCore, 0, kMaxStates, kCore>;
+constexpr int kInputs = 6;
+// Below this a weight is none; its square must not underflow beside others of 1e100.
+constexpr double kVanished = 1e-200;
+// A state that keeps less of itself over a step is new after it.
+constexpr double kSmallDecay = 1e-50;
+using CoreVector = Eigen::Matrix<double, kCore, 1>;
 
 void check(const StateMatrix& P) {
   if (P.rows() != P.cols() || P.rows() < kCore)
@@ -55,16 +57,45 @@ void factorise(StateMatrix& p) {
   }
 }
 
-// U D U^T <- U D U^T + c a a^T, c >= 0 (Agee & Turner 1972; Bierman 1977, III.4).
-void add_rank_one(StateMatrix& ud, double c, StateVector& a) {
-  for (auto j = ud.rows() - 1; j >= 0; --j) {
-    const double s = a[j], d = ud(j, j) + c * s * s;
-    if (d == 0) continue;
-    const double beta = c * s / d;
-    c *= ud(j, j) / d;
+// U D U^T <- U D U^T + c a a^T, c >= 0, for the first a.size() states (Agee & Turner 1972; Bierman 1977, III.4).
+// Where the new term prevails, U and a are weighed instead of corrected: nothing cancels (Bierman's V.3).
+template <typename Factors>
+void add_rank_one(Factors& ud, double c, StateVector& a) {
+  for (auto j = a.size() - 1; j >= 0 && c > 0; --j) {
+    const double s = a[j], old = ud(j, j), d = old + c * s * s;
+    if (s == 0 || d < kVanished) continue;
+    const double beta = c * s / d, kept = old / d;
+    c *= kept;
     ud(j, j) = d;
-    a.head(j) -= s * ud.col(j).head(j);
-    ud.col(j).head(j) += beta * a.head(j);
+    auto u = ud.col(j).head(j);
+    if (beta * s <= 1. / 16) {
+      a.head(j) -= s * u;
+      u += beta * a.head(j);
+    } else {
+      for (Eigen::Index i = 0; i < j; ++i) {
+        const double before = u[i];
+        u[i] = kept * before + beta * a[i];
+        a[i] -= s * before;
+      }
+    }
+  }
+}
+
+// Modified weighted Gram-Schmidt (Thornton 1976; Bierman 1977, VI.4): W diag(weight) W^T = U D U^T into the first
+// rows of `ud`, for the rows of a small W.
+template <typename Factors>
+void orthogonalise(Eigen::Matrix<double, kCore + kInputs, kCore>& w,
+                   const Eigen::Matrix<double, kCore + kInputs, 1>& weight, Factors& ud) {
+  Eigen::Matrix<double, kCore + kInputs, 1> weighted;
+  for (int j = kCore - 1; j >= 0; --j) {
+    weighted = weight.cwiseProduct(w.col(j));
+    const double d = weighted.dot(w.col(j));
+    ud(j, j) = d;
+    for (int i = 0; i < j; ++i) {
+      const double u = d > kVanished ? weighted.dot(w.col(i)) / d : 0;
+      ud(i, j) = u;
+      w.col(i) -= u * w.col(j);
+    }
   }
 }
 
@@ -76,108 +107,78 @@ void zero_considered(StateVector& gain, std::span<const bool> considered) {
 }  // namespace
 
 Covariance::Covariance(const StateMatrix& P, Form form)
-    : form_(form), size_(static_cast<int>(P.rows())), p_(P) {
+    : form_(form), size_(static_cast<int>(P.rows())), p_(StateMatrix::Zero(detail::padded(size_), P.cols())) {
   check(P);
   StateMatrix factors = P;
   factorise(factors);
-  if (form == Form::square_root) p_ = factors;
+  p_.topRows(size_) = form == Form::square_root ? factors : StateMatrix((P + P.transpose()) / 2);
 }
 
 void Covariance::propagate(const Transition& step) {
   if (step.size != size_)
     throw std::invalid_argument(fmt::format("transition of {} states, covariance of {}", step.size, size_));
-  form_ == Form::square_root ? propagate_factors(step) : propagate_dense(step);
+  if (form_ == Form::square_root)
+    propagate_factors(step);
+  else
+    detail::propagate_dense(detail::best_target(), step, p_.data());
 }
 
-// With C = input W, W (6 x n) one gain a column, and M = [core, C] P:
-//   P_cc = M_c core^T + (M_s W^T) input^T + input q input^T,  P_sc = decay (M_s)^T + ...,  P_ss = decay P decay + q.
-// Every product runs along columns of P.
-void Covariance::propagate_dense(const Transition& step) {
-  const int n = size_ - kCore;
-  Signals errors = Signals::Zero(size_, 6);  // P W^T
-  Eigen::Matrix<double, 6, 1> noise = step.input_noise;
-  bool decays = false;
-  for (int k = 0; k < n; ++k) {
-    const Transition::Term& term = step.terms[static_cast<std::size_t>(k)];
-    decays |= term.decay != 1;
-    if (term.signal < 0) continue;
-    errors.col(term.signal) += term.gain * p_.col(kCore + k);
-    noise[term.signal] += term.noise * term.spill * term.spill;
-  }
-  CoreColumns m(size_, kCore);  // M^T
-  m.noalias() = p_.leftCols<kCore>().lazyProduct(step.core.transpose());
-  m.noalias() += errors.lazyProduct(step.input.transpose());
-
-  Eigen::Matrix<double, kCore, 6> shared = step.input * noise.asDiagonal();
-  for (int k = 0; k < n; ++k) {
-    const Transition::Term& term = step.terms[static_cast<std::size_t>(k)];
-    if (term.signal >= 0) shared.col(term.signal) += term.gain * m.row(kCore + k).transpose();
-  }
-  CoreMatrix core;
-  core.noalias() = m.topRows<kCore>().transpose().lazyProduct(step.core.transpose());
-  core.noalias() += shared.lazyProduct(step.input.transpose());
-  p_.topLeftCorner<kCore, kCore>() = (core + core.transpose()) / 2;
-
-  for (int k = 0; k < n; ++k) {
-    const Transition::Term& term = step.terms[static_cast<std::size_t>(k)];
-    auto column = p_.col(kCore + k).head<kCore>();
-    column = term.decay * m.row(kCore + k).transpose();
-    if (term.signal >= 0 && term.noise != 0) column += term.noise * term.spill * step.input.col(term.signal);
-    p_.row(kCore + k).head<kCore>() = column.transpose();
-    if (decays)
-      for (int l = 0; l < n; ++l)
-        p_(kCore + l, kCore + k) *= term.decay * step.terms[static_cast<std::size_t>(l)].decay;
-    p_(kCore + k, kCore + k) += term.noise;
-  }
-}
-
-// Thornton's modified weighted Gram-Schmidt on the rows of [Phi U, G] with weights [D, q], last row first.
-// A row of W is a column here, so that the inner loops are contiguous.
+// Phi U = [core U_cc, core U_cs + C U_ss; 0, decay U_ss] is triangular already but for its first nine rows and
+// columns: only these, with the inputs' noise, have to be made triangular anew. What is left is the diagonal of
+// the sensor block, made one again by weights, and one rank-one addition a noisy term.
 void Covariance::propagate_factors(const Transition& step) {
   const int n = size_ - kCore;
-  const int columns = size_ + 6 + n;
-  Tall w = Tall::Zero(columns, size_);
-  Weights weight(columns);
-  weight.head(size_) = p_.diagonal();
-  weight.segment<6>(size_) = step.input_noise;
+  Eigen::Matrix<double, kCore + kInputs, kCore> w;
+  Eigen::Matrix<double, kCore + kInputs, 1> weight;
+  CoreMatrix u = p_.topLeftCorner<kCore, kCore>().triangularView<Eigen::UnitUpper>();
+  w.topRows<kCore>().noalias() = u.transpose().lazyProduct(step.core.transpose());
+  w.bottomRows<kInputs>() = step.input.transpose();
+  weight << p_.diagonal().head<kCore>(), step.input_noise;
+  orthogonalise(w, weight, p_);
 
-  // Rows of U to columns, with the unit diagonal.
-  for (int i = 0; i < size_; ++i) {
-    w(i, i) = 1;
-    for (int j = i + 1; j < size_; ++j) w(j, i) = p_(i, j);
-  }
-  CoreColumns core = w.topLeftCorner(size_, kCore).lazyProduct(step.core.transpose());
-  Eigen::Matrix<double, Eigen::Dynamic, 6, 0, kMaxStates, 6> errors = Signals::Zero(size_, 6);
+  for (int k = 0; k < n; ++k) transform_column(step, k);
+  StateVector kick(size_);
   for (int k = 0; k < n; ++k) {
     const Transition::Term& term = step.terms[static_cast<std::size_t>(k)];
-    auto row = w.col(kCore + k);
-    if (term.signal >= 0) errors.col(term.signal) += term.gain * row.head(size_);
-    row.head(size_) *= term.decay;
-    row[size_ + 6 + k] = 1;
-    weight[size_ + 6 + k] = term.noise;
-    if (term.signal >= 0)
-      w.row(size_ + 6 + k).head<kCore>() = term.spill * step.input.col(term.signal).transpose();
+    if (term.noise == 0) continue;
+    kick.setZero(kCore + k + 1);
+    kick[kCore + k] = 1;
+    if (term.signal >= 0) kick.head<kCore>() = term.spill * step.input.col(term.signal);
+    add_rank_one(p_, term.noise, kick);
   }
-  w.topLeftCorner(size_, kCore) = core + errors.lazyProduct(step.input.transpose());
-  w.block(size_, 0, 6, kCore) = step.input.transpose();
+}
 
-  Weights weighted(columns);
-  for (int j = size_ - 1; j >= 0; --j) {
-    weighted = weight.cwiseProduct(w.col(j));
-    const double d = weighted.dot(w.col(j));
-    p_(j, j) = d;
-    for (int i = 0; i < j; ++i) {
-      const double u = d > 0 ? weighted.dot(w.col(i)) / d : 0;
-      p_(i, j) = u;
-      w.col(i) -= u * w.col(j);
-    }
+// Column 9 + k of Phi U, with its last element made one. Where next to nothing of the state is left, the column
+// is instead a source of the states before it.
+void Covariance::transform_column(const Transition& step, int k) {
+  const double own = step.terms[static_cast<std::size_t>(k)].decay;
+  auto column = p_.col(kCore + k);
+  double& d = p_(kCore + k, kCore + k);
+  const double variance = d;
+  d = 1;
+  Eigen::Matrix<double, kInputs, 1> errors = Eigen::Matrix<double, kInputs, 1>::Zero();
+  for (int i = 0; i <= k; ++i) {
+    const Transition::Term& term = step.terms[static_cast<std::size_t>(i)];
+    if (term.signal >= 0) errors[term.signal] += term.gain * column[kCore + i];
+    column[kCore + i] *= term.decay;
   }
+  const CoreVector top = column.head<kCore>();
+  column.head<kCore>().noalias() = step.core.lazyProduct(top);
+  column.head<kCore>().noalias() += step.input.lazyProduct(errors);
+  d = variance * own * own;
+  if (own > kSmallDecay && d > kVanished) {
+    if (own != 1) column.head(kCore + k) /= own;
+    return;
+  }
+  StateVector source = column.head(kCore + k);
+  column.setZero();
+  if (variance > 0) add_rank_one(p_, variance, source);
 }
 
 StateVector Covariance::times(const StateVector& h) const {
   if (h.size() != size_)
     throw std::invalid_argument(fmt::format("row of {} states, covariance of {}", h.size(), size_));
-  if (form_ != Form::square_root) return p_ * h;
+  if (form_ != Form::square_root) return p_.topRows(size_).lazyProduct(h);
   StateVector f(size_);
   for (int j = 0; j < size_; ++j) f[j] = p_(j, j) * (h[j] + p_.col(j).head(j).dot(h.head(j)));
   for (int j = 0; j < size_; ++j) f.head(j) += f[j] * p_.col(j).head(j);
@@ -194,14 +195,15 @@ StateVector Covariance::update(const MeasurementRow& row, std::span<const bool> 
 }
 
 StateVector Covariance::update_dense(const MeasurementRow& row, std::span<const bool> considered) {
+  auto p = p_.topRows(size_);
   StateVector g(size_);
-  g.noalias() = p_ * row.h;
+  g.noalias() = p.lazyProduct(row.h);
   const double s = row.h.dot(g) + row.variance;
   StateVector gain = g / s;
   zero_considered(gain, considered);
   // Plain: P - k g^T - g k^T + S k k^T, which is P - k h P where k is optimal.
   if (form_ == Form::plain) {
-    for (int j = 0; j < size_; ++j) p_.col(j) += (s * gain[j] - g[j]) * gain - gain[j] * g;
+    for (int j = 0; j < size_; ++j) p.col(j) -= gain[j] * g + (g[j] - s * gain[j]) * gain;
     symmetrise();
   } else {
     joseph(row, g, gain);
@@ -211,9 +213,10 @@ StateVector Covariance::update_dense(const MeasurementRow& row, std::span<const 
 
 // From the left, then from the right with what h sees of it, so that errors of the gain enter squared. g is P h.
 void Covariance::joseph(const MeasurementRow& row, StateVector& g, const StateVector& gain) {
-  for (int j = 0; j < size_; ++j) p_.col(j) -= g[j] * gain;
-  g.noalias() = p_ * row.h;
-  for (int j = 0; j < size_; ++j) p_.col(j) += gain[j] * (row.variance * gain - g);
+  auto p = p_.topRows(size_);
+  for (int j = 0; j < size_; ++j) p.col(j) -= g[j] * gain;
+  g.noalias() = p.lazyProduct(row.h);
+  for (int j = 0; j < size_; ++j) p.col(j) += gain[j] * (row.variance * gain - g);
   symmetrise();
 }
 
@@ -228,7 +231,7 @@ void Covariance::update_with(const MeasurementRow& row, const StateVector& gain)
         "update with a given gain needs the plain or Joseph form and {} states; row has {}, gain {}", size_,
         row.h.size(), gain.size()));
   StateVector g(size_);
-  g.noalias() = p_ * row.h;
+  g.noalias() = p_.topRows(size_).lazyProduct(row.h);
   joseph(row, g, gain);
 }
 
@@ -263,9 +266,10 @@ StateVector Covariance::update_factors(const MeasurementRow& row, std::span<cons
 }
 
 StateMatrix Covariance::matrix() const {
-  if (form_ != Form::square_root) return p_;
-  StateMatrix u = p_.triangularView<Eigen::UnitUpper>();
-  return u * p_.diagonal().asDiagonal() * u.transpose();
+  if (form_ != Form::square_root) return p_.topRows(size_);
+  const StateMatrix u = p_.topRows(size_).triangularView<Eigen::UnitUpper>();
+  const StateMatrix P = u * p_.diagonal().asDiagonal() * u.transpose();
+  return (P + P.transpose()) / 2;
 }
 
 double Covariance::variance(int i) const {

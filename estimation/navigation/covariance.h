@@ -55,8 +55,8 @@ class Covariance {
   [[nodiscard]] double variance(int i) const;
 
  private:
-  void propagate_dense(const Transition&);
   void propagate_factors(const Transition&);
+  void transform_column(const Transition&, int k);
   StateVector update_dense(const MeasurementRow&, std::span<const bool> considered);
   void joseph(const MeasurementRow&, StateVector& g, const StateVector& gain);
   void symmetrise();
@@ -64,7 +64,7 @@ class Covariance {
 
   Form form_;
   int size_;
-  StateMatrix p_;  ///< P, or U with D on its diagonal
+  StateMatrix p_;  ///< P, or U with D on its diagonal; rows filled up with zeros to whole lanes
 };
 
 }  // namespace gyrobudget::inline v0::navigation
