@@ -32,6 +32,7 @@ struct Texts {
   std::string seed = "1", skip, taps, noise_type, variant, rrw, correlation_time;
   std::string records, methods, axis = "gyro", require;
   std::string estimators = "oadev", stride = "1", format, psd, window, gap, resample;
+  std::string trajectory, truth, attitude, flight_input, vibration, run;
   std::vector<std::string> wishes, mask, logs;
 };
 
@@ -179,18 +180,45 @@ void add_model(CLI::App& app, SimulateArguments& a, Texts& texts) {
       ->type_name("TIME");
 }
 
+void add_flight(CLI::App& app, Texts& texts) {
+  auto* group = app.add_option_group("A whole IMU in motion");
+  group
+      ->add_option(
+          "--trajectory", texts.trajectory,
+          "how it moves: a CSV of time, latitude, longitude, height and q_w, q_x, q_y, q_z or yaw, pitch, "
+          "roll; or static, cruise, climb, ascent, with options behind a colon, key=value parted by "
+          "commas. Each row of the log is of the interval that ends at its time")
+      ->type_name("FILE|NAME[:...]");
+  group->add_option("--truth", texts.truth, "write position, velocity and attitude as CSV")
+      ->type_name("FILE");
+  group->add_option("--attitude", texts.attitude, "form of the attitude in --truth [quaternion]")
+      ->check(CLI::IsMember({"quaternion", "euler"}));
+  group
+      ->add_option(
+          "--input", texts.flight_input,
+          "what the log is to hold: rate (and specific force), or increment (angle and velocity) [rate]")
+      ->check(CLI::IsMember({"rate", "increment"}));
+  group
+      ->add_option("--vibration", texts.vibration, "level for vibration rectification, rms, e.g. \"2 g\" [0]")
+      ->type_name("LEVEL");
+  group->add_option("--run", texts.run, "another turn-on of the IMU: all that is drawn is drawn anew [0]")
+      ->type_name("N");
+}
+
 CLI::App* add_simulate(CLI::App& app, SimulateArguments& a, Texts& texts) {
   auto* verb = app.add_subcommand(
       "simulate",
-      "Simulates the log of a sensor at rest.\n\n"
+      "Simulates the log of a sensor at rest, or of a whole IMU along a trajectory.\n\n"
       "  gyrobudget simulate examples/sensors/ifog.yaml --duration 10h --rate 100 -o ifog.csv\n"
-      "  gyrobudget simulate mems.yaml --duration 1h --model 2 --noise-type single-sided | head\n");
+      "  gyrobudget simulate mems.yaml --duration 1h --model 2 --noise-type single-sided | head\n"
+      "  gyrobudget simulate mems.yaml --trajectory cruise:speed=250,duration=600 --truth truth.csv -o "
+      "imu.csv\n");
   verb->add_option("sensor", a.sensor, "sensor file (YAML), or a Kalibr imu.yaml")
       ->required()
       ->type_name("SENSOR");
   verb->add_option("--duration", texts.duration,
-                   "length of the log, e.g. 10h, 90 min, 3600 s; endless: until the reader closes the pipe")
-      ->required()
+                   "length of the log, e.g. 10h, 90 min, 3600 s; endless: until the reader closes the pipe "
+                   "[with --trajectory: all of it]")
       ->type_name("TIME");
   verb->add_option("--rate", texts.rate, "sample rate [100 Hz]")->type_name("HZ");
   verb->add_option("--skip", texts.skip,
@@ -199,13 +227,18 @@ CLI::App* add_simulate(CLI::App& app, SimulateArguments& a, Texts& texts) {
   verb->add_option("--seed", texts.seed, "of the random numbers; printed into the log")
       ->capture_default_str();
   verb->add_option("--axes", texts.axes, "axes to simulate")->capture_default_str();
-  verb->add_option("--unit", a.unit, "of the gyro columns [rad/s]");
+  verb->add_option("--unit", a.unit, "of the gyro columns [rad/s; increments: rad]");
   verb->add_option("-o,--output", a.output,
                    "log to write; .gz compresses; .npy, .f64 and .f32 are binary; - is stdout")
       ->type_name("FILE")
       ->capture_default_str();
   add_format(*verb, texts, "csv, or binary: f32, f64 (raw, little-endian), npy [by the ending of -o]");
   add_model(*verb, a, texts);
+  add_flight(*verb, texts);
+  verb->footer(
+      "Trajectories by name and their options (metres, seconds, m/s, m/s^2, Hz, deg, deg/s, or with a "
+      "unit):\n" +
+      io::trajectory_names());
   add_common(*verb, a.common, false);
   return verb;
 }
@@ -236,6 +269,8 @@ void finish_model(SimulateArguments& a, const Texts& texts) {
 }
 
 void finish_extent(SimulateArguments& a, const Texts& texts) {
+  if (texts.duration.empty())
+    throw std::invalid_argument("simulate needs --duration TIME, e.g. 10h, or a --trajectory");
   const bool endless = texts.duration == "endless";
   a.duration_s = endless ? std::numeric_limits<double>::infinity() : duration("--duration", texts.duration);
   if (endless && a.output != "-") {
@@ -262,8 +297,59 @@ void finish_extent(SimulateArguments& a, const Texts& texts) {
   }
 }
 
+// Options of a sensor at rest have no say in motion, and the other way round.
+void check_flight_options(const SimulateArguments& a, const Texts& texts) {
+  if (texts.trajectory.empty()) {
+    for (const auto& [option, value] : {std::pair{"--truth", texts.truth},
+                                        {"--attitude", texts.attitude},
+                                        {"--input", texts.flight_input},
+                                        {"--vibration", texts.vibration},
+                                        {"--run", texts.run}}) {
+      if (!value.empty()) throw std::invalid_argument(fmt::format("{} belongs to --trajectory", option));
+    }
+    return;
+  }
+  const auto refuse = [](bool given, const char* option, const char* why) {
+    if (given)
+      throw std::invalid_argument(fmt::format("{}: {}; leave it out with --trajectory", option, why));
+  };
+  refuse(a.model_name != "spectral", "--model", "an IMU has the noise of its sensor file, 1/f to 0.02 %");
+  refuse(texts.axes != "x,y,z", "--axes", "an IMU has all of them");
+  refuse(texts.duration == "endless", "--duration endless", "a trajectory ends");
+  refuse(!texts.attitude.empty() && texts.truth.empty(), "--attitude", "it is the form of --truth");
+}
+
+void finish_flight(SimulateArguments& a, const Texts& texts) {
+  FlightArguments flight{.trajectory = texts.trajectory, .truth = texts.truth};
+  if (texts.attitude == "euler") flight.attitude = io::AttitudeForm::euler;
+  if (texts.flight_input == "increment") flight.input = io::Input::increment;
+  if (!texts.vibration.empty()) {
+    flight.vibration = quantity("--vibration", texts.vibration, noise::dimension::kSpecificForce);
+    if (flight.vibration < 0) throw std::invalid_argument("--vibration: must not be negative");
+  }
+  if (!texts.run.empty()) flight.run = whole_number("--run", texts.run);
+  if (!texts.rate.empty()) a.rate_hz = rate("--rate", texts.rate);
+  if (!texts.duration.empty()) a.duration_s = duration("--duration", texts.duration);
+  if (!texts.skip.empty()) a.skipped = skipped_samples(texts.skip, a.rate_hz);
+  a.flight = std::move(flight);
+}
+
+void check_gyro_unit(const SimulateArguments& a) {
+  const bool angles = a.flight && a.flight->input == io::Input::increment;
+  const auto expected = angles ? noise::dimension::kAngle : noise::dimension::kAngularRate;
+  if (a.unit.empty() || noise::parse_unit(a.unit).dimension == expected) return;
+  throw std::invalid_argument(
+      angles ? fmt::format("--unit {}: not a unit of angle; try deg, arcsec or rad", a.unit)
+             : fmt::format("--unit {}: not a unit of angular rate; try deg/s, deg/h or rad/s", a.unit));
+}
+
 void finish(SimulateArguments& a, const Texts& texts) {
-  finish_extent(a, texts);
+  check_flight_options(a, texts);
+  if (texts.trajectory.empty()) {
+    finish_extent(a, texts);
+  } else {
+    finish_flight(a, texts);
+  }
   finish_model(a, texts);
   a.format = texts.format.empty() ? io::format_of(a.output) : *io::format_named(texts.format);
   if (a.format == io::Format::npy && std::isinf(a.duration_s)) {
@@ -281,10 +367,7 @@ void finish(SimulateArguments& a, const Texts& texts) {
           fmt::format("--axes {}: axes are x, y and z, separated by commas", texts.axes));
     }
   }
-  if (!a.unit.empty() && noise::parse_unit(a.unit).dimension != noise::dimension::kAngularRate) {
-    throw std::invalid_argument(
-        fmt::format("--unit {}: not a unit of angular rate; try deg/s, deg/h or rad/s", a.unit));
-  }
+  check_gyro_unit(a);
 }
 
 void add_estimators(CLI::App& app, Texts& texts) {

@@ -5,6 +5,7 @@
 #include "gyrobudget/fit/fit.h"
 #include "gyrobudget/fit/requirement.h"
 #include "gyrobudget/io/log.h"
+#include "gyrobudget/io/trajectory_file.h"
 #include "gyrobudget/noise/bielas.h"
 #include "gyrobudget/noise/sensor.h"
 
@@ -31,12 +32,22 @@ struct Pictures {
   std::string plot;    ///< path of the picture; empty: none
 };
 
+/// A whole IMU along a trajectory instead of a sensor at rest.
+struct FlightArguments {
+  std::string trajectory;  ///< as io::read_trajectory has it
+  std::string truth;       ///< path of the truth; empty: none
+  io::AttitudeForm attitude = io::AttitudeForm::quaternion;
+  io::Input input = io::Input::rate;  ///< what the log holds, or increments
+  double vibration = 0;               ///< [m/s^2 rms]
+  std::uint64_t run = 0;
+};
+
 struct SimulateArguments {
   enum class Model { spectral, gauss_markov, jerath, imu_sensor, bielas };
 
   Common common;
   std::string sensor;
-  double duration_s = 0;  ///< infinite: until the reader has enough
+  double duration_s = 0;  ///< infinite: until the reader has enough; 0: the whole trajectory
   double rate_hz = 100;
   Model model = Model::spectral;
   std::string model_name = "spectral";   ///< as typed
@@ -51,6 +62,7 @@ struct SimulateArguments {
   std::string unit;               ///< of the gyro columns; empty: rad/s
   std::string output = "-";
   io::Format format = io::Format::csv;
+  std::optional<FlightArguments> flight;
 };
 
 /// How a log is turned into a curve, shared by allan and calibrate.

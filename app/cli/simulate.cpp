@@ -202,6 +202,7 @@ std::string how_to_read(const SimulateArguments& a, const io::LogHead& head) {
 }  // namespace
 
 int run(const SimulateArguments& a) {
+  if (a.flight) return run_flight(a);
   if (a.output != "-") check_outputs(a.sensor, {{"-o", a.output}});
   const noise::SensorModel sensor = io::read_sensor(a.sensor);
   const auto list = channels(a, sensor);

@@ -17,11 +17,12 @@ enum Exit : int {
 };
 
 // One verb per file; each returns an exit code and throws io::InputError, io::OutputError or std::invalid_argument.
-[[nodiscard]] int run(const SimulateArguments&);   ///< sensor file -> log
-[[nodiscard]] int run(const AllanArguments&);      ///< log -> deviations
-[[nodiscard]] int run(const CalibrateArguments&);  ///< log -> datasheet
-[[nodiscard]] int run(const PlanArguments&);       ///< sensor file -> recording time or accuracy
-[[nodiscard]] int run(const AccuracyArguments&);   ///< sensor file -> how wrong the fits are
-[[nodiscard]] int run(const PaperArguments&);      ///< the source paper's tables and figures beside ours
+[[nodiscard]] int run(const SimulateArguments&);         ///< sensor file -> log
+[[nodiscard]] int run_flight(const SimulateArguments&);  ///< with `flight`: sensor file, trajectory -> log
+[[nodiscard]] int run(const AllanArguments&);            ///< log -> deviations
+[[nodiscard]] int run(const CalibrateArguments&);        ///< log -> datasheet
+[[nodiscard]] int run(const PlanArguments&);             ///< sensor file -> recording time or accuracy
+[[nodiscard]] int run(const AccuracyArguments&);         ///< sensor file -> how wrong the fits are
+[[nodiscard]] int run(const PaperArguments&);  ///< the source paper's tables and figures beside ours
 
 }  // namespace gyrobudget::inline v0::cli

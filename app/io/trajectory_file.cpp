@@ -212,16 +212,16 @@ earth::Trajectory read_file(const std::string& path) {
 
 // --- Writing -----------------------------------------------------------------------------------------------
 
-LogHead truth_head(double rate_hz, AttitudeForm form, std::string_view comment) {
+LogHead truth_head(const TruthOptions& options) {
   LogHead head;
-  head.rate_hz = rate_hz;
-  head.comment = comment;
+  head.rate_hz = options.rate_hz;
+  head.comment = options.comment;
   head.columns = {{"latitude", "deg"},       {"longitude", "deg"},     {"height", "m"},
                   {"velocity_north", "m/s"}, {"velocity_east", "m/s"}, {"velocity_down", "m/s"}};
   const auto add = [&](const auto& wanted, const char* unit) {
     for (const Wanted& w : wanted) head.columns.push_back({std::string(w.name), unit});
   };
-  if (form == AttitudeForm::quaternion) {
+  if (options.attitude == AttitudeForm::quaternion) {
     add(kQuaternion, "1");
   } else {
     add(kEuler, "deg");
@@ -260,19 +260,24 @@ earth::Trajectory read_trajectory(const std::string& name_or_path) {
   return read_file(name_or_path);
 }
 
-void write_trajectory(const std::string& path, const earth::Trajectory& trajectory, double rate_hz,
-                      AttitudeForm form, std::string_view comment) {
-  const LogHead head = truth_head(rate_hz, form, comment);
-  constexpr double kRounding = 1e-9;  // of a sample: a duration that is a whole number of them keeps its end
-  const auto last = static_cast<std::uint64_t>(std::floor(trajectory.duration() * rate_hz + kRounding));
+std::uint64_t whole_intervals(double duration, double rate_hz) {
+  constexpr double kRounding = 1e-9;  // of an interval
+  return static_cast<std::uint64_t>(std::floor(duration * rate_hz + kRounding));
+}
+
+void write_trajectory(const std::string& path, const earth::Trajectory& trajectory,
+                      const TruthOptions& options) {
+  const LogHead head = truth_head(options);
+  const double duration = std::min(options.duration, trajectory.duration());
   std::uint64_t sample = 0;
-  write_log(path, head, last + 1, [&](std::span<const std::span<double>> columns) {
-    for (std::size_t i = 0; i < columns.front().size(); ++i, ++sample) {
-      const double t = std::min(static_cast<double>(sample) / rate_hz, trajectory.duration());
-      const auto row = truth_row(trajectory.at(t), form);
-      for (std::size_t c = 0; c < columns.size(); ++c) columns[c][i] = row[c];
-    }
-  });
+  write_log(path, head, whole_intervals(duration, head.rate_hz) + 1,
+            [&](std::span<const std::span<double>> columns) {
+              for (std::size_t i = 0; i < columns.front().size(); ++i, ++sample) {
+                const double t = std::min(static_cast<double>(sample) / head.rate_hz, trajectory.duration());
+                const auto row = truth_row(trajectory.at(t), options.attitude);
+                for (std::size_t c = 0; c < columns.size(); ++c) columns[c][i] = row[c];
+              }
+            });
 }
 
 }  // namespace gyrobudget::inline v0::io

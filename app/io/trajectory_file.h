@@ -4,8 +4,9 @@
 #include "gyrobudget/earth/trajectory.h"
 #include "gyrobudget/io/error.h"
 
+#include <cstdint>
+#include <limits>
 #include <string>
-#include <string_view>
 
 namespace gyrobudget::inline v0::io {
 
@@ -44,16 +45,25 @@ namespace gyrobudget::inline v0::io {
 /// How write_trajectory gives the attitude.
 enum class AttitudeForm { quaternion, euler };
 
-/// Writes a trajectory as CSV at times k / rate_hz, from 0 to the last within its duration:
+struct TruthOptions {
+  double rate_hz = 100;
+  AttitudeForm attitude = AttitudeForm::quaternion;
+  std::string comment = {};                                   ///< one line on top; empty: none
+  double duration = std::numeric_limits<double>::infinity();  ///< [s], cut to the trajectory's
+};
+
+/// Writes a trajectory as CSV at times k / rate_hz, from 0 to the last within the duration:
 ///
 ///     time (s),latitude (deg),longitude (deg),height (m),
 ///     velocity_north (m/s),velocity_east (m/s),velocity_down (m/s),q_w (1),q_x (1),q_y (1),q_z (1)
 ///
 /// or with `yaw (deg),pitch (deg),roll (deg)` in place of the quaternion, which has q_w >= 0. Numbers have
-/// the digits that give back the same double; latitude and longitude resolve 1 nm. `comment` is one line on
-/// top.
+/// the digits that give back the same double; latitude and longitude resolve 1 nm.
 /// @throws OutputError, and std::invalid_argument where rate_hz is not positive and finite.
-void write_trajectory(const std::string& path, const earth::Trajectory&, double rate_hz,
-                      AttitudeForm = AttitudeForm::quaternion, std::string_view comment = {});
+void write_trajectory(const std::string& path, const earth::Trajectory&, const TruthOptions&);
+
+/// How many whole intervals of 1/rate_hz a duration [s] holds; one that misses a whole number by its rounding
+/// counts.
+[[nodiscard]] std::uint64_t whole_intervals(double duration, double rate_hz);
 
 }  // namespace gyrobudget::inline v0::io

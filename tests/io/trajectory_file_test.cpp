@@ -121,7 +121,7 @@ TEST_F(TrajectoryFile, WrittenTruthComesBack) {
   const Trajectory turns = earth::cruise({.turn_acceleration = 5, .turn_period = 30, .duration = 20});
   for (const auto form : {io::AttitudeForm::quaternion, io::AttitudeForm::euler}) {
     const std::string name = path("turns.csv.gz");
-    io::write_trajectory(name, turns, 10, form, "a comment");
+    io::write_trajectory(name, turns, {.rate_hz = 10, .attitude = form, .comment = "a comment"});
     const Trajectory read = io::read_trajectory(name);
     EXPECT_EQ(read.duration(), 20);
     for (int k = 0; k <= 200; ++k) {
@@ -133,7 +133,8 @@ TEST_F(TrajectoryFile, WrittenTruthComesBack) {
 }
 
 TEST_F(TrajectoryFile, VelocityIsAgainstEarthInNorthEastDown) {
-  io::write_trajectory(path("climb.csv"), earth::climb({.acceleration = 10, .duration = 4}), 1);
+  io::write_trajectory(path("climb.csv"), earth::climb({.acceleration = 10, .duration = 4.9}),
+                       {.rate_hz = 1, .duration = 4.1});
   const std::string text = content(path("climb.csv"));
   EXPECT_EQ(text.substr(0, text.find('\n')),
             "time (s),latitude (deg),longitude (deg),height (m),velocity_north (m/s),velocity_east (m/s),"

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: MIT
+// simulate --trajectory: sensor file and trajectory -> log of a whole IMU, and the truth.
+#include "gyrobudget/io/log_writer.h"
+#include "gyrobudget/io/sensor_file.h"
+#include "gyrobudget/io/trajectory_file.h"
+#include "gyrobudget/noise/imu.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <stdexcept>
+#include <vector>
+
+#include "paths.h"
+#include "terminal.h"
+#include "verbs.h"
+
+namespace gyrobudget::inline v0::cli {
+namespace {
+
+bool increments(const SimulateArguments& a) { return a.flight->input == io::Input::increment; }
+
+std::string gyro_unit(const SimulateArguments& a) {
+  if (!a.unit.empty()) return a.unit;
+  return increments(a) ? "rad" : "rad/s";
+}
+
+/// How long is flown, at most the whole trajectory.
+double flown(const SimulateArguments& a, const earth::Trajectory& trajectory) {
+  if (a.duration_s == 0) return trajectory.duration();
+  if (a.duration_s <= trajectory.duration()) return a.duration_s;
+  throw std::invalid_argument(
+      fmt::format("--duration {} s: the trajectory ends at {} s", a.duration_s, trajectory.duration()));
+}
+
+std::uint64_t interval_count(const SimulateArguments& a, const earth::Trajectory& trajectory) {
+  const std::uint64_t count = io::whole_intervals(flown(a, trajectory), a.rate_hz);
+  if (count > a.skipped) return count;
+  throw std::invalid_argument(fmt::format("{} s at {} Hz are {} samples, of which --skip leaves none",
+                                          flown(a, trajectory), a.rate_hz, count));
+}
+
+std::string comment(const SimulateArguments& a, const noise::SensorModel& sensor) {
+  return fmt::format(
+      "gyrobudget simulate: sensor {}, trajectory {}, seed {}, run {}, {} Hz, {}; each row is {} the "
+      "interval "
+      "that ends at its time",
+      sensor.name, a.flight->trajectory, a.seed, a.flight->run, a.rate_hz,
+      a.flight->vibration == 0 ? std::string("no vibration")
+                               : "vibration " + noise::quantity_text(a.flight->vibration, "g") + " rms",
+      increments(a) ? "the increment over" : "the mean over");
+}
+
+io::LogHead log_head(const SimulateArguments& a, const noise::SensorModel& sensor) {
+  io::LogHead head{{}, a.rate_hz, comment(a, sensor), a.skipped + 1, a.format};
+  for (const char* axis : {"x", "y", "z"})
+    head.columns.push_back({fmt::format("gyro_{}", axis), gyro_unit(a)});
+  for (const char* axis : {"x", "y", "z"}) {
+    head.columns.push_back({fmt::format("accel_{}", axis), increments(a) ? "m/s" : "m/s^2"});
+  }
+  return head;
+}
+
+/// What an ideal IMU delivers over `count` intervals from the one numbered `first` on.
+std::vector<noise::ImuReading> truth(const earth::Trajectory& trajectory, double rate_hz, std::uint64_t first,
+                                     std::size_t count) {
+  std::vector<noise::ImuReading> result(count);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    const auto time = [&](std::uint64_t k) {
+      return std::min(static_cast<double>(k) / rate_hz, trajectory.duration());
+    };
+    const earth::ImuIncrement ideal = trajectory.increment(time(first + i), time(first + i + 1));
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      result[i].angle[static_cast<std::size_t>(axis)] = ideal.angle[axis];
+      result[i].velocity[static_cast<std::size_t>(axis)] = ideal.velocity[axis];
+    }
+  });
+  return result;
+}
+
+/// The IMU fed along the trajectory, block by block.
+class Feed {
+ public:
+  Feed(const SimulateArguments& a, const earth::Trajectory& trajectory, noise::Imu& imu)
+      : trajectory_(trajectory), imu_(imu), rate_hz_(a.rate_hz), factor_(increments(a) ? 1 : a.rate_hz) {}
+
+  void skip(std::uint64_t samples) {
+    constexpr std::uint64_t kBlock = 1 << 14;
+    for (std::uint64_t count; samples > 0; samples -= count) {
+      count = std::min(samples, kBlock);
+      for (const auto& ideal : block(static_cast<std::size_t>(count))) (void)imu_.next(ideal);
+    }
+  }
+
+  void fill(std::span<const std::span<double>> columns) {
+    const auto ideal = block(columns.front().size());
+    for (std::size_t k = 0; k < ideal.size(); ++k) {
+      const noise::ImuReading y = imu_.next(ideal[k]);
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        columns[axis][k] = factor_ * y.angle[axis];
+        columns[axis + 3][k] = factor_ * y.velocity[axis];
+      }
+    }
+  }
+
+ private:
+  std::vector<noise::ImuReading> block(std::size_t count) {
+    auto result = truth(trajectory_, rate_hz_, at_, count);
+    at_ += count;
+    return result;
+  }
+
+  const earth::Trajectory& trajectory_;
+  noise::Imu& imu_;
+  double rate_hz_, factor_;
+  std::uint64_t at_ = 0;
+};
+
+void say_what_is_special(const SimulateArguments& a, const noise::SensorModel& sensor,
+                         const noise::Imu& imu) {
+  const auto say_saturated = [&](const char* triad, const std::array<std::uint64_t, 3>& counts) {
+    if (counts == std::array<std::uint64_t, 3>{}) return;
+    say(a.common, fmt::format("note: {} out of range in {}, {} and {} samples of x, y and z", triad,
+                              counts[0], counts[1], counts[2]));
+  };
+  say_saturated("gyro", imu.gyro_saturated());
+  say_saturated("accelerometer", imu.accelerometer_saturated());
+  if (sensor.lever_arm != std::array<double, 3>{}) {
+    say(a.common, "note: the trajectory is that of the IMU; its lever_arm is not applied");
+  }
+  if (!sensor.accelerometer)
+    say(a.common, "note: the sensor file has no accelerometer; an ideal one is written");
+}
+
+void check_paths(const SimulateArguments& a) {
+  const std::vector<Output> outputs{{"-o", a.output == "-" ? "" : a.output}, {"--truth", a.flight->truth}};
+  check_outputs(a.sensor, outputs);
+  if (std::filesystem::exists(a.flight->trajectory)) check_outputs(a.flight->trajectory, outputs);
+}
+
+}  // namespace
+
+int run_flight(const SimulateArguments& a) {
+  check_paths(a);
+  const noise::SensorModel sensor = io::read_sensor(a.sensor);
+  const earth::Trajectory trajectory = io::read_trajectory(a.flight->trajectory);
+  const std::uint64_t count = interval_count(a, trajectory);
+  noise::Imu imu(sensor, 1 / a.rate_hz, {a.seed, a.flight->run},
+                 {.vibration = a.flight->vibration, .duration = trajectory.duration()});
+  Feed feed(a, trajectory, imu);
+  feed.skip(a.skipped);
+  io::write_log(a.output, log_head(a, sensor), count - a.skipped,
+                [&](std::span<const std::span<double>> columns) { feed.fill(columns); });
+  if (!a.flight->truth.empty()) {
+    io::write_trajectory(a.flight->truth, trajectory,
+                         {.rate_hz = a.rate_hz,
+                          .attitude = a.flight->attitude,
+                          .comment = "gyrobudget simulate: truth of trajectory " + a.flight->trajectory,
+                          .duration = flown(a, trajectory)});
+  }
+  say_what_is_special(a, sensor, imu);
+  say(a.common, fmt::format("simulated {} samples of an IMU at {} Hz along {} (seed {}, run {}){}",
+                            count - a.skipped, a.rate_hz, a.flight->trajectory, a.seed, a.flight->run,
+                            a.output == "-" ? "" : " into " + a.output));
+  return exit_done;
+}
+
+}  // namespace gyrobudget::inline v0::cli
