@@ -210,9 +210,7 @@ CLI::App* add_simulate(CLI::App& app, SimulateArguments& a, Texts& texts) {
       "simulate",
       "Simulates the log of a sensor at rest, or of a whole IMU along a trajectory.\n\n"
       "  gyrobudget simulate examples/sensors/ifog.yaml --duration 10h --rate 100 -o ifog.csv\n"
-      "  gyrobudget simulate mems.yaml --duration 1h --model 2 --noise-type single-sided | head\n"
-      "  gyrobudget simulate mems.yaml --trajectory cruise:speed=250,duration=600 --truth truth.csv -o "
-      "imu.csv\n");
+      "  gyrobudget simulate mems.yaml --trajectory cruise:duration=600 --truth truth.csv -o imu.csv\n");
   verb->add_option("sensor", a.sensor, "sensor file (YAML), or a Kalibr imu.yaml")
       ->required()
       ->type_name("SENSOR");
