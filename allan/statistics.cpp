@@ -146,10 +146,11 @@ double total_ratio(const Estimation& of, Mix mix) {
   const double allan = noise::allan_variance(mix, m, small.dt);
   const std::int64_t inside = std::max<std::int64_t>(0, n - 2 * m + 1);
   double sum = static_cast<double>(inside) * allan;
-  for (std::int64_t i = 1; i < n; ++i) {
-    if (i == m && inside > 0) i += inside;
-    if (i < n) sum += detail::reflected_expectation(mix, n, m, i, small.dt);
-  }
+  const auto middle = [&](std::int64_t i) { return detail::reflected_expectation(mix, n, m, i, small.dt); };
+  // Time can run backwards: a term and its mirror image expect the same.
+  const std::int64_t half = inside > 0 ? m - 1 : (n - 1) / 2;
+  for (std::int64_t i = 1; i <= half; ++i) sum += 2 * middle(i);
+  if (inside == 0 && n % 2 == 0) sum += middle(n / 2);
   return sum / static_cast<double>(n - 1) / allan;
 }
 

@@ -400,6 +400,7 @@
       name,
       tau: padded(union(group.map((axis) => axis.curves.tau_range_s))),
       deviation: [Math.min(...measured) / 3, Math.max(...measured) * 2],
+      crowded: group.length > 4, // intervals over one another: shown on a click
     };
     addPlot(figure, group[0], ranges, () => overlayDatasets(group), `${title}: ${name} of ${group.map((a) => a.name).join(", ")}`, 0);
   }

@@ -275,6 +275,7 @@ std::string panel_script(const std::vector<Panel>& panels, std::size_t at, const
       "set xrange [{0:.8g}:{1:.8g}]\nset x2range [{0:.8g}:{1:.8g}]\nset yrange [{2:.8g}:{3:.8g}]\n",
       c.tau_low_s / kSide, c.tau_high_s * kSide, c.deviation_low / panel.to_si,
       c.deviation_high / panel.to_si);
+  if (!panel.axis->fit) script += "set key width 1\n";  // its names are short
   const auto list = layers(panels, at);
   return script + fmt::format("plot {}\n", fmt::join(list, ", \\\n     "));
 }

@@ -400,7 +400,7 @@ const plotting = (() => {
     };
   }
 
-  const overlayInks = ["term-N", "model", "term-B", "term-K", "term-Q", "term-R"];
+  const overlayInks = ["term-N", "model", "term-B", "term-K", "term-Q", "text"];
 
   function overlayDatasets(group) {
     return group.flatMap((axis, i) => {
@@ -474,7 +474,7 @@ const plotting = (() => {
     const canvas = figure.querySelector(".canvas-box canvas");
     canvas.setAttribute("aria-label", description);
     const view = { x: null, y: null, guides: false, box: null, units: state.units };
-    const hidden = new Set();
+    const hidden = new Set(ranges.crowded ? ["95 % intervals"] : []);
     let chart = null;
     const full = () => ({ x: ranges.tau, y: ranges.deviation.map((d) => d * unitOf(axis).factor) });
     const reset = () => setView(chart, view, full().x, full().y);

@@ -183,6 +183,52 @@ void against_textbook(const std::vector<double>& rate) {
   }
 }
 
+/// What a second thread gains, against what it gains a loop that only reads; all four take turns.
+void scaling(const std::vector<double>& rate) {
+  fmt::print(
+      "\n## Two threads, 100 log-spaced factors at every sample: speed-up over that of a pure-read loop\n\n");
+  const Factors factors = allan::log_factors(static_cast<std::int64_t>(rate.size()), 100);
+  const auto ours = [&] { use(allan::deviation(rate, kDt, Estimator::oadev, factors)); };
+  const auto read = [&] {
+    for (std::size_t i = 0; i < factors.size(); ++i) read_once(rate);
+  };
+  constexpr int kTurns = 9;
+  std::vector<double> gains, reads, ratios;
+  for (int turn = 0; turn < kTurns; ++turn) {
+    const double one = seconds(with_threads(1, ours)), read_one = seconds(with_threads(1, read)),
+                 two = seconds(with_threads(2, ours)), read_two = seconds(with_threads(2, read));
+    gains.push_back(one / two);
+    reads.push_back(read_one / read_two);
+    ratios.push_back(gains.back() / reads.back());
+  }
+  std::sort(ratios.begin(), ratios.end());
+  fmt::print("ours {:.2f}, read {:.2f}, ratio {:.2f} (of {} turns {:.2f} to {:.2f})\n", median(gains),
+             median(reads), median(ratios), kTurns, ratios.front(), ratios.back());
+}
+
+/// Identification, degrees of freedom, bias and intervals over the time of the curve itself, at octaves.
+void cost_of_statistics(const std::vector<double>& rate) {
+  fmt::print(
+      "\n## Identification and statistics over their curve (1 thread, in turns)\n\n| estimator | per cent "
+      "|\n|---|---|\n");
+  for (const Estimator estimator : {Estimator::oadev, Estimator::mdev, Estimator::ohdev, Estimator::totdev}) {
+    const Factors factors = allan::octave_factors(estimator, static_cast<std::int64_t>(rate.size()));
+    allan::Curve curve;
+    const allan::RateRecord* made = nullptr;
+    std::vector<double> ratios;
+    for (int run = 0; run < kRuns; ++run) {
+      const allan::RateRecord record(rate, kDt);
+      made = &record;
+      const double whole =
+          seconds(with_threads(1, [&] { curve = allan::deviation(*made, estimator, factors); }));
+      const double more = seconds(
+          with_threads(1, [&] { sink = statistics(curve, identify_noise(*made, curve)).back().edf; }));
+      ratios.push_back(more / whole);
+    }
+    fmt::print("| {} | {:.1f} |\n", name(estimator), 100 * median(ratios));
+  }
+}
+
 void stride_loss() {
   fmt::print("\n## What a stride costs: n = 4096, m = 64, loss of degrees of freedom in per cent\n\n");
   fmt::print(
@@ -270,6 +316,8 @@ int main(int argc, char** argv) {
   const std::vector<double> rate = noise::generate_record(ifog, samples, kDt, {.seed = 1});
   fmt::print("{} samples at {} Hz, peak memory {:.0f} MB\n", samples, 1 / kDt, peak_megabytes());
   against_textbook(rate);
+  scaling(rate);
+  cost_of_statistics(rate);
   estimators(rate);
   streaming(rate);
   stride_loss();

@@ -105,6 +105,34 @@ void read_log(std::string_view bytes) {
   promise(same(*whole.record, *cut.record), "the record depends on the chunks");
 }
 
+/// The first byte chooses among .npy and raw numbers.
+void read_binary(std::string_view bytes) {
+  if (bytes.empty()) return;
+  constexpr io::Format kFormats[] = {io::Format::npy, io::Format::f32, io::Format::f64};
+  const auto choice = static_cast<std::uint8_t>(bytes.front());
+  const MemoryFile file(bytes.substr(1));
+  io::LogOptions options{.path = file.path(), .rate_hz = 100, .unit = "deg/s"};
+  options.format = kFormats[(choice & 3) % 3];
+  if (choice & 4) options.columns = {"2"};
+  if (options.format != io::Format::npy) options.file_columns = 1 + (choice >> 4);
+  const Reading reading = read(options, 1 << 20);
+  promise(reading.record.has_value() || !reading.message.empty(), "an error without a message");
+  if (reading.record) check(*reading.record);
+}
+
+/// A log in segments, or resampled.
+void read_cut(std::string_view bytes) {
+  if (bytes.empty()) return;
+  io::LogOptions options = options_of(static_cast<std::uint8_t>(bytes.front()));
+  const MemoryFile file(bytes.substr(1));
+  options.path = file.path();
+  if (bytes.front() & 64) options.resample_hz = 2;
+  try {
+    for (const io::Record& segment : io::read_segments(options, 5)) check(segment);
+  } catch (const io::InputError&) {
+  }
+}
+
 // --- The others -----------------------------------------------------------------------------------------------------------
 
 void read_sensor(std::string_view bytes) {
@@ -156,6 +184,25 @@ std::string with_options(int choice, std::string_view text) {
   return static_cast<char>(choice) + std::string(text);
 }
 
+/// A .npy of version 1 with this header and so many bytes behind it.
+std::string npy(std::string header, std::size_t bytes) {
+  header.resize((10 + header.size() + 64) / 64 * 64 - 10, ' ');
+  header.back() = '\n';
+  std::string text = "\x93NUMPY\x01";
+  text += '\0';
+  text += static_cast<char>(header.size() & 0xff);
+  text += static_cast<char>(header.size() >> 8);
+  return text + header + std::string(bytes, '@');
+}
+
+/// Two stretches at 10 Hz, the second one beginning so many seconds behind the first one's start.
+std::string two_stretches(int rows, int start) {
+  std::string text = "t (s),w (deg/s)\n";
+  for (int i = 0; i < 2 * rows; ++i)
+    text += std::to_string((i < rows ? 0 : start) + 0.1 * (i % rows)) + ",1\n";
+  return text;
+}
+
 }  // namespace
 
 const std::vector<Entry>& entries() {
@@ -175,6 +222,16 @@ const std::vector<Entry>& entries() {
         with_options(35, "x\n0.1\n6.2\n0.3\n\n0.2\n12345678901234567890\n1e308\n"),
         with_options(0, "secs,nsecs,gyro_x (deg/s)\n1,0,1\n1,500000000,2\n2,0,3\n2,500000000,4\n"),
         with_options(2, "\x1f\x8b\x08")}},
+      {"binary",
+       read_binary,
+       {with_options(0, npy("{'descr': '<f8', 'fortran_order': False, 'shape': (3,), }", 24)),
+        with_options(4, npy("{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3), }", 24)),
+        with_options(0, npy("{'shape': (99999999999999999999,), 'descr': '<f8', 'fortran_order': True}", 8)),
+        with_options(17, std::string(16, 'x')), with_options(2, std::string(24, '\x7f'))}},
+      {"segments",
+       read_cut,
+       {with_options(0, two_stretches(40, 100)), with_options(64, two_stretches(40, 100)),
+        with_options(80, two_stretches(33, -5)), with_options(3, "1\nnan\n2\n")}},
       {"sensor",
        read_sensor,
        {"name: IFOG\ngyro:\n  arw: 5.4e-4 deg/sqrt(h)\n  bias_instability: 1.7e-3 deg/h\n  rrw: 4.32e-2 "
