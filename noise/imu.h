@@ -118,6 +118,8 @@ struct ImuConstants {
 /// quantization are in it, errors that depend on the motion (s, M, G, D) are not. The turn-on bias cancels;
 /// of flicker remains b(t) less its mean. Then powered_on_before cannot be shorter than T, and where it is
 /// not given it is T; the law of the readings does not depend on it. Times are rounded to whole samples.
+/// A level that is taken from one sample holds all of flicker's band, so without a calibration the variance
+/// of b(t) grows with the logarithm of the sample rate, by 1.47 B^2 a decade.
 ///
 /// What comes before the first sample is not run through: flicker is noise::flicker_approximation, so all
 /// that has a past is a first-order state whose value at the start and whose sum over the calibration are
