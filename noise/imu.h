@@ -107,8 +107,7 @@ struct ImuConstants {
 /// for such rates
 ///   too. Both are settled at the first increment.
 /// - **Quantization**: bits of Q sqrt(12). What is left over goes to the next reading, so the sum of the
-///   readings
-///   is never off by more than half a bit from that of z; the first remainder is uniform.
+///   readings is never off by a bit from that of z, however many there are; the first remainder is uniform.
 /// - **Range** saturates z and counts the samples of each axis where it did.
 ///
 /// **Epoch**: flicker, random walk and ramp are zero at power-on, powered_on_before the first sample (none
