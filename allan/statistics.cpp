@@ -15,6 +15,7 @@
 #include <mutex>
 #include <stdexcept>
 #include <tuple>
+#include <utility>
 #include <variant>
 
 namespace gyrobudget::inline v0::allan {
@@ -324,6 +325,34 @@ std::vector<Identified> identify_noise(const RateRecord& record, const Curve& cu
     factors.push_back(std::clamp<std::int64_t>(m, 1, std::max<std::int64_t>(1, record.samples() / 2)));
   }
   return held_noise(identify_noise(record, factors), record.samples());
+}
+
+std::vector<Identified> identify_noise(const Curve& curve) {
+  if (curve.estimator != Estimator::oadev) {
+    throw std::invalid_argument(
+        fmt::format("noise is told from the slopes of the oadev, not of the {}", name(curve.estimator)));
+  }
+  constexpr std::int64_t kFewestClusters = 30;
+  std::vector<Identified> found(curve.points.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const std::size_t before = i > 0 ? i - 1 : 0, after = std::min(i + 1, found.size() - 1);
+    const bool known = after > before && curve.points[after].m * kFewestClusters <= curve.samples;
+    const double slope = std::log(curve.points[after].variance / curve.points[before].variance) /
+                         std::log(curve.tau(after) / curve.tau(before));
+    if (i > 0 && (!known || !std::isfinite(slope))) {
+      found[i] = found[i - 1];
+    } else if (known && std::isfinite(slope)) {
+      constexpr std::pair<int, noise::Term> kLaws[] = {{2, noise::Term::quantization},
+                                                       {0, noise::Term::white},
+                                                       {-1, noise::Term::flicker},
+                                                       {-2, noise::Term::rate_random_walk}};
+      const auto law = static_cast<std::size_t>(std::clamp(std::lround(slope), -2L, 1L) + 2);
+      found[i].alpha = kLaws[law].first;
+      found[i].term = kLaws[law].second;
+    }
+    found[i].m = curve.points[i].m;
+  }
+  return found;
 }
 
 std::vector<PooledPoint> pool(std::span<const Segment> segments, double confidence) {

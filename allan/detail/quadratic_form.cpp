@@ -8,6 +8,8 @@
 #include <utility>
 #include <variant>
 
+#include <Eigen/SparseCore>
+
 namespace gyrobudget::inline v0::allan::detail {
 namespace {
 
@@ -143,6 +145,13 @@ struct Phases {
   }
 };
 
+/// A R. The total deviation's form has a few diagonals only.
+MatrixXd product(const MatrixXd& A, const MatrixXd& R) {
+  constexpr Index kSparse = 10;  // times more zeros than numbers
+  if (kSparse * (A.array() != 0).count() > A.size()) return A * R;
+  return A.sparseView() * R;
+}
+
 }  // namespace
 
 MatrixXd estimator_matrix(Estimator estimator, std::int64_t samples, std::int64_t m, std::int64_t stride) {
@@ -217,7 +226,7 @@ double expectation(const MatrixXd& A, std::span<const noise::Process> mix, doubl
 
 Moments moments(const MatrixXd& A, std::span<const noise::Process> mix, double dt) {
   const Phases phases(A.rows(), mix, dt);
-  const MatrixXd AR = A * phases.covariance;
+  const MatrixXd AR = product(A, phases.covariance);
   const VectorXd Amu = A * phases.mean;
   Moments result;
   result.expectation = AR.trace() + phases.mean.dot(Amu);

@@ -2,6 +2,7 @@
 // allan --stream and --follow: deviations of a log that is never in memory as a whole.
 #include "stream.h"
 
+#include "gyrobudget/allan/statistics.h"
 #include "gyrobudget/allan/streaming.h"
 #include "gyrobudget/io/stream.h"
 #include "gyrobudget/report/report.h"
@@ -24,35 +25,6 @@ namespace gyrobudget::inline v0::cli {
 namespace {
 
 constexpr std::int64_t kOverlap = 16;
-
-// --- What the noise is, without the samples -----------------------------------------------------------------------------
-
-/// The power law at each octave from the slope of the curve over its two neighbours: the Allan variance goes as
-/// tau^-2, -1, 0, 1 for quantization, white, flicker, random walk. Where fewer than 30 clusters are left it is that of
-/// the longest tau that has more, as in lag-1 identification.
-std::vector<allan::Identified> noises_by_slope(const allan::Curve& curve) {
-  constexpr std::int64_t kFewestClusters = 30;
-  std::vector<allan::Identified> found(curve.points.size());
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    const std::size_t before = i > 0 ? i - 1 : 0, after = std::min(i + 1, found.size() - 1);
-    const bool known = after > before && curve.points[after].m * kFewestClusters <= curve.samples;
-    const double slope = std::log(curve.points[after].variance / curve.points[before].variance) /
-                         std::log(curve.tau(after) / curve.tau(before));
-    if (i > 0 && (!known || !std::isfinite(slope))) {
-      found[i] = found[i - 1];
-    } else if (known && std::isfinite(slope)) {
-      constexpr std::pair<int, noise::Term> kLaws[] = {{2, noise::Term::quantization},
-                                                       {0, noise::Term::white},
-                                                       {-1, noise::Term::flicker},
-                                                       {-2, noise::Term::rate_random_walk}};
-      const auto law = static_cast<std::size_t>(std::clamp(std::lround(slope), -2L, 1L) + 2);
-      found[i].alpha = kLaws[law].first;
-      found[i].term = kLaws[law].second;
-    }
-    found[i].m = curve.points[i].m;
-  }
-  return found;
-}
 
 // --- The stream ---------------------------------------------------------------------------------------------------------
 
@@ -109,7 +81,7 @@ class Streamed {
       out.name = log_.columns()[i].name;
       out.signal = log_.columns()[i].signal;
       out.mean = curve.mean;
-      out.points = with_intervals(curve, noises_by_slope(curve));
+      out.points = with_intervals(curve, allan::identify_noise(curve));
     }
     return result;
   }

@@ -5,6 +5,7 @@
 #include "gyrobudget/allan/family.h"
 #include "gyrobudget/allan/favar.h"
 #include "gyrobudget/allan/statistics.h"
+#include "gyrobudget/noise/generate.h"
 #include "gyrobudget/noise/normal.h"
 
 #include <gtest/gtest.h>
@@ -203,6 +204,39 @@ TEST(Favar, IsTheOverlappedVariance) {
       }
     }
   }
+}
+
+// ---- statistics without the samples
+
+TEST(StreamStatistics, IntervalsFromSlopesCoverTheTruth) {
+  constexpr int kRecords = 400;
+  constexpr std::int64_t kSamples = 4096;
+  constexpr double kSigmas = 3.5;     // 33 checks: false alarm 8e-3
+  constexpr double kMisread = 0.015;  // where few clusters tell a neighbour's law
+  const noise::Process kinds[] = {noise::White{1}, noise::Flicker{1}, noise::RateRandomWalk{1}};
+  for (const noise::Process& kind : kinds) {
+    const noise::RecordGenerator generate(std::span(&kind, 1), kSamples, 1);
+    std::vector<double> covered;
+    Curve curve;
+    for (int r = 0; r < kRecords; ++r) {
+      StreamingDeviation stream(1);
+      stream.push(generate({.seed = 91, .stream = static_cast<std::uint64_t>(r)}));
+      curve = stream.curve();
+      const auto facts = statistics(curve, identify_noise(curve));
+      covered.resize(facts.size());
+      for (std::size_t i = 0; i < facts.size(); ++i) {
+        const double truth = noise::allan_variance(kind, curve.points[i].m, 1);
+        const Interval& interval = facts[i].interval;
+        covered[i] += interval.lower <= truth && truth <= interval.upper ? 1. / kRecords : 0;
+      }
+    }
+    for (std::size_t i = 0; i < covered.size(); ++i)
+      EXPECT_GT(covered[i], 0.95 - kMisread - kSigmas * std::sqrt(0.05 * 0.95 / kRecords))
+          << static_cast<char>(noise::term(kind)) << " m " << curve.points[i].m;
+  }
+  Curve modified;
+  modified.estimator = Estimator::mdev;
+  EXPECT_THROW((void)identify_noise(modified), std::invalid_argument);
 }
 
 }  // namespace
