@@ -38,12 +38,13 @@ void check(const StateMatrix& P) {
 
 // P = U D U^T, U unit upper triangular with D on its diagonal (Bierman 1977, III.3). A remainder below rounding
 // of its own variance is none: the state is a combination of those after it.
-void factorise(StateMatrix& p) {
+enum class Remainder { refused_if_negative, none_if_negative };
+void factorise(StateMatrix& p, Remainder remainder) {
   const double rounding = 16 * std::numeric_limits<double>::epsilon() * static_cast<double>(p.rows());
   const StateVector variance = p.diagonal();
   for (auto j = p.rows() - 1; j >= 0; --j) {
     const double d = p(j, j);
-    if (d < -rounding * variance[j])
+    if (remainder == Remainder::refused_if_negative && d < -rounding * variance[j])
       throw std::invalid_argument(fmt::format("covariance is not positive semi-definite at state {}", j));
     if (d <= rounding * variance[j]) {
       p.col(j).head(j + 1).setZero();
@@ -107,10 +108,13 @@ void zero_considered(StateVector& gain, std::span<const bool> considered) {
 }  // namespace
 
 Covariance::Covariance(const StateMatrix& P, Form form)
-    : form_(form), size_(static_cast<int>(P.rows())), p_(StateMatrix::Zero(detail::padded(size_), P.cols())) {
+    : form_(form == Form::automatic ? Form::joseph : form),
+      automatic_(form == Form::automatic),
+      size_(static_cast<int>(P.rows())),
+      p_(StateMatrix::Zero(detail::padded(size_), P.cols())) {
   check(P);
   StateMatrix factors = P;
-  factorise(factors);
+  factorise(factors, Remainder::refused_if_negative);
   p_.topRows(size_) = form == Form::square_root ? factors : StateMatrix((P + P.transpose()) / 2);
 }
 
@@ -199,6 +203,10 @@ StateVector Covariance::update_dense(const MeasurementRow& row, std::span<const 
   StateVector g(size_);
   g.noalias() = p.lazyProduct(row.h);
   const double s = row.h.dot(g) + row.variance;
+  if (automatic_ && s > kShrinkLimit * row.variance) {
+    leave_for_square_root();
+    return update_factors(row, considered);
+  }
   StateVector gain = g / s;
   zero_considered(gain, considered);
   // Plain: P - k g^T - g k^T + S k k^T, which is P - k h P where k is optimal.
@@ -218,6 +226,13 @@ void Covariance::joseph(const MeasurementRow& row, StateVector& g, const StateVe
   g.noalias() = p.lazyProduct(row.h);
   for (int j = 0; j < size_; ++j) p.col(j) += gain[j] * (row.variance * gain - g);
   symmetrise();
+}
+
+void Covariance::leave_for_square_root() {
+  StateMatrix factors = p_.topRows(size_);
+  factorise(factors, Remainder::none_if_negative);
+  p_.topRows(size_) = factors;
+  form_ = Form::square_root;
 }
 
 void Covariance::symmetrise() {

@@ -123,7 +123,9 @@ void Filter::catch_up() {
   step.C_eb = middle.toRotationMatrix();
   step.w_ib_b = pending_.angle_b / dt;
   step.f_ib_b = step.C_eb.transpose() * pending_.velocity_e / dt;
-  covariance_.propagate(lineariser_(step));
+  const Transition& transition = lineariser_(step);
+  covariance_.propagate(transition);
+  if (record_ != nullptr) record_->moved(transition);
   pending_ = {};
 }
 
@@ -175,10 +177,31 @@ Innovation Filter::update(const Measurement& measurement) {
   const std::span<const bool> considered(considered_.data(), static_cast<std::size_t>(covariance_.size()));
   for (int i = 0; i < measurement.rows; ++i) {
     const MeasurementRow& row = measurement.row[static_cast<std::size_t>(i)];
-    x += (measurement.residual[i] - row.h.dot(x)) * covariance_.update(row, considered);
+    const double residual = measurement.residual[i] - row.h.dot(x);
+    const double S = record_ != nullptr ? row.h.dot(covariance_.times(row.h)) + row.variance : 0;
+    const StateVector gain = covariance_.update(row, considered);
+    if (record_ != nullptr) record_->updated(row, S, residual, gain);
+    x += residual * gain;
   }
   correct(x);
   return innovation;
+}
+
+void Filter::record(Record* record) {
+  if (record != nullptr && record->states() != covariance_.size())
+    throw std::invalid_argument(
+        fmt::format("record of {} states for a filter of {}", record->states(), covariance_.size()));
+  if (record != nullptr && std::find(considered_.begin(), considered_.end(), true) != considered_.end())
+    throw std::invalid_argument(
+        "a filter with considered states cannot be smoothed: its gains are not optimal");
+  catch_up();
+  record_ = record;
+}
+
+void Filter::keep_epoch() {
+  if (record_ == nullptr) throw std::logic_error("an epoch is kept in a record, and the filter has none");
+  catch_up();
+  record_->keep(time_, strapdown_.state(), terms_, covariance_.matrix());
 }
 
 void Filter::correct(const StateVector& x) {

@@ -4,6 +4,7 @@
 #include "gyrobudget/navigation/aiding.h"
 #include "gyrobudget/navigation/covariance.h"
 #include "gyrobudget/navigation/error_state.h"
+#include "gyrobudget/navigation/smoother.h"
 #include "gyrobudget/navigation/strapdown.h"
 
 #include <array>
@@ -69,6 +70,14 @@ class Filter {
   /// What aids are compared with; valid until the filter changes.
   [[nodiscard]] Estimate estimate() const;
 
+  /// From now on tells `record` what it does, for smooth(); nullptr ends that. The record must outlive it, and a copy of
+  /// the filter tells the same record until it is given its own. Recording allocates.
+  /// @throws std::invalid_argument for a record of other size, and for a model with considered states: their gains are
+  /// not optimal, which smoothing supposes.
+  void record(Record* record);
+  /// Keeps the present as an epoch of the record. @throws std::logic_error without one.
+  void keep_epoch();
+
   /// Moves what covariance_interval has kept back, so that covariance() is that of time().
   void catch_up();
   [[nodiscard]] const Covariance& covariance() const { return covariance_; }
@@ -97,6 +106,7 @@ class Filter {
   bool scaled_ = false;           ///< some term multiplies the signal
   std::array<double, 4> gate_{};  ///< limit of NIS by number of rows
   Pending pending_;
+  Record* record_ = nullptr;
   Eigen::Vector3d w_eb_b_ = Eigen::Vector3d::Zero();
   double time_ = 0;
 };

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Steps per second of the navigation filter against states and form, beside the strapdown alone.
 //
-//   filter_benchmark                       the table
+//   filter_benchmark                       the table of speed
+//   filter_benchmark digits                what each form keeps of its digits, against a hundred of them
 //   filter_benchmark steps STATES FORM N   N steps alone, for an instruction count: of two runs, the difference
 //                                          over the difference in N; FORM is strapdown, plain, joseph, square_root
 //
@@ -9,6 +10,7 @@
 #include "gyrobudget/earth/paths.h"
 #include "gyrobudget/navigation/filter.h"
 
+#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -17,6 +19,8 @@
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "../navigation/reference.h"
 
 namespace {
 
@@ -174,6 +178,62 @@ void print_speed(const Flight& flight) {
   fmt::print("strapdown alone {:.0f}\n", 1e-3 / strapdown);
 }
 
+using Real =
+    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<100>, boost::multiprecision::et_off>;
+
+/// Worst relative error of any sigma over ten steps with a fix of position, and another of attitude, each, where the
+/// variances at the start are `ratio` times those of the fixes.
+std::vector<double> lost_digits(const std::vector<Form>& forms, double ratio) {
+  constexpr int kStates = 21, kFixes = 10;
+  const auto model = model_of(kStates);
+  navigation::StateMatrix P0 = covariance_of(model);
+  navigation::StateVector fix = P0.diagonal();
+  P0 *= ratio;
+  gyrobudget::reference::Matrix<Real> truth(P0);
+  std::vector<navigation::Covariance> ours;
+  for (const Form form : forms) ours.emplace_back(P0, form);
+  std::vector<double> worst(forms.size(), 0);
+  navigation::Lineariser lineariser(model);
+  navigation::StepInput step;
+  step.dt = 0.1;
+  step.p_eb_e = earth::to_ecef({0.7, 2.1, 3000});
+  for (int k = 0; k < kFixes; ++k) {
+    step.w_ib_b = {0.1 * k, 0.02, -0.1};
+    step.f_ib_b = {0.5 * k, -1, -9.8};
+    step.C_eb = Eigen::Quaterniond(1, 0.1 * k, 0.2, -0.3).normalized().toRotationMatrix();
+    const auto& transition = lineariser(step);
+    truth = gyrobudget::reference::propagated(truth, transition);
+    for (auto& P : ours) P.propagate(transition);
+    for (const int first : {navigation::kPosition, navigation::kAttitude})
+      for (int i = 0; i < 3; ++i) {
+        const navigation::MeasurementRow row{navigation::StateVector::Unit(kStates, first + i),
+                                             fix[first + i]};
+        truth = gyrobudget::reference::updated(truth, row);
+        for (auto& P : ours) (void)P.update(row);
+      }
+    for (std::size_t f = 0; f < ours.size(); ++f)
+      for (int i = 0; i < kStates; ++i) {
+        const double variance = ours[f].variance(i);
+        const double off =
+            variance >= 0 ? std::abs(static_cast<double>(sqrt(Real(variance) / truth(i, i))) - 1) : 1e99;
+        worst[f] = off <= worst[f] ? worst[f] : off;
+      }
+  }
+  return worst;
+}
+
+void print_digits() {
+  const std::vector<Form> forms{Form::plain, Form::joseph, Form::square_root, Form::automatic};
+  fmt::print(
+      "Worst error of a sigma, of itself, by how much the variances at the start exceed those of fixes\n");
+  fmt::print("{:>8} {:>10} {:>10} {:>12} {:>10}\n", "ratio", "plain", "joseph", "square_root", "automatic");
+  for (int decade = 0; decade <= 36; decade += 2) {
+    const auto worst = lost_digits(forms, std::pow(10, decade));
+    fmt::print("{:>8} {:>10.1e} {:>10.1e} {:>12.1e} {:>10.1e}\n", fmt::format("1e{}", decade), worst[0],
+               worst[1], worst[2], worst[3]);
+  }
+}
+
 int run_steps(const Flight& flight, int states, std::string_view form, std::int64_t steps) {
   if (form == "strapdown") {
     run_strapdown(flight, steps);
@@ -193,6 +253,9 @@ int main(int argc, char** argv) {
   const Flight path = flight();
   if (argc == 5 && std::string_view(argv[1]) == "steps")
     return run_steps(path, std::stoi(argv[2]), argv[3], std::stoll(argv[4]));
-  print_speed(path);
+  if (argc == 2 && std::string_view(argv[1]) == "digits")
+    print_digits();
+  else
+    print_speed(path);
   return 0;
 }
