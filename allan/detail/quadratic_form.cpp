@@ -149,7 +149,8 @@ struct Phases {
 MatrixXd product(const MatrixXd& A, const MatrixXd& R) {
   constexpr Index kSparse = 10;  // times more zeros than numbers
   if (kSparse * (A.array() != 0).count() > A.size()) return A * R;
-  return A.sparseView() * R;
+  const Eigen::SparseMatrix<double> sparse = A.sparseView();
+  return sparse * R;
 }
 
 }  // namespace
