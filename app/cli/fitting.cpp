@@ -111,19 +111,34 @@ struct Fitted {
   std::optional<report::Chosen> chosen;
 };
 
+// Chooses the terms from `tau_min_s` on, and fits them there.
+void fit_chosen(Fitted& f, const allan::RateRecord& record, std::optional<double> tau_min_s,
+                const io::Axis& axis, const CalibrateArguments& a, Covariances& covariances) {
+  f.chosen.emplace();
+  f.chosen->selection = fit::choose_terms(record.rate(), record.dt(), {.tau_min_s = tau_min_s});
+  const fit::Selection& s = f.chosen->selection;
+  const auto fitted = [&](const std::vector<Term>& terms, std::optional<double> time) {
+    return fit_curves(f.curves, record.rate(), terms, axis, a, covariances,
+                      {time, s.frequency_hz, tau_min_s});
+  };
+  if (s.alternative)
+    f.chosen->alternative_fit = fitted(s.alternative->terms, s.alternative->correlation_time_s);
+  f.fit = fitted(s.terms.empty() ? terms_for(a, f.curves.identified) : s.terms, s.correlation_time_s);
+}
+
 Fitted fit_axis(const Prepared& prepared, const io::Axis& axis, const CalibrateArguments& a,
                 Covariances& covariances) {
   const auto& record = prepared.record();
   Fitted f{.curves = curves_of(record, a.curve)};
-  std::vector<Term> terms = terms_for(a, f.curves.identified);
-  if (a.choose_terms) {
-    f.chosen.emplace();
-    f.chosen->selection = fit::choose_terms(record.rate(), record.dt(), {.tau_min_s = a.tau_min_s});
-    if (!f.chosen->selection.terms.empty()) terms = f.chosen->selection.terms;
-    if (const auto& other = f.chosen->selection.alternative)
-      f.chosen->alternative_fit = fit_curves(f.curves, record.rate(), other->terms, axis, a, covariances);
+  if (!a.choose_terms) {
+    f.fit = fit_curves(f.curves, record.rate(), terms_for(a, f.curves.identified), axis, a, covariances);
+    return f;
   }
-  f.fit = fit_curves(f.curves, record.rate(), terms, axis, a, covariances);
+  fit_chosen(f, record, a.tau_min_s, axis, a, covariances);
+  // What was chosen does not describe the shortest taus: it may owe terms to them, so it is chosen again without.
+  const double shortest = a.tau_min_s.value_or(0);
+  if (!f.fit.moved.empty() && f.fit.tau_min_s > shortest)
+    fit_chosen(f, record, f.fit.tau_min_s, axis, a, covariances);
   return f;
 }
 
@@ -160,12 +175,15 @@ Covariances::Shared Covariances::of(const allan::Curve& curve, const std::vector
 }
 
 fit::Result fit_curves(const Curves& curves, std::span<const double> rate, const std::vector<Term>& terms,
-                       const io::Axis& axis, const CalibrateArguments& a, Covariances& covariances) {
+                       const io::Axis& axis, const CalibrateArguments& a, Covariances& covariances,
+                       const Seen& seen) {
   fit::Options options;
   options.terms = terms;
   options.method = a.method;
-  options.tau_min_s = a.tau_min_s;
+  options.tau_min_s = seen.tau_min_s ? seen.tau_min_s : a.tau_min_s;
   options.tau_max_s = a.tau_max_s;
+  options.near_correlation_time_s = seen.correlation_time_s;
+  options.near_frequency_hz = seen.frequency_hz;
   if (a.method != fit::Method::whittle) check_enough(axis, curves.octaves, options.terms.size());
   // Readings are made on the curve that the person sees.
   const bool reads = report::is_reading(a.method) && !is_silent(curves.display);

@@ -9,6 +9,7 @@
 
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <vector>
 
 #include "arguments.h"
@@ -46,11 +47,17 @@ class Covariances {
 [[nodiscard]] std::vector<noise::Term> terms_for(const CalibrateArguments&,
                                                  const std::vector<allan::Identified>&);
 
+/// What choosing the terms saw, for the fit to begin from.
+struct Seen {
+  std::optional<double> correlation_time_s, frequency_hz;
+  std::optional<double> tau_min_s;
+};
+
 /// Fits by the method asked for. `rate` is empty for a table.
 /// @throws io::InputError where gaps, or a table of few taus, leave too little to fit.
 [[nodiscard]] fit::Result fit_curves(const Curves&, std::span<const double> rate,
                                      const std::vector<noise::Term>&, const io::Axis&,
-                                     const CalibrateArguments&, Covariances&);
+                                     const CalibrateArguments&, Covariances&, const Seen& = {});
 
 /// Everything calibrate tells of one axis of a log.
 /// @throws io::InputError also for samples whose squares leave double.

@@ -688,6 +688,8 @@ std::string selection_text(const AxisResult& axis) {
       letters(s.terms));
   if (!s.dropped.empty())
     text += fmt::format(" Kept at first, then made needless by a later one: {}.", letters(s.dropped));
+  if (s.tau_min_s)
+    text += fmt::format(" Weighed and fitted over averaging times from {} on.", tau_text(*s.tau_min_s));
   return text;
 }
 
@@ -695,26 +697,34 @@ namespace {
 
 // What a slow term means for its user: 1/f noise has no end, a Gauss-Markov process forgets.
 std::string meaning(Signal signal, const fit::Result& fit) {
-  const Coefficient* markov = find(fit, Term::gauss_markov);
-  if (markov != nullptr && markov->fitted && markov->value > 0) {
+  std::vector<std::string> parts;
+  const auto add = [&](Term t, const auto& text) {
+    const Coefficient* c = find(fit, t);
+    if (c != nullptr && c->fitted && c->value > 0) parts.push_back(text(*c, quantity(signal, t, c->value)));
+  };
+  add(Term::gauss_markov, [](const Coefficient& c, const std::string& size) {
     return fmt::format(
         "the bias wanders within {} (1 sigma) and forgets itself in {}: averages over longer times gain "
         "again, and one state of a filter describes it",
-        quantity(signal, Term::gauss_markov, markov->value), tau_text(markov->shape));
-  }
-  const Coefficient* flicker = find(fit, Term::flicker);
-  if (flicker != nullptr && flicker->fitted && flicker->value > 0) {
+        size, tau_text(c.shape));
+  });
+  add(Term::flicker, [](const Coefficient&, const std::string& size) {
     return fmt::format(
         "the bias wanders on every time scale with B = {}: averaging longer gains nothing below the "
         "floor, 0.664 B, and a filter needs several states to follow it",
-        quantity(signal, Term::flicker, flicker->value));
-  }
-  const Coefficient* walk = find(fit, Term::rate_random_walk);
-  if (walk == nullptr || !walk->fitted || !(walk->value > 0)) return "the bias stays where it is";
-  return fmt::format(
-      "the bias walks away without bound, by K = {}: averaging longer loses, and one state of a filter "
-      "follows it",
-      quantity(signal, Term::rate_random_walk, walk->value));
+        size);
+  });
+  add(Term::rate_random_walk, [](const Coefficient&, const std::string& size) {
+    return fmt::format(
+        "the bias walks away without bound, by K = {}: averaging longer loses, and one state of a filter "
+        "follows it",
+        size);
+  });
+  add(Term::rate_ramp, [](const Coefficient&, const std::string& size) {
+    return fmt::format("the bias drifts along a straight line, by R = {}: a line fitted to it takes it off",
+                       size);
+  });
+  return parts.empty() ? "the bias stays where it is" : fmt::format("{}", fmt::join(parts, "; "));
 }
 
 }  // namespace

@@ -479,7 +479,11 @@ std::vector<Coefficient> take_shapes(const Record& record, Options& options) {
   std::vector<Coefficient> shaped;
   if (std::none_of(options.terms.begin(), options.terms.end(), [&](Term t) { return is_open(t, options); }))
     return shaped;
-  const Result found = fit_likelihood(record.rate, record.dt, options);
+  Options search = options;
+  // What was seen before may lie where a fit of its own choice would cut the band.
+  if ((options.near_correlation_time_s || options.near_frequency_hz) && !search.tau_min_s)
+    search.tau_min_s = record.dt;
+  const Result found = fit_likelihood(record.rate, record.dt, search);
   for (const auto& c : found.coefficients) {
     if (is_open(c.term, options)) shaped.push_back(c);
   }

@@ -111,6 +111,9 @@ struct Options {
   bool intervals = true;                     ///< false: values only, for studies that need no intervals
   std::optional<double> correlation_time_s;  ///< of G; unset: fitted, by the likelihood
   std::optional<double> frequency_hz;        ///< of S; unset: fitted, by the likelihood
+  /// Where unset shapes were seen before (Selection has them): the correlation time is then searched within a factor of
+  /// 4 of this, the frequency within 4 cycles in the record, whatever else the record holds.
+  std::optional<double> near_correlation_time_s, near_frequency_hz;
 };
 
 struct Result {

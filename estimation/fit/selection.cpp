@@ -13,7 +13,10 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <numeric>
 #include <stdexcept>
 #include <utility>
@@ -26,6 +29,8 @@ using Terms = std::vector<Term>;
 constexpr double kIndistinguishable = 2;  // in ln L
 constexpr double kMuchBetter =
     5;  // in ln L: what lets a Gauss-Markov process go before a term with less freedom
+constexpr std::array kReplacements{Term::flicker, Term::rate_random_walk, Term::rate_ramp,
+                                   Term::gauss_markov};
 constexpr double kTimeRatio = 1.9952623149688795;  // 10^0.3, of the grid of correlation times
 
 bool holds(const Terms& terms, Term t) { return std::find(terms.begin(), terms.end(), t) != terms.end(); }
@@ -146,6 +151,9 @@ class Search {
       }
     }
     simplify(s);
+    if (holds(s.terms, Term::gauss_markov)) s.correlation_time_s = time_;
+    if (holds(s.terms, Term::sinusoid)) s.frequency_hz = frequency_;
+    s.tau_min_s = options_.tau_min_s;
     return s;
   }
 
@@ -240,18 +248,25 @@ class Search {
     return cuts;
   }
 
-  // The largest gain over its cut; a Gauss-Markov process only where nothing else comes near it.
+  // The largest gain over its cut; ramp and Gauss-Markov process only where nothing else comes near them: a walk looks
+  // like a ramp more often than sensors have one.
   [[nodiscard]] static std::optional<Term> choose(const std::vector<Candidate>& list) {
-    const Candidate *best = nullptr, *markov = nullptr;
+    const Candidate *best = nullptr, *ramp = nullptr, *markov = nullptr;
     for (const Candidate& c : list) {
       if (!(c.gain > c.cut)) continue;
       if (c.term == Term::gauss_markov) {
         markov = &c;
+      } else if (c.term == Term::rate_ramp) {
+        ramp = &c;
       } else if (!best || c.gain - c.cut > best->gain - best->cut) {
         best = &c;
       }
     }
-    if (markov && (!best || markov->gain - best->gain > 2 * kMuchBetter)) best = markov;
+    const auto beats = [](const Candidate* a, const Candidate* b, double by) {
+      return a && (!b || a->gain - b->gain > 2 * by);
+    };
+    if (beats(ramp, best, kIndistinguishable)) best = ramp;
+    if (beats(markov, best, kMuchBetter)) best = markov;
     return best ? std::optional(best->term) : std::nullopt;
   }
 
@@ -262,6 +277,7 @@ class Search {
       const Family family(bins_, terms, time_);
       const auto model = family.best();
       const Line line = find_line(*model.likelihood, model.point, t_.coefficients, {});
+      frequency_ = line.w / (2 * std::numbers::pi * t_.dt);
       bins_ = SineBins(without_line(t_, line), t_.used.count, t_.dt, last_);
       bins_.reference = reference;
     }
@@ -278,41 +294,62 @@ class Search {
     dropped_ = s.dropped;
   }
 
-  // Flicker, walk or both in place of a Gauss-Markov process where the record cannot tell, and the other way round.
+  // What the record cannot tell from the chosen terms; beside a Gauss-Markov process, what would do in its place takes it.
   void simplify(Selection& s) const {
-    const auto usable = [&](Term t) { return holds(options_.candidates, t); };
-    if (!usable(Term::gauss_markov)) return;
-    const double here = cost(s.terms);
-    if (!holds(s.terms, Term::gauss_markov)) {
-      if (holds(s.terms, Term::flicker)) {
-        const Terms other = with(without(s.terms, Term::flicker), Term::gauss_markov);
-        const double difference = 0.5 * (cost(other) - here);
-        if (difference < kIndistinguishable) s.alternative = Alternative{other, difference};
-      }
-      return;
+    if (holds(s.terms, Term::gauss_markov)) {
+      replace_gauss_markov(s);
+    } else {
+      find_alternative(s);
     }
+  }
+
+  void replace_gauss_markov(Selection& s) const {
+    const double here = cost(s.terms);
     const Terms rest = without(s.terms, Term::gauss_markov);
     for (const Terms& instead : {Terms{Term::flicker}, Terms{Term::rate_random_walk},
                                  Terms{Term::flicker, Term::rate_random_walk}}) {
       Terms other = rest;
       for (const Term t : instead) {
-        if (usable(t) && !holds(other, t)) other = with(other, t);
+        if (is_candidate(t) && !holds(other, t)) other = with(other, t);
       }
       const double difference = 0.5 * (cost(other) - here);
       if (other.size() == rest.size() || difference >= kIndistinguishable) continue;
-      s.alternative = Alternative{s.terms, -difference};
+      s.alternative = Alternative{s.terms, time_, -difference};
       s.terms = other;
       std::erase_if(s.dropped, [&](Term t) { return holds(other, t); });
       return;
     }
   }
 
+  // The best set with one term in place of another that it needs just as much.
+  void find_alternative(Selection& s) const {
+    const double here = cost(s.terms);
+    for (const Term out : s.terms) {
+      if (out == Term::white || out == Term::sinusoid) continue;
+      const Terms rest = without(s.terms, out);
+      for (const Term in : kReplacements) {
+        if (!is_candidate(in) || holds(s.terms, in)) continue;
+        const Terms other = with(rest, in);
+        const auto best = Family(bins_, other).best();
+        const double difference = 0.5 * (best.point.cost - here);
+        const bool likelier = !s.alternative || difference < s.alternative->log_likelihood_difference;
+        if (difference >= kIndistinguishable || !likelier || cost(rest) - best.point.cost < kBoundaryCut)
+          continue;
+        s.alternative = Alternative{other, std::nullopt, difference};
+        if (in == Term::gauss_markov) s.alternative->correlation_time_s = best.time;
+      }
+    }
+  }
+
+  [[nodiscard]] bool is_candidate(Term t) const { return holds(options_.candidates, t); }
+
   const Transformed& t_;
   std::int64_t last_;
   const SelectionOptions& options_;
   SineBins bins_;
   Terms dropped_;
-  std::optional<double> time_;  // correlation time, once a Gauss-Markov process is in
+  std::optional<double> time_;       // correlation time, once a Gauss-Markov process is in
+  std::optional<double> frequency_;  // of the line, once it is in
   std::uint64_t step_ = 0;
 };
 

@@ -34,24 +34,30 @@ struct Weighed {
 /// less than a Gauss-Markov process, with its parameter more, must bring to be chosen.
 struct Alternative {
   std::vector<noise::Term> terms;
-  double log_likelihood_difference = 0;  ///< of the chosen less the alternative; may be negative
+  std::optional<double> correlation_time_s;  ///< of its Gauss-Markov process, where it has one
+  double log_likelihood_difference = 0;      ///< of the chosen less the alternative; may be negative
 };
 
 struct Selection {
   std::vector<noise::Term>
       terms;                     ///< chosen, in the order Q N B K R G S; empty where the record has no answer
   std::vector<Weighed> weighed;  ///< in the order in which they were
-  std::vector<noise::Term> dropped;        ///< kept at first and made needless by a later one
-  std::optional<Alternative> alternative;  ///< flicker for a Gauss-Markov process, or the reverse
+  std::vector<noise::Term> dropped;  ///< kept at first and made needless by a later one
+  /// With one term in place of another, flicker, walk or both in place of a Gauss-Markov process, or the reverse; the
+  /// likeliest of these.
+  std::optional<Alternative> alternative;
+  std::optional<double> correlation_time_s;  ///< of the chosen Gauss-Markov process, as it was weighed
+  std::optional<double> frequency_hz;        ///< of the chosen line, as it was weighed
+  std::optional<double> tau_min_s;           ///< SelectionOptions::tau_min_s: what was weighed begins there
 };
 
 /// Which terms a record holds, by likelihood ratios (see whittle.h).
 ///
 /// From white noise on, all candidates are weighed at each step, and that with the largest gain over its cut is kept,
-/// until none passes. A Gauss-Markov process, which with its free correlation time can imitate any of the others, is
-/// kept only when none of the others comes within 5 of its gain; terms that it makes needless (gain below 1.353, half of
-/// 2.706) are dropped, and where flicker, walk or both would do in its place within 2, they take it. A line counts from
-/// 8 cycles in the record on: slower ones cannot be told from walks and ramps.
+/// until none passes. A ramp is kept only when no other comes within 2 of its gain in ln L, and a Gauss-Markov process,
+/// which with its free correlation time can imitate any of the others, within 5. Terms that it makes needless (gain
+/// below 1.353, half of 2.706) are dropped, and where flicker, walk or both would do in its place within 2, they take
+/// it. A line counts from 8 cycles in the record on: slower ones cannot be told from walks and ramps.
 ///
 /// Cuts hold the family together: of records that have the terms of the step and no more, a share `false_rate` gets any
 /// candidate. Ramp and line take theirs from their laws (chi-square with 1 degree of freedom; largest of n frequencies)
@@ -59,6 +65,7 @@ struct Selection {
 /// the step's model (parametric bootstrap), all at one level that their joint rate fixes. On boundaries no table holds:
 /// beside white noise alone flicker and walk need about 3.4 rather than 1.35, all candidates together.
 ///
+/// FAMILY
 /// Deterministic for a seed at any thread count. Cost: about 0.5 s a step on two cores, whatever the length.
 /// @throws std::invalid_argument for dt, a repeated candidate or white noise among them, a rate outside (0, 0.5], or
 /// fewer than 50 replicas.

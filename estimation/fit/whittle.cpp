@@ -9,6 +9,7 @@
 #include <boost/math/special_functions/erf.hpp>
 #include <boost/math/special_functions/gamma.hpp>
 #include <boost/math/tools/minima.hpp>
+#include <boost/math/tools/roots.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -86,8 +87,38 @@ double& correlation_time(Model& m) {
   return std::get<noise::GaussMarkov>(m.processes.back()).correlation_time;
 }
 
-// The best correlation time: a grid over all that the record could show, then Brent's minimisation beside its best.
-void search_time(Fitted& f, const SineBins& bins) {
+// Derivative of the least cost by the logarithm of the correlation time: with the rest at its best only the spectrum's
+// own change counts.
+double cost_slope(const Model& model, const SineBins& bins, double log_time) {
+  const auto at = [&](double x) {
+    Model m = model;
+    correlation_time(m) = std::exp(x);
+    return SineLikelihood(bins, m.processes, m.ramp);
+  };
+  constexpr double kStep = 1e-3;
+  const SineLikelihood here = at(log_time);
+  const auto best = here.maximise();
+  const Eigen::ArrayXd lambda = here.variance(best.theta);
+  const Eigen::ArrayXd change =
+      (at(log_time + kStep).variance(best.theta) - at(log_time - kStep).variance(best.theta)) / (2 * kStep);
+  return (bins.count / lambda * (1 - here.power(best.ramp) / lambda) * change).sum();
+}
+
+// A minimum found by values is known to the root of their rounding only; by the root of their slope to the rounding.
+template <class Slope>
+double polished(const Slope& slope, double minimum, double reach) {
+  const double low = slope(minimum - reach), high = slope(minimum + reach);
+  if (!(low < 0 && high > 0)) return minimum;
+  std::uintmax_t budget = 60;
+  const auto bracket =
+      boost::math::tools::toms748_solve(slope, minimum - reach, minimum + reach, low, high,
+                                        boost::math::tools::eps_tolerance<double>(48), budget);
+  return 0.5 * (bracket.first + bracket.second);
+}
+
+// The best correlation time: a grid over all that the record could show, then the least cost beside its best.
+void search_time(Fitted& f, const SineBins& bins, std::optional<double> near) {
+  constexpr double kNear = 4, kTie = 1e-7;
   const double n = static_cast<double>(bins.samples);
   const double low = std::log(bins.dt), high = std::log(0.5 * n * bins.dt);
   const auto cost = [&](double log_time) {
@@ -96,20 +127,25 @@ void search_time(Fitted& f, const SineBins& bins) {
     return SineLikelihood(bins, m.processes, m.ramp).maximise().cost;
   };
   const double step = std::numbers::ln10 / kTimesPerDecade;
-  double best = low, least = kInfinity;
-  for (double x = low; x < high + step; x += step) {
-    const double c = cost(std::min(x, high));
-    if (c < least) least = c, best = std::min(x, high);
+  const double from = near ? std::clamp(std::log(*near / kNear), low, high) : low;
+  const double to = near ? std::clamp(std::log(*near * kNear), low, high) : high;
+  double best = from, least = kInfinity;
+  for (double x = from; x < to + step; x += step) {
+    const double c = cost(std::min(x, to));
+    if (c < least - kTie) least = c, best = std::min(x, to);
   }
   std::uintmax_t budget = 40;
   const auto found = boost::math::tools::brent_find_minima(cost, std::max(low, best - step),
                                                            std::min(high, best + step), 14, budget);
-  correlation_time(f.model) = std::exp(found.second < least ? found.first : best);
+  if (found.second < least - kTie) {
+    constexpr double kReach = 0.01;
+    best = polished([&](double x) { return cost_slope(f.model, bins, x); }, found.first, kReach);
+    least = cost(best);
+  }
+  correlation_time(f.model) = std::exp(best);
   // Interval: where the profile has risen by its 95 % cut; the ends of the grid where it never does.
-  least = std::min(least, found.second);
-  const double center = std::log(correlation_time(f.model));
   const auto end = [&](double limit) {
-    double inside = center, outside = limit;
+    double inside = best, outside = limit;
     if (cost(limit) - least < kIntervalCut) return limit;
     while (std::abs(outside - inside) > 1e-3) {
       const double middle = 0.5 * (inside + outside);
@@ -166,8 +202,8 @@ struct Band {
   std::int64_t first = 1, last = 1;
 };
 
-void maximise(Fitted& f, const SineBins& bins) {
-  if (f.model.search_time) search_time(f, bins);
+void maximise(Fitted& f, const SineBins& bins, const Options& options) {
+  if (f.model.search_time) search_time(f, bins, options.near_correlation_time_s);
   f.likelihood.emplace(bins, f.model.processes, f.model.ramp);
   f.point = f.likelihood->maximise();
 }
@@ -178,16 +214,18 @@ Fitted fit_band(const Transformed& t, const Band& band, const Options& options, 
   f.last = band.last;
   if (f.model.processes.empty()) return f;
   const SineBins all = bins_of(t, t.coefficients, band.first, band.last);
-  maximise(f, all);
+  maximise(f, all, options);
   if (f.model.line && f.point.converged) {
-    std::optional<double> w;
-    if (options.frequency_hz) w = 2 * std::numbers::pi * std::remainder(*options.frequency_hz * t.dt, 1.0);
+    const auto angle = [&](std::optional<double> hz) {
+      return hz ? std::optional(2 * std::numbers::pi * std::remainder(*hz * t.dt, 1.0)) : std::nullopt;
+    };
+    const std::optional<double> w = angle(options.frequency_hz), near = angle(options.near_frequency_hz);
     constexpr int kRounds = 2;  // a strong line raises the spectrum that it is first seen against
     for (int i = 0; i < kRounds; ++i) {
-      f.line = find_line(*f.likelihood, f.point, t.coefficients, w);
+      f.line = find_line(*f.likelihood, f.point, t.coefficients, w, near);
       SineBins rest = bins_of(t, without_line(t, f.line), band.first, band.last);
       rest.reference = all.reference;
-      maximise(f, rest);
+      maximise(f, rest, options);
     }
     f.line = find_line(*f.likelihood, f.point, t.coefficients, f.line.w);
   }

@@ -14,7 +14,9 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kMostReweightings = 200;
-constexpr int kDampAfter = 15;         // a two-cycle of the active set is broken by averaging
+constexpr int kFullSteps = 8;  // then each is lengthened or shortened by what the one before it did
+constexpr double kShortest = 0.05, kLongest = 10;
+constexpr int kDampAfter = 60;         // what still cycles between active sets is broken by averaging
 constexpr double kFixedPoint = 1e-12;  // relative change of the modelled variances
 
 using Columns = std::vector<Eigen::Index>;
@@ -81,6 +83,14 @@ Eigen::VectorXd relative_start(const LinearModel& model, std::optional<Held> hel
   return nonnegative_least_squares(weight.asDiagonal() * model.A, weight.cwiseProduct(model.s), held);
 }
 
+// Of a step, from the change `before` that led to the last one (taken by `part`) and the one that is left `now`: along
+// them the iteration contracts by r, so the fixed point is 1/(1 - r) changes away. Negative beside a bound, where the
+// optimum answers a step with a larger one back.
+double next_part(double part, const Eigen::VectorXd& before, const Eigen::VectorXd& now) {
+  const double r = before.dot(now) / std::max(before.squaredNorm(), std::numeric_limits<double>::min());
+  return r < 1 ? std::clamp(part / (1 - r), kShortest, kLongest) : 1;
+}
+
 double squared_norm_whitened(const Eigen::LLT<Eigen::MatrixXd>& factor, const Eigen::VectorXd& r) {
   return factor.matrixL().solve(r).squaredNorm();
 }
@@ -107,6 +117,8 @@ GlsSolution iterate_gls(const LinearModel& model, std::optional<Held> held, cons
   GlsSolution solution;
   solution.theta = start ? *start : relative_start(model, held);
   if (held) solution.theta(held->index) = held->value;
+  double part = 1;
+  Eigen::VectorXd before;
   while (solution.iterations < kMostReweightings && !solution.converged) {
     if (solution.theta.maxCoeff() <= 0) {  // nothing allowed explains anything: no covariance to weigh with
       solution.converged = true;
@@ -119,13 +131,15 @@ GlsSolution iterate_gls(const LinearModel& model, std::optional<Held> held, cons
     if (factor.info() != Eigen::Success) return solution;
     const Eigen::VectorXd optimum =
         nonnegative_least_squares(factor.matrixL().solve(model.A), factor.matrixL().solve(model.s), held);
-    const bool damped = solution.iterations > kDampAfter;
-    const Eigen::VectorXd next = damped ? Eigen::VectorXd(0.5 * (optimum + solution.theta)) : optimum;
-    const Eigen::VectorXd before = model.A * solution.theta;
-    const double change = ((model.A * next - before).array().abs() / before.array().max(1e-300)).maxCoeff();
-    solution.converged = change < kFixedPoint;
+    const Eigen::VectorXd modelled = model.A * solution.theta;
+    const Eigen::VectorXd change = (model.A * optimum - modelled).cwiseQuotient(modelled.cwiseMax(1e-300));
+    solution.converged = change.cwiseAbs().maxCoeff() < kFixedPoint;
+    if (solution.iterations >= kFullSteps)
+      part = solution.iterations < kDampAfter ? next_part(part, before, change) : 0.5;
+    before = change;
+    const Eigen::VectorXd step = optimum - solution.theta;
     solution.theta =
-        solution.converged ? optimum : next;  // the optimum has exact zeros, a damped step has not
+        solution.converged || part == 1 ? optimum : (solution.theta + part * step).cwiseMax(0).eval();
     ++solution.iterations;
     solution.chi2 = squared_norm_whitened(factor, model.s - model.A * solution.theta);
   }

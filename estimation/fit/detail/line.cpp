@@ -4,6 +4,7 @@
 #include "gyrobudget/fit/detail/dst.h"
 
 #include <boost/math/tools/minima.hpp>
+#include <boost/math/tools/roots.hpp>
 
 #include <algorithm>
 #include <numbers>
@@ -53,7 +54,7 @@ std::vector<double> variances(const SineLikelihood& likelihood, const Eigen::Vec
 }  // namespace
 
 Line find_line(const SineLikelihood& likelihood, const SineLikelihood::Point& point,
-               std::span<const double> c, std::optional<double> asked_w) {
+               std::span<const double> c, std::optional<double> asked_w, std::optional<double> near_w) {
   const auto lambda = variances(likelihood, point.theta);
   const std::int64_t n = likelihood.bins().samples;
   std::vector<double> shown(c.begin(), c.begin() + static_cast<std::ptrdiff_t>(lambda.size()));
@@ -61,9 +62,16 @@ Line find_line(const SineLikelihood& likelihood, const SineLikelihood::Point& po
     shown[i] -= point.ramp * sine_mean_of_ramp(static_cast<std::int64_t>(i) + 1, n, likelihood.bins().dt);
   if (asked_w) return line_at(*asked_w, shown, lambda, n);
   if (shown.size() <= kSlowest) return {};
-  std::size_t peak = kSlowest;
+  std::size_t peak = kSlowest, end = shown.size();
+  if (near_w) {
+    constexpr double kNear = 8;  // half cycles
+    const double k = *near_w * static_cast<double>(n) / std::numbers::pi;
+    peak = static_cast<std::size_t>(std::max(static_cast<double>(kSlowest), k - kNear));
+    end = std::min(end, static_cast<std::size_t>(std::max(0.0, k + kNear)));
+    if (peak >= end) return {};
+  }
   double highest = 0;
-  for (std::size_t i = kSlowest; i < shown.size(); ++i) {
+  for (std::size_t i = peak; i < end; ++i) {
     const double next = i + 1 < shown.size() ? shown[i + 1] * shown[i + 1] / lambda[i + 1] : 0;
     const double height = shown[i] * shown[i] / lambda[i] + next;
     if (height > highest) highest = height, peak = i;
@@ -73,13 +81,25 @@ Line find_line(const SineLikelihood& likelihood, const SineLikelihood::Point& po
   double best = static_cast<double>(peak) + 1, least = less(best);
   constexpr double kStep = 0.25;
   const double top = static_cast<double>(n) - 0.5;
-  for (double k = std::max(0.5, best - 1.5), end = std::min(top, best + 2.5); k <= end; k += kStep) {
+  for (double k = std::max(0.5, best - 1.5), last = std::min(top, best + 2.5); k <= last; k += kStep) {
     if (const double l = less(k); l < least) least = l, best = k;
   }
   std::uintmax_t budget = 40;
   const auto found = boost::math::tools::brent_find_minima(less, std::max(0.25, best - kStep),
                                                            std::min(top, best + kStep), 20, budget);
-  return line_at((found.second < least ? found.first : best) * bin, shown, lambda, n);
+  best = found.second < least ? found.first : best;
+  // The root of the slope is known far better than the place of the least value.
+  constexpr double kReach = 0.01;
+  const auto slope = [&](double k) { return less(k + kReach) - less(k - kReach); };
+  const double low = slope(best - kReach), high = slope(best + kReach);
+  if (low < 0 && high > 0 && best > 0.5 && best < top) {
+    budget = 60;
+    const auto bracket =
+        boost::math::tools::toms748_solve(slope, best - kReach, best + kReach, low, high,
+                                          boost::math::tools::eps_tolerance<double>(48), budget);
+    best = 0.5 * (bracket.first + bracket.second);
+  }
+  return line_at(best * bin, shown, lambda, n);
 }
 
 std::vector<double> without_line(const Transformed& t, const Line& line) {

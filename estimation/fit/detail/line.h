@@ -22,9 +22,10 @@ struct Line {
 };
 
 /// The line that explains most of the coefficients c over the spectrum and the ramp of a fit: near its highest peak
-/// from 8 cycles in the record on, or at the frequency asked for. No line (all zero) where the band is shorter.
+/// from 8 cycles in the record on (within 4 cycles in the record of `near_w`, where that is given), or at the frequency
+/// asked for. No line (all zero) where the band is shorter.
 [[nodiscard]] Line find_line(const SineLikelihood&, const SineLikelihood::Point&, std::span<const double> c,
-                             std::optional<double> asked_w);
+                             std::optional<double> asked_w, std::optional<double> near_w = {});
 
 /// Sine coefficients of the record less the line.
 [[nodiscard]] std::vector<double> without_line(const Transformed&, const Line&);
