@@ -3,6 +3,7 @@
 
 #include "gyrobudget/allan/factors.h"
 #include "gyrobudget/allan/statistics.h"
+#include "gyrobudget/io/error.h"
 #include "gyrobudget/io/output.h"
 #include "gyrobudget/report/report.h"
 
@@ -29,7 +30,20 @@ std::vector<std::int64_t> factors_for(const CurveArguments& a, allan::Estimator 
   return allan::usable_factors(estimator, samples, factors_for(a, 2 * static_cast<std::int64_t>(longest)));
 }
 
+namespace {
+
+void refuse_sensor_file(const std::string& path) {
+  if (!path.ends_with(".yaml") && !path.ends_with(".yml")) return;
+  throw io::InputError(fmt::format(
+      "{}: found a sensor file by its ending, expected a log: samples as CSV, text, .npy, .f32 or "
+      ".f64; gyrobudget simulate makes one of a sensor file",
+      path));
+}
+
+}  // namespace
+
 io::Record read_record(const CurveArguments& a, const Common& common) {
+  refuse_sensor_file(a.log.path);
   io::Record record = io::read_log(a.log);
   for (const auto& note : record.notes) say(common, "note: " + note);
   return record;

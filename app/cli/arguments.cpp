@@ -505,7 +505,8 @@ CLI::App* add_calibrate(CLI::App& app, CalibrateArguments& a, Texts& texts) {
   fit->add_option(
          "--terms", texts.terms,
          "terms to fit, of Q,N,B,K,R, G (one Gauss-Markov process) and S (one sinusoid); auto: those that "
-         "the record holds, by likelihood ratios [N,B,K, and Q where the shortest taus show "
+         "the record holds, by likelihood ratios; G=120s and S=0.05Hz hold its correlation time and its "
+         "frequency [N,B,K, and Q where the shortest taus show "
          "quantization]")
       ->type_name("LIST|auto");
   fit->add_option(
@@ -559,13 +560,21 @@ void finish(CalibrateArguments& a, const Texts& texts) {
   if (of_samples && !a.curve_file.empty())
     throw std::invalid_argument(
         "--method whittle, --cross-check and --mask need the log, not a table (--curve)");
-  if (texts.terms == "auto")
+  if (texts.terms == "auto") {
     a.choose_terms = true;
-  else if (!texts.terms.empty())
-    a.terms = terms(texts.terms);
+  } else if (!texts.terms.empty()) {
+    const ShapedTerms given = shaped_terms(texts.terms);
+    a.terms = given.terms;
+    a.correlation_time_s = given.correlation_time_s;
+    a.frequency_hz = given.frequency_hz;
+  }
   const auto asked = [&](Term t) { return a.terms && std::ranges::find(*a.terms, t) != a.terms->end(); };
-  if (!a.curve_file.empty() && (a.choose_terms || asked(Term::gauss_markov) || asked(Term::sinusoid)))
-    throw std::invalid_argument("--terms auto, G and S need the log, not a table (--curve)");
+  const bool open_time = asked(Term::gauss_markov) && !a.correlation_time_s;
+  const bool open_frequency = asked(Term::sinusoid) && !a.frequency_hz;
+  if (!a.curve_file.empty() && (a.choose_terms || open_time || open_frequency))
+    throw std::invalid_argument(
+        "--terms auto, and G and S of unknown time and frequency, need the log, not a table (--curve); for a "
+        "table give them: --terms N,G=120s,S=0.05Hz");
   a.method = *std::find_if(fit::kMethods.begin(), fit::kMethods.end(),
                            [&](fit::Method m) { return fit::name(m) == texts.method; });
   const auto masks = [&](const char* what) {

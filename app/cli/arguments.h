@@ -105,6 +105,8 @@ struct CalibrateArguments {
   std::string curve_file;                         ///< a table of deviations instead of a log
   std::optional<double> duration_s;               ///< of the record behind a curve file
   std::optional<std::vector<noise::Term>> terms;  ///< unset: N, B, K, and Q where the first tau shows it
+  std::optional<double> correlation_time_s;       ///< of G, where given
+  std::optional<double> frequency_hz;             ///< of S, where given
   bool choose_terms = false;                      ///< --terms auto
   fit::Method method = fit::Method::gls;
   bool cross_check = false;  ///< the likelihood beside the fit

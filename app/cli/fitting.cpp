@@ -182,6 +182,8 @@ fit::Result fit_curves(const Curves& curves, std::span<const double> rate, const
   options.method = a.method;
   options.tau_min_s = seen.tau_min_s ? seen.tau_min_s : a.tau_min_s;
   options.tau_max_s = a.tau_max_s;
+  options.correlation_time_s = a.correlation_time_s;
+  options.frequency_hz = a.frequency_hz;
   options.near_correlation_time_s = seen.correlation_time_s;
   options.near_frequency_hz = seen.frequency_hz;
   if (a.method != fit::Method::whittle) check_enough(axis, curves.octaves, options.terms.size());

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "paths.h"
 
+#include "gyrobudget/io/error.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,6 +24,19 @@ bool same_file(const std::string& a, const std::string& b) {
   return fs::absolute(a, ignored).lexically_normal() == fs::absolute(b, ignored).lexically_normal();
 }
 
+// Before hours of work, not after: the folder must be there, and an option is not a name.
+void check_name(const Output& output) {
+  if (output.path.size() > 1 && output.path.front() == '-') {
+    throw std::invalid_argument(fmt::format("{0} {1}: {1} looks like an option; a file of that name is ./{1}",
+                                            output.option, output.path));
+  }
+  std::error_code ignored;
+  const fs::path folder = fs::path(output.path).parent_path();
+  if (folder.empty() || fs::is_directory(folder, ignored)) return;
+  throw io::OutputError(fmt::format("{} {}: found no folder {}; make it, or name a file in one that is there",
+                                    output.option, output.path, folder.string()));
+}
+
 void check_picture(const Output& output) {
   const std::string ending = fs::path(output.path).extension().string();
   constexpr std::array kFormats{".svg", ".png", ".pdf"};
@@ -41,6 +56,7 @@ void check_outputs(const std::string& input, const std::vector<Output>& outputs)
       throw std::invalid_argument(
           fmt::format("{} -: standard output holds the result; name a file", output.option));
     }
+    check_name(output);
     if (same_file(output.path, input)) {
       throw std::invalid_argument(
           fmt::format("{} {}: that is the input; name another file", output.option, output.path));

@@ -78,6 +78,17 @@ std::string describe_departure(const report::Findings& found, const io::Axis& ax
                              "out five time constants.");
 }
 
+std::string describe_fainter(std::span<const allan::SpectralLine> lines) {
+  const auto [low, high] = std::ranges::minmax(lines, {}, &allan::SpectralLine::frequency_hz);
+  return fmt::format(
+      "{} fainter lines lie between {:.3g} and {:.3g} Hz (up to {:.0f} times the spectrum beside them). So "
+      "many "
+      "are rather a spectrum with structure, as of a sensor that moves: look at it with gyrobudget allan "
+      "--psd welch --report.",
+      lines.size(), low.frequency_hz, high.frequency_hz,
+      std::ranges::max(lines, {}, &allan::SpectralLine::ratio).ratio);
+}
+
 // A line that the model has is not one that it lacks.
 void drop_modelled_line(std::vector<allan::SpectralLine>& lines, const fit::Result& fit, double duration_s) {
   const auto* line = report::find(fit, noise::Term::sinusoid);
@@ -185,7 +196,9 @@ std::vector<std::string> describe(const report::Findings& found, const io::Axis&
   if (!found.steps.empty()) text.push_back(describe_steps(found, axis, dt));
   if (found.departure) text.push_back(describe_departure(found, axis));
   // Lines are noise that no coefficient describes: vibration, mains, a fan, a control loop.
-  for (const auto& line : found.lines) {
+  constexpr std::size_t kNamed = 3;  // strongest first
+  for (std::size_t i = 0; i < found.lines.size() && i < kNamed; ++i) {
+    const auto& line = found.lines[i];
     text.push_back(fmt::format(
         "A spectral line at {:.3g} Hz (amplitude about {}, {:.0f} times the spectrum beside it) is in the "
         "record but not "
@@ -193,6 +206,7 @@ std::vector<std::string> describe(const report::Findings& found, const io::Axis&
         line.frequency_hz, noise::quantity_text(line.amplitude, noise::datasheet_unit(axis.signal), 3),
         line.ratio, 1 / line.frequency_hz));
   }
+  if (found.lines.size() > kNamed) text.push_back(describe_fainter(std::span(found.lines).subspan(kNamed)));
   return text;
 }
 

@@ -96,8 +96,10 @@ std::string provenance(const report::LogResult& result) {
     for (const auto& c : axis.fit->coefficients) {
       if (!c.fitted || c.status == fit::Status::identified) continue;
       const auto unit = noise::datasheet_unit(axis.signal, c.term);
-      text += fmt::format("  {} is not resolved: at most {} (95 %)\n", noise::key(axis.signal, c.term),
-                          noise::quantity_text(c.upper, unit, 3));
+      text += fmt::format(
+          "  {} is not resolved: {} is the fitted value, at most {} (95 %); a cautious budget takes that\n",
+          noise::key(axis.signal, c.term), noise::quantity_text(c.value, unit, 3),
+          noise::quantity_text(c.upper, unit, 3));
     }
   }
   return text;

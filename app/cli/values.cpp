@@ -93,6 +93,26 @@ std::vector<Term> terms(const std::string& text) {
   return list;
 }
 
+ShapedTerms shaped_terms(const std::string& text) {
+  ShapedTerms asked;
+  for (const auto& item : split(text, ',')) {
+    const auto parts = split(item, '=');
+    const Term term = term_named("--terms", parts[0]);
+    asked.terms.push_back(term);
+    if (parts.size() == 1) continue;
+    if (parts.size() == 2 && term == Term::gauss_markov) {
+      asked.correlation_time_s = duration("--terms", parts[1]);
+    } else if (parts.size() == 2 && term == Term::sinusoid) {
+      asked.frequency_hz = rate("--terms", parts[1]);
+    } else {
+      throw std::invalid_argument(fmt::format(
+          "--terms {}: only G takes a correlation time, as in G=120s, and S a frequency, as in S=0.05Hz",
+          item));
+    }
+  }
+  return asked;
+}
+
 // "B=10%"
 PlanArguments::Wish wish(const std::string& text) {
   const auto parts = split(text, '=');

@@ -7,6 +7,7 @@
 #include "gyrobudget/noise/units.h"
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,12 @@ namespace gyrobudget::inline v0::cli {
 [[nodiscard]] std::vector<std::string> split(const std::string& text, char separator);
 /// "N,B,K" of --terms, by letter or by key.
 [[nodiscard]] std::vector<noise::Term> terms(const std::string& text);
+/// "N,G=120s,S=0.05Hz": G's correlation time and S's frequency may be given.
+struct ShapedTerms {
+  std::vector<noise::Term> terms;
+  std::optional<double> correlation_time_s, frequency_hz;
+};
+[[nodiscard]] ShapedTerms shaped_terms(const std::string& text);
 /// "B=10%" of --want.
 [[nodiscard]] PlanArguments::Wish wish(const std::string& text);
 /// One of --methods.

@@ -84,13 +84,13 @@ class Chooser {
   Choice choose() {
     requested_ = requested_columns();
     choose_time();
-    if (choice_.stamps.empty() && !options_.rate_hz) {
-      fail(source_, "has no time column and no rate is given; give the sample rate: --rate HZ");
-    }
     if (requested_.empty()) {
       choose_all_data();
     } else {
       for (const std::size_t i : requested_) add_data(columns_[i]);
+    }
+    if (choice_.stamps.empty() && !options_.rate_hz) {
+      fail(source_, "has no time column and no rate is given; give the sample rate: --rate HZ");
     }
     note_unused_unit();
     make_names_differ();
@@ -458,6 +458,8 @@ class Chooser {
     } else if (!c.unit_text.empty()) {
       message += "; counts need --scale (units per count) and --unit";
     }
+    if (choice_.stamps.empty() && !options_.rate_hz)
+      message += "; there is no time column either: give --rate HZ too";
     fail_at_heading(c, message);
   }
 

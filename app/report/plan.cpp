@@ -17,6 +17,8 @@ constexpr double kReached = 0.10;  // the fit reaches the bound below this
 
 std::string hours(double seconds) {
   if (!std::isfinite(seconds)) return "never";
+  constexpr double kTwoMinutes = 120;
+  if (seconds < kTwoMinutes) return fmt::format("{:.3g} s", seconds);
   const double h = seconds / 3600;
   return h < 1 ? fmt::format("{:.3g} min", 60 * h) : fmt::format("{:.3g} h", h);
 }

@@ -65,7 +65,11 @@ std::string coefficient_table(const AxisResult& axis, const fit::Result& fit) {
   for (const Term term : reading_order()) {
     if (!is_fitted(fit, term)) continue;
     const fit::Coefficient& c = *find(fit, term);
-    const auto datasheet = datasheet_text(axis.signal, c), si = si_text(axis.signal, c);
+    auto datasheet = datasheet_text(axis.signal, c), si = si_text(axis.signal, c);
+    if (!is_quotable(fit) && !is_reading(fit.method)) {
+      for (auto* text : {&datasheet.value, &datasheet.interval, &si.value, &si.interval})
+        *text = fmt::format("[{}]", *text);
+    }
     table.row({std::string(1, static_cast<char>(term)), std::string(noise::label(axis.signal, term)),
                datasheet.value, datasheet.interval, datasheet.unit, status_text(axis.signal, c, fit)});
     if (si.unit != datasheet.unit) table.row({"", "", si.value, si.interval, si.unit});

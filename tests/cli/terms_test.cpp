@@ -164,6 +164,31 @@ TEST(Terms, WhiteNoiseAloneRarelyGetsAnother) {
   EXPECT_LE(others, 3);
 }
 
+// Known shapes are held; a table, which cannot show them, is fitted with them.
+TEST(Terms, AGivenTimeAndFrequencyAreHeld) {
+  const Log log(kSensor);
+  const auto axis = log.axis("--terms N,G=100s,S=0.05Hz");
+  const auto& p = axis["parameters"];
+  EXPECT_EQ(number(p, "gauss_markov", "correlation_time_s"), 100);
+  EXPECT_EQ(number(p, "gauss_markov", "correlation_time_lower_s"), 100);
+  EXPECT_EQ(number(p, "sinusoid", "frequency_hz"), 0.05);
+  // A curve of N = 1 deg/sqrt(h) = 60 deg/h/sqrt(Hz) and a process of 10 deg/h and 120 s.
+  const Scratch scratch;
+  std::string table = "tau (s),x (deg/h)\n";
+  for (double tau = 1; tau < 2e4; tau *= 2) {
+    const double r = tau / 120;
+    const double markov = 100 * 2 / (r * r) * (r - 1.5 + 2 * std::exp(-r) - 0.5 * std::exp(-2 * r));
+    table += std::to_string(tau) + "," + std::to_string(std::sqrt(3600 / tau + markov)) + "\n";
+  }
+  const auto outcome = gyrobudget_run("calibrate --json --curve " + scratch.file("t.csv", table) +
+                                      " --rate 10 --duration 40h --terms N,G=120s");
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const auto of_table = nlohmann::json::parse(outcome.out)["axes"][0]["parameters"];
+  EXPECT_NEAR(number(of_table, "arw", "value"), 1, 0.01);
+  EXPECT_NEAR(number(of_table, "gauss_markov", "value"), 10, 0.1);
+  EXPECT_NE(gyrobudget_run("calibrate x.csv --terms N,K=3s").err.find("G=120s"), std::string::npos);
+}
+
 TEST(Terms, ATableHasNoSamplesForThem) {
   for (const std::string terms : {"auto", "N,G", "N,S"}) {
     const auto outcome = gyrobudget_run("calibrate --curve t.csv --rate 1 --duration 1h --terms " + terms);

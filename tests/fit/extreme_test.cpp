@@ -3,6 +3,7 @@
 #include "gyrobudget/allan/factors.h"
 #include "gyrobudget/fit/whittle.h"
 #include "gyrobudget/noise/generate.h"
+#include "gyrobudget/noise/normal.h"
 
 #include <gtest/gtest.h>
 
@@ -13,6 +14,7 @@
 #include <string>
 
 #include "sensors.h"
+#include <Eigen/Cholesky>
 
 namespace gyrobudget::fit {
 namespace {
@@ -192,7 +194,7 @@ TEST(Extreme, UnitsDoNotMatter) {
   const auto base = noise::generate_record(tests::mems().processes(), 20000, 1, {8, 0});
   for (const Method method : kMethods) {
     const Result reference = fitted(base, 1, method);
-    for (const double scale : {1e-12, 1e12}) {
+    for (const double scale : {1e-12, 1e12}) {  // no powers of two: every sample is rounded again
       std::vector<double> rate = base;
       for (double& y : rate) y *= scale;
       const Result r = fitted(rate, 1, method);
@@ -206,6 +208,114 @@ TEST(Extreme, UnitsDoNotMatter) {
           EXPECT_NEAR(r[t].lower / scale / reference[t].lower, 1, kUnits) << name(method);
         }
       }
+    }
+  }
+}
+
+// The correlation time and the frequency too, which are searched.
+TEST(Extreme, UnitsDoNotMatterToSearchedShapes) {
+  const auto base =
+      noise::generate_record(std::vector<noise::Process>{noise::White{1}, noise::GaussMarkov{0.5, 30},
+                                                         noise::Sinusoid{0.3, 0.0713, 1}},
+                             4099, 1, {9, 0});
+  for (const Method method : kBest) {
+    Options options;
+    options.method = method;
+    options.terms = {Term::white, Term::gauss_markov, Term::sinusoid};
+    const Result reference = fit({.rate = base, .dt = 1}, options);
+    for (const double scale : {1e-12, 1e12}) {
+      std::vector<double> rate = base;
+      for (double& y : rate) y *= scale;
+      const Result r = fit({.rate = rate, .dt = 1}, options);
+      for (const Term t : options.terms) {
+        constexpr double kUnits = 1e-10;
+        EXPECT_EQ(r[t].status, reference[t].status);
+        EXPECT_NEAR(r[t].value / scale / reference[t].value, 1, kUnits) << name(method);
+        EXPECT_NEAR(r[t].upper / scale / reference[t].upper, 1, kUnits) << name(method);
+        EXPECT_NEAR(r[t].shape, reference[t].shape, kUnits * reference[t].shape) << name(method);
+      }
+    }
+  }
+}
+
+// A curve of theory needs no record: lengths to 10^9 samples at rates from 10^-3 Hz to 1 MHz.
+struct CurveCase {
+  std::int64_t n = 0;
+  double dt = 1;
+  Eigen::VectorXd theta;  // of N, B, K
+  allan::CurveCovariance covariance;
+
+  CurveCase(std::int64_t samples, double rate_hz)
+      : n(samples),
+        dt(1 / rate_hz),
+        theta(3),
+        covariance(samples, allan::octave_factors(samples), 1 / rate_hz,
+                   {noise::White{1}, noise::Flicker{1}, noise::RateRandomWalk{1}}) {
+    const double k = 1000 / (static_cast<double>(samples) * dt);  // crosses N at 1/600 of the record
+    theta << 1, k, k * k;                                         // beta = 1
+  }
+  [[nodiscard]] allan::Curve curve(const Eigen::VectorXd& variances) const {
+    allan::Curve c{.dt = dt, .samples = n};
+    for (std::size_t i = 0; i < covariance.factors().size(); ++i) {
+      const auto m = covariance.factors()[i];
+      c.points.push_back({m, variances(static_cast<Eigen::Index>(i)), n - 2 * m + 1});
+    }
+    return c;
+  }
+  [[nodiscard]] Eigen::VectorXd expected() const { return covariance.expectation() * theta; }
+  [[nodiscard]] double truth(std::size_t term) const {
+    return std::sqrt(theta(static_cast<Eigen::Index>(term)));
+  }
+};
+
+TEST(Extreme, CurvesOfTheoryUpToABillionSamplesGiveTheTruthBack) {
+  for (const std::int64_t n :
+       {std::int64_t{100'000}, std::int64_t{99'999'989}, std::int64_t{1'000'000'000}}) {
+    for (const double rate_hz : {1e-3, 1.0, 1e6}) {
+      const CurveCase a(n, rate_hz);
+      const Result r = fit(a.curve(a.expected()), a.covariance);
+      const std::string what = std::to_string(n) + " at " + std::to_string(rate_hz);
+      EXPECT_TRUE(r.converged) << what;
+      EXPECT_EQ(r.verdict, Verdict::described) << what;
+      EXPECT_GT(r.p_value, 0.999) << what;  // nothing is left
+      for (std::size_t t = 0; t < kTerms.size(); ++t) {
+        EXPECT_EQ(r[kTerms[t]].status, Status::identified) << what;
+        constexpr double kRounding = 1e-7;  // of A and S, times their condition
+        EXPECT_NEAR(r[kTerms[t]].value / a.truth(t), 1, kRounding) << what;
+        EXPECT_LT(r[kTerms[t]].lower, a.truth(t)) << what;
+        EXPECT_GT(r[kTerms[t]].upper, a.truth(t)) << what;
+      }
+    }
+  }
+}
+
+// Curves with the scatter of 10^9 samples, drawn from their exact covariance.
+TEST(Extreme, CurvesDrawnFromTheCovarianceOfABillionSamples) {
+  for (const double rate_hz : {1e-3, 1e6}) {
+    const CurveCase a(1'000'000'000, rate_hz);
+    const Eigen::LLT<Eigen::MatrixXd> factor(a.covariance(a.theta));
+    ASSERT_EQ(factor.info(), Eigen::Success);
+    for (std::uint64_t draw = 0; draw < 20; ++draw) {
+      Eigen::VectorXd z(a.expected().size());
+      noise::fill_normal({11, draw}, 0, {z.data(), static_cast<std::size_t>(z.size())});
+      const Result r = fit(a.curve((a.expected() + factor.matrixL() * z).cwiseMax(0)), a.covariance);
+      const std::string what = std::to_string(rate_hz) + " draw " + std::to_string(draw);
+      expect_sound(r, what);
+      EXPECT_TRUE(r.converged) << what;
+      for (std::size_t t = 0; t < kTerms.size(); ++t) expect_right(r[kTerms[t]], a.truth(t), what);
+    }
+  }
+}
+
+// Records of N, B and K on which the reweighting once went to and fro between two sets of terms above zero, or crept.
+TEST(Extreme, ShortRecordsConverge) {
+  for (const std::int64_t n : {1000, 10000}) {
+    const noise::RecordGenerator generator(tests::mems().processes(), n, 1);
+    const auto factors = allan::octave_factors(n);
+    const allan::CurveCovariance covariance(n, factors, 1, tests::mems().processes());
+    for (std::uint64_t i = 0; i < 300; ++i) {
+      const auto curve = allan::overlapped_variance(generator({1, i}), 1, factors);
+      EXPECT_TRUE(fit(curve, covariance, {.intervals = false}).converged) << n << " " << i;
     }
   }
 }

@@ -35,6 +35,16 @@ TEST(ChooseTerms, KeepsFalseTermsOfTheWholeFamilyRare) {
   EXPECT_LE(false_terms, 13);
 }
 
+// The same beside white noise and a walk that every record shows: the family is then weighed a second time.
+TEST(ChooseTerms, KeepsFalseTermsRareBesideTrueOnes) {
+  int false_terms = 0;
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    const auto terms = select({noise::White{1}, noise::RateRandomWalk{0.3}}, 1000, 1, seed).terms;
+    false_terms += terms != Terms{Term::white, Term::rate_random_walk};
+  }
+  EXPECT_LE(false_terms, 13);
+}
+
 TEST(ChooseTerms, FindsWhatIsThereAndListsWhatItWeighed) {
   const auto gyro = tests::mems();
   const Selection s = select({noise::White{gyro.n}, noise::RateRandomWalk{gyro.k}}, 36000, 1, 3);
@@ -65,11 +75,37 @@ TEST(ChooseTerms, TellsFlickerFromWalkAndRampFromBoth) {
 TEST(ChooseTerms, TakesAGaussMarkovProcessOnlyWhereNothingElseWouldDo) {
   const Selection s = select({noise::White{1}, noise::GaussMarkov{0.5, 30}}, 36000, 1, 2);
   EXPECT_EQ(s.terms, (Terms{Term::white, Term::gauss_markov}));
+  ASSERT_TRUE(s.correlation_time_s);
+  EXPECT_NEAR(*s.correlation_time_s, 30, 10);
 }
 
 TEST(ChooseTerms, FindsALine) {
   const Selection s = select({noise::White{1}, noise::Sinusoid{0.08, 0.0713, 1}}, 36000, 1, 1);
   EXPECT_EQ(s.terms, (Terms{Term::white, Term::sinusoid}));
+  ASSERT_TRUE(s.frequency_hz);
+  EXPECT_NEAR(*s.frequency_hz, 0.0713, 1 / 36000.0);
+  EXPECT_FALSE(s.correlation_time_s);
+}
+
+// A fit begins from what was weighed: of two lines the fainter one, where that was it.
+TEST(ChooseTerms, HandsOnTheShapesThatItWeighed) {
+  const auto rate =
+      noise::generate_record(std::vector<noise::Process>{noise::White{1}, noise::Sinusoid{0.3, 0.3, 1},
+                                                         noise::Sinusoid{0.2, 0.01, 0}},
+                             20000, 1, {3, 0});
+  const Selection s = choose_terms(rate, 1, {.replicas = 60, .tau_min_s = 10});
+  ASSERT_EQ(s.terms, (Terms{Term::white, Term::sinusoid}));
+  EXPECT_EQ(s.tau_min_s, 10);
+  ASSERT_TRUE(s.frequency_hz);
+  EXPECT_NEAR(*s.frequency_hz, 0.01, 1e-5);
+  for (const Method method : {Method::gls, Method::whittle}) {
+    Options options{
+        .terms = s.terms, .method = method, .tau_min_s = method == Method::gls ? s.tau_min_s : 1.0};
+    options.near_frequency_hz = s.frequency_hz;
+    const Result r = fit({.rate = rate, .dt = 1}, options);
+    EXPECT_NEAR(r[Term::sinusoid].shape, *s.frequency_hz, 1e-5);
+    EXPECT_LT(r[Term::sinusoid].shape_lower, r[Term::sinusoid].shape);
+  }
 }
 
 TEST(ChooseTerms, SaysWhatItCannotTellApart) {
