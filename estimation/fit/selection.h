@@ -65,7 +65,7 @@ struct Selection {
 /// the step's model (parametric bootstrap), all at one level that their joint rate fixes. On boundaries no table holds:
 /// beside white noise alone flicker and walk need about 3.4 rather than 1.35, all candidates together.
 ///
-/// FAMILY
+/// Measured with the default rate of 5 %: see README's "Do not trust it".
 /// Deterministic for a seed at any thread count. Cost: about 0.5 s a step on two cores, whatever the length.
 /// @throws std::invalid_argument for dt, a repeated candidate or white noise among them, a rate outside (0, 0.5], or
 /// fewer than 50 replicas.

@@ -15,14 +15,17 @@ namespace gyrobudget::inline v0::fit {
 /// for the rest (flicker: correlations up to 0.12 between the lowest, which this treats as none). Hence
 ///   -2 ln L = sum_k ln lambda_k + c_k^2 / lambda_k,
 /// in some 200 logarithmic bins, maximised over theta >= 0 by Newton's method. The ramp R is a mean, signed and linear.
-/// A Gauss-Markov correlation time and a line's frequency are searched over the whole band (ratio 10^(1/4), then to
-/// 1e-4 of the logarithm; highest peak against the fitted spectrum from 8 cycles in the record on, then to 1e-3 of a bin) unless Options has them.
+/// A Gauss-Markov correlation time and a line's frequency are searched over the whole band (ratio 10^(1/4), or the highest
+/// peak against the fitted spectrum from 8 cycles in the record on; then to the root of the likelihood's slope, 1e-10)
+/// unless Options has them, or says near what.
 ///
 /// Intervals by profile likelihood ratio, cut 3.841, one-sided limit and boundary test 2.706; the ramp's test is
 /// two-sided (3.841), the line's is the largest of n frequencies (2 ln(20 n), 5 %). A line's interval is that of its
 /// amplitude beside known noise.
 /// chi2 and p-value: the record's power in at most 33 logarithmic bands, each turned into a normal deviate by its
-/// chi-square law, dof = bands less parameters. P(p < 0.05) is 0.05 within its scatter for the paper's gyros.
+/// chi-square law, dof = bands less parameters. In 12 000 records of
+/// 36 000 samples P(p < 0.05) and P(p < 0.01) were 5.1 and 1.1 % for the MEMS gyro of the paper, 4.7 and 1.0 % for its
+/// fibre-optic one, 5.2 and 0.9 % without flicker (0.2 and 0.1 of scatter).
 ///
 /// Range: Options::tau_min_s and tau_max_s keep the frequencies 1/(2 tau_max) to 1/(2 tau_min). Where tau_min_s is
 /// unset and the whole band has a p-value below 1e-4, the band is halved from above until the model describes it, as
