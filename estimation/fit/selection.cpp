@@ -329,6 +329,8 @@ class Search {
       const Terms rest = without(s.terms, out);
       for (const Term in : kReplacements) {
         if (!is_candidate(in) || holds(s.terms, in)) continue;
+        // One that remembers longer than the record is a walk, always.
+        if (in == Term::gauss_markov && out != Term::flicker) continue;
         const Terms other = with(rest, in);
         const auto best = Family(bins_, other).best();
         const double difference = 0.5 * (best.point.cost - here);

@@ -43,8 +43,8 @@ struct Selection {
       terms;                     ///< chosen, in the order Q N B K R G S; empty where the record has no answer
   std::vector<Weighed> weighed;  ///< in the order in which they were
   std::vector<noise::Term> dropped;  ///< kept at first and made needless by a later one
-  /// With one term in place of another, flicker, walk or both in place of a Gauss-Markov process, or the reverse; the
-  /// likeliest of these.
+  /// With one of flicker, walk and ramp in place of another, a Gauss-Markov process in place of flicker, the likeliest of
+  /// these; or the Gauss-Markov process that flicker, walk or both replaced.
   std::optional<Alternative> alternative;
   std::optional<double> correlation_time_s;  ///< of the chosen Gauss-Markov process, as it was weighed
   std::optional<double> frequency_hz;        ///< of the chosen line, as it was weighed
