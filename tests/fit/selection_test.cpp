@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/fit/selection.h"
 
+#include "gyrobudget/fit/fit.h"
 #include "gyrobudget/noise/generate.h"
 
 #include <gtest/gtest.h>
