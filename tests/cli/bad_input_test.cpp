@@ -273,13 +273,13 @@ TEST_F(BadInput, UsageErrors) {
   EXPECT_NE(bare.err.find("calibrate"), std::string::npos);
 }
 
-TEST(BadInput, ASensorFileIsNoLog) {
+TEST(BadUse, ASensorFileIsNoLog) {
   const auto outcome = gyrobudget_run("calibrate sensor.yaml");
   EXPECT_EQ(outcome.exit_code, 3);
   EXPECT_NE(outcome.err.find("sensor file"), std::string::npos) << outcome.err;
 }
 
-TEST(BadInput, OutputsThatCannotBeAreRefusedBeforeTheWork) {
+TEST(BadUse, OutputsThatCannotBeAreRefusedBeforeTheWork) {
   const Scratch scratch;
   const std::string sensor = scratch.file("s.yaml", "name: w\ngyro:\n  arw: 0.15 deg/sqrt(h)\n");
   const auto option = gyrobudget_run("simulate " + sensor + " --duration 1s --rate 10 -o -q");
@@ -290,7 +290,7 @@ TEST(BadInput, OutputsThatCannotBeAreRefusedBeforeTheWork) {
   EXPECT_NE(folder.err.find("found no folder"), std::string::npos) << folder.err;
 }
 
-TEST(BadInput, RateAndUnitAreAskedForTogether) {
+TEST(BadUse, RateAndUnitAreAskedForTogether) {
   const Scratch scratch;
   const auto outcome = gyrobudget_run("calibrate " + scratch.file("x.csv", "1\n2\n3\n4\n"));
   EXPECT_EQ(outcome.exit_code, 3);
