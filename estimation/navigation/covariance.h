@@ -59,7 +59,7 @@ class Covariance {
   StateVector update(const MeasurementRow&, std::span<const bool> considered = {});
 
   /// The update by one row with any gain k, (I - k h) P (I - k h)^T + r k k^T, r may be 0. Allocates nothing.
-  /// @throws std::invalid_argument in square-root form, and for sizes that differ.
+  /// @throws std::invalid_argument in square-root form, one that automatic chose included, and for sizes that differ.
   void update_with(const MeasurementRow&, const StateVector& gain);
 
   /// P in full, symmetric.

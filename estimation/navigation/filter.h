@@ -40,7 +40,7 @@ struct Innovation {
 class Filter {
  public:
   struct Options {
-    Form form = Form::joseph;
+    Form form = Form::automatic;
     /// Probability with which a right measurement may be refused: NIS above its chi-square limit. 0: no gate.
     double gate_false_alarm = 1e-6;
     /// The covariance moves once in so many seconds, not every step [s]; 0: every step. Estimates move every

@@ -14,6 +14,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <string>
@@ -178,6 +179,28 @@ void print_speed(const Flight& flight) {
   fmt::print("strapdown alone {:.0f}\n", 1e-3 / strapdown);
 }
 
+/// Nanoseconds of one row's update, by form.
+void print_updates() {
+  constexpr int kTurns = 10, kRows = 2000;
+  fmt::print("\nNanoseconds of an update by one row\n{:>6} {:>8} {:>8} {:>12}\n", "states", "plain", "joseph",
+             "square_root");
+  for (const int states : {9, 21, 45, 72}) {
+    std::array<double, 3> best{1e9, 1e9, 1e9};
+    const std::array forms{Form::plain, Form::joseph, Form::square_root};
+    const auto P0 = covariance_of(model_of(states));
+    const navigation::MeasurementRow row{navigation::StateVector::Unit(states, 1), 1.0};
+    for (int turn = 0; turn < kTurns; ++turn)
+      for (std::size_t f = 0; f < forms.size(); ++f) {
+        navigation::Covariance P(P0, forms[f]);
+        const double time = seconds([&] {
+          for (int i = 0; i < kRows; ++i) (void)P.update(row);
+        });
+        best[f] = std::min(best[f], time / kRows);
+      }
+    fmt::print("{:>6} {:>8.0f} {:>8.0f} {:>12.0f}\n", states, 1e9 * best[0], 1e9 * best[1], 1e9 * best[2]);
+  }
+}
+
 using Real =
     boost::multiprecision::number<boost::multiprecision::cpp_bin_float<100>, boost::multiprecision::et_off>;
 
@@ -253,9 +276,11 @@ int main(int argc, char** argv) {
   const Flight path = flight();
   if (argc == 5 && std::string_view(argv[1]) == "steps")
     return run_steps(path, std::stoi(argv[2]), argv[3], std::stoll(argv[4]));
-  if (argc == 2 && std::string_view(argv[1]) == "digits")
+  if (argc == 2 && std::string_view(argv[1]) == "digits") {
     print_digits();
-  else
-    print_speed(path);
+    return 0;
+  }
+  print_speed(path);
+  print_updates();
   return 0;
 }
