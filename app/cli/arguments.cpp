@@ -2,6 +2,7 @@
 // The one file that includes CLI11.
 #include "arguments.h"
 
+#include "gyrobudget/io/scene_file.h"
 #include "gyrobudget/noise/units.h"
 #include "gyrobudget/version.h"
 
@@ -707,6 +708,28 @@ CLI::App* add_paper(CLI::App& app, PaperArguments& a, Texts& texts) {
   return verb;
 }
 
+CLI::App* add_navigate(CLI::App& app, NavigateArguments& a) {
+  auto* verb = app.add_subcommand(
+      "navigate",
+      "From a recorded IMU log, with GNSS, barometer or a reference, to position, velocity and attitude.\n\n"
+      "  gyrobudget navigate drive.yaml -o solution.csv --report drive.html\n"
+      "  gyrobudget navigate examples/scenes/mems-beside-fog.yaml --data my/logs --json\n");
+  verb->add_option("scene", a.scene, "scene file: the log, the sensor, the alignment, the aids")
+      ->required()
+      ->type_name("SCENE");
+  verb->add_option("--data", a.data_folder, "folder of the logs that the scene names [that of the scene]")
+      ->type_name("FOLDER");
+  auto* out = verb->add_option_group("Output");
+  out->add_option("-o,--output", a.output, "write the solution with one-sigma columns")
+      ->type_name("FILE.csv");
+  out->add_option("--innovations", a.innovations, "write what every fix told: residual, sigma, NIS")
+      ->type_name("FILE.csv");
+  out->add_option("--report", a.report, "write a self-contained HTML page")->type_name("FILE.html");
+  add_common(*verb, a.common);
+  verb->footer(fmt::format("Scene (YAML, every value with its unit):\n\n{}", io::scene_help()));
+  return verb;
+}
+
 // --- Help -----------------------------------------------------------------------------------------------------------
 
 // The list of verbs shows what each is for, without its examples.
@@ -816,6 +839,7 @@ Arguments parse_arguments(int argc, const char* const* argv) {
   PlanArguments plan;
   AccuracyArguments accuracy;
   PaperArguments paper;
+  NavigateArguments navigate;
   Texts texts;
   const auto* calibrate_verb = add_calibrate(app, calibrate, texts);
   const auto* allan_verb = add_allan(app, allan, texts);
@@ -823,6 +847,7 @@ Arguments parse_arguments(int argc, const char* const* argv) {
   const auto* plan_verb = add_plan(app, plan, texts);
   const auto* accuracy_verb = add_accuracy(app, accuracy, texts);
   const auto* paper_verb = add_paper(app, paper, texts);
+  const auto* navigate_verb = add_navigate(app, navigate);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -858,6 +883,10 @@ Arguments parse_arguments(int argc, const char* const* argv) {
     paper.seed = seed(texts.seed);
     paper.common.command_line = line;
     return paper;
+  }
+  if (navigate_verb->parsed()) {
+    navigate.common.command_line = line;
+    return navigate;
   }
   fmt::print(stderr, "{}", app.help());
   return Answered{exit_usage};

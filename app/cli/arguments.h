@@ -151,13 +151,22 @@ struct PaperArguments {
   std::uint64_t seed = 1;
 };
 
+struct NavigateArguments {
+  Common common;
+  std::string scene;
+  std::string data_folder;  ///< where the scene's logs are; empty: beside the scene
+  std::string output;       ///< CSV of the solution; empty: none
+  std::string innovations;  ///< CSV; empty: none
+  std::string report;       ///< path of the HTML page; empty: none
+};
+
 /// The command line was answered already (--help, --version) or is wrong.
 struct Answered {
   int exit_code = 0;
 };
 
 using Arguments = std::variant<Answered, SimulateArguments, AllanArguments, CalibrateArguments, PlanArguments,
-                               AccuracyArguments, PaperArguments>;
+                               AccuracyArguments, PaperArguments, NavigateArguments>;
 
 /// Reads the command line; prints help, version and usage errors itself.
 [[nodiscard]] Arguments parse_arguments(int argc, const char* const* argv);

@@ -23,6 +23,7 @@ enum Exit : int {
 [[nodiscard]] int run(const CalibrateArguments&);        ///< log -> datasheet
 [[nodiscard]] int run(const PlanArguments&);             ///< sensor file -> recording time or accuracy
 [[nodiscard]] int run(const AccuracyArguments&);         ///< sensor file -> how wrong the fits are
-[[nodiscard]] int run(const PaperArguments&);  ///< the source paper's tables and figures beside ours
+[[nodiscard]] int run(const PaperArguments&);     ///< the source paper's tables and figures beside ours
+[[nodiscard]] int run(const NavigateArguments&);  ///< scene with a recorded IMU log -> navigation solution
 
 }  // namespace gyrobudget::inline v0::cli

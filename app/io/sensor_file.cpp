@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/io/sensor_file.h"
 
-#include "gyrobudget/io/source.h"
 #include "gyrobudget/io/text.h"
+#include "gyrobudget/io/yaml_reader.h"
 
 #include <fmt/format.h>
-#include <yaml-cpp/yaml.h>
 
 #include <algorithm>
 #include <array>
@@ -90,28 +89,14 @@ std::string_view unit_of(const Field<Process>& field, Signal signal) {
 
 // --- Reading ---------------------------------------------------------------------------------------------------------
 
-class Reader {
+class Reader : private YamlReader {
  public:
-  explicit Reader(const std::string& path) : source_(path) {
-    constexpr std::size_t kLargest = std::size_t{1} << 20;
-    if (source_.text().size() > kLargest) {
-      fail(source_.name(), fmt::format("has {} bytes, expected a sensor file of at most {}; is it a log?",
-                                       source_.text().size(), kLargest));
-    }
-    std::string text(source_.text());
-    if (text.starts_with("%YAML:")) text[0] = '#';  // OpenCV's own first line is not YAML
-    try {
-      root_ = YAML::Load(text);
-    } catch (const YAML::Exception& error) {
-      fail_at(source_.name(), error.mark.line + 1, error.mark.column + 1,
-              fmt::format("no YAML: {}; expected lines like \"arw: 0.15 deg/sqrt(h)\"", error.msg));
-    }
-    if (!root_.IsMap()) fail_here(root_, fmt::format("found {}, expected keys like \"gyro:\"", kind(root_)));
-  }
+  explicit Reader(const std::string& path)
+      : YamlReader(path, "a sensor file", "arw: 0.15 deg/sqrt(h)", "gyro:") {}
 
   SensorModel read() {
-    if (root_["gyro"] || root_["accelerometer"]) return own_form();
-    if (root_["Gyr"]) return imu_utils_form();
+    if (root()["gyro"] || root()["accelerometer"]) return own_form();
+    if (root()["Gyr"]) return imu_utils_form();
     if (const YAML::Node node = with_key("gyroscope_noise_density")) return density_form(node, kKalibr);
     if (const YAML::Node node = with_key("gyr_n")) return density_form(node, kVins);
     fail_unknown_form();
@@ -120,46 +105,12 @@ class Reader {
  private:
   using Node = YAML::Node;
 
-  [[noreturn]] void fail_here(const Node& node, const std::string& message) const {
-    const YAML::Mark mark = node.Mark();
-    fail_at(source_.name(), std::max(mark.line, 0) + 1, std::max(mark.column, 0) + 1, message);
-  }
-
-  static std::string kind(const Node& node) {
-    if (node.IsMap()) return "keys and values";
-    if (node.IsSequence()) return "a list";
-    return node.IsScalar() ? quoted(node.Scalar()) : "nothing";
-  }
-
-  /// Calls visit(key, value) for each entry of a map, each key once.
-  template <class Visit>
-  void for_each(const Node& map, std::string_view what, Visit visit) const {
-    if (!map.IsMap())
-      fail_here(map, fmt::format("{}: found {}, expected keys and values below it", what, kind(map)));
-    std::vector<std::string> seen;
-    for (const auto& entry : map) {
-      if (!entry.first.IsScalar())
-        fail_here(entry.first, fmt::format("found {}, expected a key", kind(entry.first)));
-      const std::string& key = entry.first.Scalar();
-      if (std::ranges::find(seen, key) != seen.end())
-        fail_here(entry.first, fmt::format("{} is given twice", quoted(key)));
-      seen.push_back(key);
-      visit(entry.first, entry.second);
-    }
-  }
-
-  [[noreturn]] void fail_unknown_key(const Node& key, std::string_view where,
-                                     const std::vector<std::string>& known) const {
-    fail_here(key, fmt::format("{} is no key of {}{}; there are {}", quoted(key.Scalar()), where,
-                               suggestion(key.Scalar(), known), listing(known)));
-  }
-
   // --- The form of this project ---
 
   SensorModel own_form() const {
     SensorModel model;
     bool gyro = false;
-    for_each(root_, "the file", [&](const Node& key, const Node& value) {
+    for_each(root(), "the file", [&](const Node& key, const Node& value) {
       if (key.Scalar() == "name") {
         if (!value.IsScalar()) fail_here(key, fmt::format("name: found {}, expected text", kind(value)));
         model.name = value.Scalar();
@@ -169,12 +120,12 @@ class Reader {
       } else if (key.Scalar() == "accelerometer") {
         model.accelerometer = error_model(value, Signal::specific_force, "accelerometer");
       } else if (key.Scalar() == kLeverArm) {
-        model.lever_arm = three(kLeverArm, value, kLength, any);
+        model.lever_arm = three(kLeverArm, value, kLength, Sign::any);
       } else {
         fail_unknown_key(key, "a sensor file", {"name", "gyro", "accelerometer", std::string(kLeverArm)});
       }
     });
-    if (!gyro) fail_here(root_, "found no \"gyro:\", expected one; its errors stand below it");
+    if (!gyro) fail_here(root(), "found no \"gyro:\", expected one; its errors stand below it");
     return model;
   }
 
@@ -204,8 +155,8 @@ class Reader {
   bool read_entry(const std::string& key, const Node& value, Signal signal, ErrorModel& model) const {
     for (const Term t : kCoefficients) {
       if (key != noise::key(signal, t)) continue;
-      model[t] =
-          quantity(key, value, noise::dimension_of(signal, t), t == Term::rate_ramp ? any : not_negative);
+      model[t] = quantity(key, value, noise::dimension_of(signal, t),
+                          t == Term::rate_ramp ? Sign::any : Sign::not_negative);
       return true;
     }
     for (const auto& e : kPerAxis) {
@@ -216,7 +167,7 @@ class Reader {
     for (const auto& e : kForAll) {
       if (key != e.key) continue;
       model.*e.member = quantity(key, value, noise::parse_unit(unit_of(e, signal)).dimension,
-                                 e.above_zero ? above_zero : not_negative);
+                                 e.above_zero ? Sign::above_zero : Sign::not_negative);
       return true;
     }
     if (key == kFilterOrder) {
@@ -236,23 +187,6 @@ class Reader {
     return false;
   }
 
-  enum Sign { any, not_negative, above_zero };
-
-  double quantity(std::string_view key, const Node& value, const Dimension& expected, Sign sign) const {
-    if (!value.IsScalar()) {
-      fail_here(value, fmt::format("{}: found {}, expected a number and a unit ({})", key, kind(value),
-                                   noise::example_units(expected)));
-    }
-    double result = 0;
-    try {
-      result = noise::parse_quantity(value.Scalar(), expected);
-    } catch (const std::invalid_argument& error) {
-      fail_here(value, fmt::format("{}: {}", key, error.what()));
-    }
-    check_sign(key, value, result, sign);
-    return result;
-  }
-
   /// One quantity for each axis, in a list.
   std::array<double, 3> three(std::string_view key, const Node& value, const Dimension& expected,
                               Sign sign) const {
@@ -269,15 +203,9 @@ class Reader {
   }
 
   PerAxis per_axis(std::string_view key, const Node& value, const Dimension& expected) const {
-    if (!value.IsSequence()) return quantity(key, value, expected, not_negative);
-    const auto v = three(key, value, expected, not_negative);
+    if (!value.IsSequence()) return quantity(key, value, expected, Sign::not_negative);
+    const auto v = three(key, value, expected, Sign::not_negative);
     return {v[0], v[1], v[2]};
-  }
-
-  void check_sign(std::string_view key, const Node& value, double number, Sign sign) const {
-    if (sign == any || number > 0 || (number == 0 && sign == not_negative)) return;
-    fail_here(value, fmt::format("{}: found {}, expected a value {}", key, quoted(value.Scalar()),
-                                 sign == above_zero ? "above 0" : "of 0 or more"));
   }
 
   template <class Process, std::size_t n>
@@ -303,7 +231,7 @@ class Reader {
       if (field == std::end(fields)) fail_unknown_key(key, where, known);
       result.*field->member =
           quantity(field->key, value, noise::parse_unit(unit_of(*field, signal)).dimension,
-                   field->above_zero ? above_zero : any);
+                   field->above_zero ? Sign::above_zero : Sign::any);
       found.push_back(key.Scalar());
     });
     for (const auto& field : fields) {
@@ -325,8 +253,8 @@ class Reader {
 
   /// The root, or the first entry below it (imu0), that has the key.
   Node with_key(const char* key) const {
-    if (root_[key]) return root_;
-    for (const auto& entry : root_) {
+    if (root()[key]) return root();
+    for (const auto& entry : root()) {
       if (entry.second.IsMap() && entry.second[key]) return entry.second;
     }
     return Node(YAML::NodeType::Undefined);
@@ -348,10 +276,10 @@ class Reader {
 
   SensorModel imu_utils_form() const {
     SensorModel model;
-    model.name = root_["name"] && root_["name"].IsScalar() ? root_["name"].Scalar() : file_name();
-    model.gyro = imu_utils_triad(root_["Gyr"], "gyr_n", "gyr_w", dimension::kAngularRate);
-    if (root_["Acc"]) {
-      model.accelerometer = imu_utils_triad(root_["Acc"], "acc_n", "acc_w", dimension::kSpecificForce);
+    model.name = root()["name"] && root()["name"].IsScalar() ? root()["name"].Scalar() : file_name();
+    model.gyro = imu_utils_triad(root()["Gyr"], "gyr_n", "gyr_w", dimension::kAngularRate);
+    if (root()["Acc"]) {
+      model.accelerometer = imu_utils_triad(root()["Acc"], "acc_n", "acc_w", dimension::kSpecificForce);
     }
     return model;
   }
@@ -391,27 +319,24 @@ class Reader {
       fail_here(value, fmt::format("{}: found {}, expected a plain number (SI, continuous time)", key,
                                    quoted(text)));
     }
-    check_sign(key, value, result, not_negative);
+    check_sign(key, value, result, Sign::not_negative);
     return result;
   }
 
-  std::string file_name() const { return source_.name().substr(source_.name().rfind('/') + 1); }
+  std::string file_name() const { return name().substr(name().rfind('/') + 1); }
 
   [[noreturn]] void fail_unknown_form() const {
     std::vector<std::string> found;
     constexpr std::size_t kListed = 6;
-    for (const auto& entry : root_) {
+    for (const auto& entry : root()) {
       if (entry.first.IsScalar() && found.size() < kListed) found.push_back(quoted(entry.first.Scalar()));
     }
     fail_here(
-        root_,
+        root(),
         fmt::format("found the key{} {}, expected \"gyro:\" (a sensor file), \"gyroscope_noise_density:\" "
                     "(Kalibr, OpenVINS), \"gyr_n:\" (VINS) or \"Gyr:\" (imu_utils)",
                     found.size() == 1 ? "" : "s", listing(found)));
   }
-
-  Source source_;
-  Node root_;
 };
 
 // --- Writing ---------------------------------------------------------------------------------------------------------

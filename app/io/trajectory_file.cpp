@@ -7,6 +7,7 @@
 #include "gyrobudget/io/columns.h"
 #include "gyrobudget/io/layout.h"
 #include "gyrobudget/io/log_writer.h"
+#include "gyrobudget/io/named_columns.h"
 #include "gyrobudget/io/number.h"
 #include "gyrobudget/io/source.h"
 #include "gyrobudget/io/table.h"
@@ -31,12 +32,6 @@ using Eigen::Quaterniond;
 
 // --- Columns by name ---------------------------------------------------------------------------------------
 
-struct Wanted {
-  std::string_view name;
-  std::array<std::string_view, 2> others;  ///< names that mean the same
-  noise::Dimension dimension;
-};
-constexpr Wanted kTime{"time", {"t", "timestamp"}, noise::dimension::kTime};
 constexpr std::array<Wanted, 3> kPlace{{{"latitude", {"lat", "lat"}, noise::dimension::kAngle},
                                         {"longitude", {"lon", "lng"}, noise::dimension::kAngle},
                                         {"height", {"altitude", "alt"}, {0, 2, 0}}}};
@@ -53,44 +48,6 @@ constexpr const char* kExpected =
     "expected a header with time (s), latitude (deg), longitude (deg), height (m), and q_w, q_x, q_y, q_z or "
     "yaw (deg), pitch (deg), roll (deg)";
 
-class Columns {
- public:
-  Columns(const Source& source, const Layout& layout) : source_(source), layout_(layout) {}
-
-  [[nodiscard]] std::optional<std::size_t> find(const Wanted& wanted) const {
-    for (std::size_t i = 0; i < layout_.headings.size(); ++i) {
-      const std::string name = lower(layout_.headings[i].name);
-      if (name == wanted.name || std::ranges::find(wanted.others, name) != wanted.others.end()) return i;
-    }
-    return std::nullopt;
-  }
-
-  [[nodiscard]] DataColumn get(const Wanted& wanted) const {
-    const auto index = find(wanted);
-    if (!index)
-      fail(source_.name(), fmt::format("found no column {}, {}", io::quoted(wanted.name), kExpected));
-    return {*index, layout_.headings[*index].name, {}, to_si(layout_.headings[*index], wanted)};
-  }
-
- private:
-  [[nodiscard]] double to_si(const Heading& heading, const Wanted& wanted) const {
-    if (heading.unit.empty() && wanted.dimension == noise::dimension::kNumber) return 1;
-    try {
-      const noise::Unit unit = noise::parse_unit(heading.unit);
-      if (unit.dimension == wanted.dimension) return unit.to_si;
-    } catch (const std::invalid_argument&) {
-    }
-    fail_at(source_.name(), layout_.heading_line, heading.column,
-            fmt::format("column {} has {}, expected one like {}, as in \"latitude (deg)\"",
-                        io::quoted(heading.name),
-                        heading.unit.empty() ? "no unit" : "the unit " + io::quoted(heading.unit),
-                        noise::example_units(wanted.dimension)));
-  }
-
-  const Source& source_;
-  const Layout& layout_;
-};
-
 /// Times so far from 0 that a double of them would blur what a spline sees are read as whole nanoseconds.
 bool is_far(const Layout& layout, const DataColumn& time) {
   constexpr double kFar = 1e6;  // s
@@ -101,14 +58,12 @@ bool is_far(const Layout& layout, const DataColumn& time) {
 }
 
 Choice choose(const Source& source, const Layout& layout) {
-  const Columns columns(source, layout);
+  const ColumnMap none;
+  const NamedColumns columns(source, layout, none, kExpected);
   Choice choice;
-  choice.data.push_back(columns.get(kTime));
+  choice.data.push_back(columns.get(kTimeColumn));
   if (is_far(layout, choice.data.front())) {
-    constexpr double kNanoseconds = 1e9;
-    choice.stamps.push_back(
-        {choice.data.front().index, std::llround(choice.data.front().to_si * kNanoseconds)});
-    choice.time_name = choice.data.front().name;
+    add_stamps(choice, choice.data.front());
   }
   for (const Wanted& w : kPlace) choice.data.push_back(columns.get(w));
   if (columns.find(kQuaternion.front())) {

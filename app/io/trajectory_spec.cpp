@@ -185,27 +185,40 @@ void set(const Keys& keys, std::string_view path, std::string_view option) {
 }
 
 template <class Spec>
-earth::Trajectory read_spec(Spec spec, std::string_view options) {
+void set_all(Spec& spec, std::string_view options) {
   const Keys keys = spec.keys();
   while (!options.empty()) {
     const std::size_t end = std::min(options.find(','), options.size());
     set(keys, Spec::kName, options.substr(0, end));
     options.remove_prefix(std::min(end + 1, options.size()));
   }
-  return spec.make();
+}
+
+/// Calls visit with the path of that name, its options set.
+template <class Visit>
+bool visit_named(const std::string& text, Visit visit) {
+  const std::size_t colon = std::min(text.find(':'), text.size());
+  const std::string_view name = trim(std::string_view(text).substr(0, colon));
+  bool found = false;
+  for_each_path([&]<class Spec>(Spec spec) {
+    if (name != Spec::kName) return;
+    set_all(spec, std::string_view(text).substr(std::min(colon + 1, text.size())));
+    visit(spec);
+    found = true;
+  });
+  return found;
 }
 
 }  // namespace
 
 std::optional<earth::Trajectory> named_trajectory(const std::string& text) {
-  const std::size_t colon = std::min(text.find(':'), text.size());
-  const std::string_view name = trim(std::string_view(text).substr(0, colon));
   std::optional<earth::Trajectory> result;
-  for_each_path([&]<class Spec>(Spec spec) {
-    if (name != Spec::kName) return;
-    result = read_spec(std::move(spec), std::string_view(text).substr(std::min(colon + 1, text.size())));
-  });
+  (void)visit_named(text, [&](auto& spec) { result = spec.make(); });
   return result;
+}
+
+bool is_named_trajectory(const std::string& text) {
+  return visit_named(text, [](const auto&) {});
 }
 
 std::vector<std::string> trajectory_words() {

@@ -15,6 +15,9 @@ namespace gyrobudget::inline v0::io {
 /// @throws std::invalid_argument for options that the path does not have or refuses.
 [[nodiscard]] std::optional<earth::Trajectory> named_trajectory(const std::string& text);
 
+/// Whether named_trajectory would make one, with its complaints of options that there are not; makes none.
+[[nodiscard]] bool is_named_trajectory(const std::string& text);
+
 /// static, cruise, climb, ascent.
 [[nodiscard]] std::vector<std::string> trajectory_words();
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/report/accuracy.h"
+#include "gyrobudget/report/navigation.h"
 #include "gyrobudget/report/page_parts.h"
 #include "gyrobudget/report/paper.h"
 #include "gyrobudget/report/report.h"
@@ -113,6 +114,12 @@ std::string paper_page(const Paper& paper) {
 std::string accuracy_page(const AccuracyStudy& study) {
   return whole("How wrong the fits are: " + printable(study.sensor), kAccuracyHtml, accuracy_table(study),
                accuracy_data(study), kAccuracyJs);
+}
+
+std::string navigation_page(const NavigationResult& result) {
+  const std::string& name = result.scenario.name.empty() ? result.scene : result.scenario.name;
+  return whole("Navigation: " + printable(name), kNavigationHtml, navigation_text(result),
+               navigation_data(result), kNavigationJs);
 }
 
 std::string sweep_page(const Sweep& sweep) {

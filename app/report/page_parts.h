@@ -2,6 +2,7 @@
 #pragma once
 
 #include "gyrobudget/report/accuracy.h"
+#include "gyrobudget/report/navigation.h"
 #include "gyrobudget/report/paper.h"
 #include "gyrobudget/report/result.h"
 
@@ -26,12 +27,16 @@ namespace gyrobudget::inline v0::report {
 [[nodiscard]] std::string accuracy_data(const AccuracyStudy&);
 /// What sweep.js draws: sweep_json as "sweep".
 [[nodiscard]] std::string sweep_data(const Sweep&);
+/// What navigation.js draws: navigation_json as "navigation", errors, sigmas, biases and innovations over time, and the
+/// track.
+[[nodiscard]] std::string navigation_data(const NavigationResult&);
 
 // The files of the pages, embedded by embed.cmake.
 extern const std::string_view kShellHtml, kPageCss, kPlotJs, kChartJs;
-extern const std::string_view kPageHtml, kPageJs;          ///< datasheet
-extern const std::string_view kPaperHtml, kPaperJs;        ///< paper
-extern const std::string_view kAccuracyHtml, kAccuracyJs;  ///< accuracy
-extern const std::string_view kSweepHtml, kSweepJs;        ///< accuracy --sweep
+extern const std::string_view kPageHtml, kPageJs;              ///< datasheet
+extern const std::string_view kPaperHtml, kPaperJs;            ///< paper
+extern const std::string_view kAccuracyHtml, kAccuracyJs;      ///< accuracy
+extern const std::string_view kSweepHtml, kSweepJs;            ///< accuracy --sweep
+extern const std::string_view kNavigationHtml, kNavigationJs;  ///< navigate
 
 }  // namespace gyrobudget::inline v0::report

@@ -31,7 +31,7 @@ nlohmann::json json_of(const Outcome& run, int exit_code = 0) {
 }
 
 TEST(Verbs, HelpOpensWithTwoLinesToCopy) {
-  for (const std::string verb : {"", "simulate ", "allan ", "calibrate ", "plan ", "paper "}) {
+  for (const std::string verb : {"", "simulate ", "allan ", "calibrate ", "plan ", "paper ", "navigate "}) {
     const Outcome run = gyrobudget_run(verb + "--help");
     EXPECT_EQ(run.exit_code, 0);
     const std::string head = run.out.substr(0, run.out.find("Usage:"));

@@ -3,6 +3,7 @@
 
 #include "gyrobudget/io/curve_table.h"
 #include "gyrobudget/io/log.h"
+#include "gyrobudget/io/scene_file.h"
 #include "gyrobudget/io/sensor_file.h"
 #include "gyrobudget/noise/units.h"
 
@@ -168,6 +169,23 @@ void read_curve(std::string_view bytes) {
   }
 }
 
+// Alone: what a scene names beside itself is not there.
+void read_scene(std::string_view bytes) {
+  const MemoryFile file(bytes);
+  try {
+    const io::SceneFile scene = io::read_scene(file.path());
+    promise(scene.aids.size() == scene.scenario.aids.size(), "an aid without its source");
+    promise(scene.imu || !scene.trajectory.empty(), "nothing moves");
+    for (const auto& aid : scene.scenario.aids) {
+      for (int i = 0; i < navigation::rows(aid.kind); ++i)
+        promise(aid.sigma[i] > 0, "a sigma is not above 0");
+    }
+    for (const std::size_t aid : scene.scenario.reference)
+      promise(aid < scene.scenario.aids.size(), "a reference that there is not");
+  } catch (const io::InputError&) {
+  }
+}
+
 void parse_unit(std::string_view bytes) {
   try {
     const noise::Unit unit = noise::parse_unit(bytes);
@@ -248,6 +266,23 @@ const std::vector<Entry>& entries() {
        {with_options(0, "tau (s),adev (deg/h),lower (deg/h)\n0.01,90,80\n0.02,64.5,60\n0.04,45,40\n"),
         with_options(1, "tau adev\n1 2e-3\n2 1.5e-3\n4 1e-3\n"),
         with_options(3, "tau_s;x;y\n0,1;1,5;2\n0,2;1,25;3\n")}},
+      {"scene",
+       read_scene,
+       {"site: alcantara\nimu: {file: a.csv, axes: [y, x, -z], columns: {gyro_x: gx (0.1 "
+        "arcsec)}}\nalignment: "
+        "{position_sigma: [1 m, 1 m, 2 m], velocity_sigma: 1 cm/s, attitude: self, duration: 5 min}\naids:\n "
+        " gnss: "
+        "{file: g.csv, position: {sigma: 2 m, correlated: {sigma: 1 m, time: 5 min}}, velocity: 5 cm/s, "
+        "outages: [[1 "
+        "s, 2 s]]}\n  pad: {rest: 5 mm/s}\nreference: gnss\n",
+        "site: {latitude: -2 deg, longitude: 3 deg, height: 0 m}\ntrajectory: ascent:duration=50\nfilter: "
+        "{form: "
+        "joseph, gate: 1e-6, order: 4}\nsolution: {rate: 10 Hz, at: [83 s]}\nuntil: 20 min\n",
+        "imu: {file: -}\nalignment: {position: ins, velocity: ins, attitude: {heading: 3 deg}, level_sigma: "
+        "1 deg, "
+        "heading_sigma: 1 deg, velocity_sigma: 1 m/s}\naids: {ins: {file: a, position: 1 m, attitude: "
+        "{sigma: 1 deg, "
+        "bias_sigma: 1 deg}}}\n"}},
       {"unit",
        parse_unit,
        {"deg/sqrt(h)", "rad s^-1", "m/s^2/sqrt(Hz)", "\xc2\xb0/h/\xe2\x88\x9ah", "ug*s^(1/2)",

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: MIT
+// navigate: scene with a recorded IMU log -> navigation solution.
+#include "gyrobudget/io/output.h"
+#include "gyrobudget/io/scene_file.h"
+#include "gyrobudget/navigation/run.h"
+#include "gyrobudget/report/navigation.h"
+
+#include <fmt/format.h>
+
+#include <stdexcept>
+#include <utility>
+
+#include "paths.h"
+#include "terminal.h"
+#include "verbs.h"
+
+namespace gyrobudget::inline v0::cli {
+namespace {
+
+// What a scene asks that cannot be: its own error, not one of the command line.
+navigation::Run navigate(const std::string& scene, const report::NavigationResult& r) {
+  try {
+    return navigation::run(r.scenario, r.recording);
+  } catch (const std::invalid_argument& error) {
+    throw io::InputError(fmt::format("{}: {}", scene, error.what()));
+  }
+}
+
+void write(const NavigateArguments& a, const report::NavigationResult& r) {
+  if (!a.output.empty()) io::write_file(a.output, report::solution_csv(r));
+  if (!a.innovations.empty()) io::write_file(a.innovations, report::innovations_csv(r));
+  if (a.report.empty()) return;
+  io::write_file(a.report, report::navigation_page(r));
+  say(a.common, "report page: " + a.report);
+}
+
+}  // namespace
+
+int run(const NavigateArguments& a) {
+  check_outputs(a.scene, {{"-o", a.output}, {"--innovations", a.innovations}, {"--report", a.report}});
+  io::SceneFile scene = io::read_scene(a.scene, a.data_folder);
+  io::SceneData data = io::read_recording(scene);
+  report::NavigationResult result{.scene = a.scene,
+                                  .source = scene.imu->path,
+                                  .command = a.common.command_line,
+                                  .scenario = std::move(scene.scenario),
+                                  .recording = std::move(data.recording),
+                                  .notes = std::move(data.notes)};
+  if (scene.sensor.empty())
+    result.notes.emplace_back(
+        "the scene names no sensor file: the IMU is taken as ideal, and no error of it "
+        "is estimated");
+  result.run = navigate(a.scene, result);
+  print(a.common.json ? report::navigation_json(result) : report::navigation_text(result));
+  write(a, result);
+  if (result.run.status == navigation::Run::Status::navigated) return exit_done;
+  say(a.common, fmt::format("gyrobudget: {}", result.run.why));
+  return exit_no_answer;
+}
+
+}  // namespace gyrobudget::inline v0::cli

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: MIT
+// Inside io: tables whose columns are known by name.
+#pragma once
+
+#include "gyrobudget/io/columns.h"
+#include "gyrobudget/io/layout.h"
+#include "gyrobudget/io/table.h"
+
+#include <array>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gyrobudget::inline v0::io {
+
+/// A column by its name, other names that mean the same, and what it measures.
+struct Wanted {
+  std::string_view name;
+  std::array<std::string_view, 2> others;
+  noise::Dimension dimension;
+};
+
+inline constexpr Wanted kTimeColumn{"time", {"t", "timestamp"}, noise::dimension::kTime};
+
+/// Which column of a file stands for a name, and in what unit: {"yaw_ccw", "yaw_rad (rad)"}. The unit, with a
+/// factor where a count has one ("gx (0.1 arcsec)"), may be left out where the header has it.
+using ColumnMap = std::map<std::string, std::string>;
+
+/// The columns of one text file. Messages name the file, and its header's line.
+class NamedColumns {
+ public:
+  /// @param expected  what the header should hold, for the message where a column is missing
+  /// The source, the layout and the map must outlive this.
+  NamedColumns(const Source& source, const Layout& layout, const ColumnMap& map, std::string_view expected)
+      : source_(source), layout_(layout), map_(map), expected_(expected) {}
+
+  /// Its place, by the map first; empty where there is none.
+  /// @throws InputError for a column that the map names and the file has not.
+  [[nodiscard]] std::optional<std::size_t> find(const Wanted&) const;
+  /// The same with the factor to SI. @throws InputError also where there is none, or its unit is wrong.
+  [[nodiscard]] DataColumn get(const Wanted&) const;
+  /// The first of several dimensions that the column's unit has: {column, which}.
+  [[nodiscard]] std::pair<DataColumn, std::size_t> get(const Wanted&,
+                                                       const std::vector<noise::Dimension>&) const;
+
+ private:
+  struct Mapped {
+    std::string name, unit;
+  };
+  [[nodiscard]] std::optional<Mapped> mapped(const Wanted&) const;
+  [[nodiscard]] std::optional<std::size_t> place(std::string_view name) const;
+
+  const Source& source_;
+  const Layout& layout_;
+  const ColumnMap& map_;
+  std::string_view expected_;
+};
+
+/// The time column of a choice as whole nanoseconds beside the data columns.
+void add_stamps(Choice&, const DataColumn& time);
+
+}  // namespace gyrobudget::inline v0::io

@@ -1,0 +1,646 @@
+// SPDX-License-Identifier: MIT
+// Scenes: the keys of the test card.
+#include "gyrobudget/io/scene_file.h"
+
+#include "gyrobudget/earth/site.h"
+#include "gyrobudget/io/scene_columns.h"
+#include "gyrobudget/io/sensor_file.h"
+#include "gyrobudget/io/text.h"
+#include "gyrobudget/io/trajectory_spec.h"
+#include "gyrobudget/io/yaml_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <functional>
+#include <stdexcept>
+#include <utility>
+
+namespace gyrobudget::inline v0::io {
+namespace {
+
+using Eigen::Vector3d;
+using navigation::Aid;
+using navigation::FromAid;
+using navigation::Span;
+using noise::Dimension;
+using YAML::Node;
+namespace dimension = noise::dimension;
+
+constexpr Dimension kLength{0, 2, 0};
+
+/// A key and what reads its value.
+struct Key {
+  std::string name;
+  std::function<void(const Node& value)> read;
+};
+
+constexpr std::array kKinds{Aid::Kind::position, Aid::Kind::velocity, Aid::Kind::height, Aid::Kind::attitude,
+                            Aid::Kind::rest};
+
+Dimension dimension_of(Aid::Kind kind) {
+  switch (kind) {
+    case Aid::Kind::position:
+    case Aid::Kind::height:
+      return kLength;
+    case Aid::Kind::attitude:
+      return dimension::kAngle;
+    default:
+      return dimension::kVelocity;
+  }
+}
+
+class SceneReader {
+ public:
+  SceneReader(const std::string& path, const std::string& data_folder)
+      : yaml_(path, "a scene", "site: alcantara", "imu:"),
+        folder_(path == "-" ? std::filesystem::path() : std::filesystem::path(path).parent_path()),
+        data_folder_(data_folder.empty() ? folder_ : std::filesystem::path(data_folder)) {}
+
+  SceneFile read() {
+    const Node& root = yaml_.root();
+    if (root["site"]) read_site(root["site"]);  // others refer to these two
+    if (root["aids"]) read_aids(root["aids"]);
+    const auto done = [](const Node&) {};
+    section(root, "a scene",
+            {{"name", [&](const Node& v) { scenario().name = yaml_.text("name", v); }},
+             {"site", done},
+             {"azimuth",
+              [&](const Node& v) {
+                scenario().azimuth = yaml_.quantity("azimuth", v, dimension::kAngle, Sign::any);
+              }},
+             {"trajectory", [&](const Node& v) { read_trajectory_key(v); }},
+             {"imu", [&](const Node& v) { read_imu(v); }},
+             {"sensor", [&](const Node& v) { read_sensor_key(v); }},
+             {"states", [&](const Node& v) { read_states(v); }},
+             {"alignment", [&](const Node& v) { read_alignment(v); }},
+             {"aids", done},
+             {"filter", [&](const Node& v) { read_filter(v); }},
+             {"until", [&](const Node& v) { scenario().until = time("until", v, Sign::above_zero); }},
+             {"solution", [&](const Node& v) { read_solution(v); }},
+             {"reference", [&](const Node& v) { read_reference(v); }}});
+    if (!result_.imu && result_.trajectory.empty())
+      yaml_.fail_here(root, "found neither \"imu:\" nor \"trajectory:\", expected one of them: what moves");
+    if (result_.imu && !root["alignment"])
+      yaml_.fail_here(root, "found no \"alignment:\", expected one: where navigation starts from");
+    return std::move(result_);
+  }
+
+ private:
+  navigation::Scenario& scenario() { return result_.scenario; }
+
+  void section(const Node& node, std::string_view where, const std::vector<Key>& keys) const {
+    yaml_.for_each(node, where, [&](const Node& key, const Node& value) {
+      const auto at = std::ranges::find(keys, key.Scalar(), &Key::name);
+      if (at == keys.end()) {
+        std::vector<std::string> known;
+        for (const Key& k : keys) known.push_back(k.name);
+        yaml_.fail_unknown_key(key, where, known);
+      }
+      at->read(value);
+    });
+  }
+
+  // --- Values ---
+
+  [[nodiscard]] double time(std::string_view key, const Node& value, Sign sign) const {
+    return yaml_.quantity(key, value, dimension::kTime, sign);
+  }
+
+  // One for all three, or a list of three.
+  [[nodiscard]] Vector3d triple(std::string_view key, const Node& value, const Dimension& d,
+                                Sign sign) const {
+    if (!value.IsSequence()) return Vector3d::Constant(yaml_.quantity(key, value, d, sign));
+    if (value.size() != 3)
+      yaml_.fail_here(value,
+                      fmt::format("{}: found a list of {}, expected one value or three", key, value.size()));
+    return {yaml_.quantity(key, value[0], d, sign), yaml_.quantity(key, value[1], d, sign),
+            yaml_.quantity(key, value[2], d, sign)};
+  }
+
+  [[nodiscard]] std::string path_from(const std::filesystem::path& folder, const std::string& path) const {
+    if (path == "-" || std::filesystem::path(path).is_absolute()) return path;
+    return (folder / path).string();
+  }
+  [[nodiscard]] std::string data_path(std::string_view key, const Node& value) const {
+    return path_from(data_folder_, yaml_.text(key, value));
+  }
+
+  [[nodiscard]] std::map<std::string, std::string> columns(const Node& node,
+                                                           const std::vector<std::string>& known) const {
+    std::map<std::string, std::string> result;
+    yaml_.for_each(node, "columns", [&](const Node& key, const Node& value) {
+      if (std::ranges::find(known, key.Scalar()) == known.end())
+        yaml_.fail_unknown_key(key, "columns", known);
+      result[key.Scalar()] = yaml_.text(key.Scalar(), value);
+    });
+    return result;
+  }
+
+  [[nodiscard]] earth::Geodetic place(std::string_view where, const Node& node) const {
+    std::optional<double> latitude, longitude, height;
+    section(
+        node, where,
+        {{"latitude",
+          [&](const Node& v) {
+            latitude = yaml_.quantity("latitude", v, dimension::kAngle, Sign::any);
+            if (std::abs(*latitude) > 90 * earth::kDegree)
+              yaml_.fail_here(
+                  v, fmt::format("latitude: found {}, expected -90 to 90 deg", io::quoted(v.Scalar())));
+          }},
+         {"longitude",
+          [&](const Node& v) { longitude = yaml_.quantity("longitude", v, dimension::kAngle, Sign::any); }},
+         {"height", [&](const Node& v) { height = yaml_.quantity("height", v, kLength, Sign::any); }}});
+    if (!latitude || !longitude || !height)
+      yaml_.fail_here(
+          node, fmt::format("{}: expected latitude, longitude and height, found not all of them", where));
+    return {*latitude, *longitude, *height};
+  }
+
+  void read_site(const Node& node) {
+    if (!node.IsScalar()) {
+      scenario().site = place("site", node);
+      return;
+    }
+    std::vector<std::string> names;
+    for (const earth::Site& site : earth::sites()) names.emplace_back(site.name);
+    if (std::ranges::find(names, node.Scalar()) == names.end())
+      yaml_.fail_here(node, fmt::format("site: found {}{}, expected {} or {{latitude, longitude, height}}",
+                                        io::quoted(node.Scalar()), suggestion(node.Scalar(), names),
+                                        listing(names, "or")));
+    scenario().site = earth::find_site(node.Scalar()).position;
+  }
+
+  // --- What moves ---
+
+  void read_trajectory_key(const Node& node) {
+    const std::string text = yaml_.text("trajectory", node);
+    try {
+      result_.trajectory = is_named_trajectory(text) ? text : path_from(folder_, text);
+    } catch (const std::invalid_argument& error) {
+      yaml_.fail_here(node, error.what());
+    }
+  }
+
+  void read_imu(const Node& node) {
+    ImuSource imu;
+    section(node, "imu",
+            {{"file", [&](const Node& v) { imu.path = data_path("file", v); }},
+             {"columns", [&](const Node& v) { imu.columns = columns(v, imu_column_names()); }},
+             {"axes", [&](const Node& v) { read_axes(v, imu); }},
+             {"rate",
+              [&](const Node& v) {
+                imu.rate_hz = yaml_.quantity("rate", v, dimension::kFrequency, Sign::above_zero);
+              }},
+             {"stamp",
+              [&](const Node& v) {
+                imu.stamp = yaml_.one_of("stamp", v, {"end", "start"}) == 0 ? navigation::StampAt::end
+                                                                            : navigation::StampAt::start;
+              }},
+             {"samples", [&](const Node& v) {
+                imu.instants = yaml_.one_of("samples", v, {"mean", "instant"}) == 1;
+              }}});
+    if (imu.path.empty()) yaml_.fail_here(node, "imu: found no \"file:\", expected the log's path");
+    result_.imu = std::move(imu);
+  }
+
+  // [y, x, -z]: a turn of the axes, no mirror.
+  void read_axes(const Node& node, ImuSource& imu) const {
+    const auto refuse = [&](const std::string& found) {
+      yaml_.fail_here(node, fmt::format("axes: found {}, expected the log's axes that point forward, right, "
+                                        "down, as in [x, y, z] or [y, x, -z]",
+                                        found));
+    };
+    if (!node.IsSequence() || node.size() != 3) refuse(YamlReader::kind(node));
+    Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::string word = yaml_.text("axes", node[i]);
+      const bool negative = word.starts_with('-');
+      const std::string letter = word.substr(negative || word.starts_with('+') ? 1 : 0);
+      if (letter != "x" && letter != "y" && letter != "z") refuse(io::quoted(word));
+      imu.axis[i] = letter[0] - 'x';
+      imu.sign[i] = negative ? -1 : 1;
+      turn(static_cast<Eigen::Index>(i), imu.axis[i]) = imu.sign[i];
+    }
+    if (turn.determinant() == 0) refuse("an axis twice");
+    if (turn.determinant() < 0) refuse("a mirror (left-handed axes; a sign or an order is wrong)");
+  }
+
+  // --- Sensor and states ---
+
+  void read_sensor_key(const Node& node) {
+    if (node.IsScalar()) {
+      load_sensor(node);
+      return;
+    }
+    std::optional<double> powered_on_before, calibrated_over;
+    bool file = false;
+    section(node, "sensor",
+            {{"file",
+              [&](const Node& v) {
+                load_sensor(v);
+                file = true;
+              }},
+             {"powered_on_before",
+              [&](const Node& v) { powered_on_before = time("powered_on_before", v, Sign::not_negative); }},
+             {"calibrated_over",
+              [&](const Node& v) { calibrated_over = time("calibrated_over", v, Sign::above_zero); }},
+             {"vibration", [&](const Node& v) {
+                scenario().states.vibration =
+                    yaml_.quantity("vibration", v, dimension::kSpecificForce, Sign::not_negative);
+              }}});
+    if (!file) yaml_.fail_here(node, "sensor: found no \"file:\", expected the sensor file's path");
+    const auto set = [&](noise::ErrorModel& errors) {  // in place of the sensor file's
+      if (powered_on_before) errors.powered_on_before = powered_on_before;
+      if (calibrated_over) errors.calibrated_over = calibrated_over;
+    };
+    set(scenario().sensor.gyro);
+    if (scenario().sensor.accelerometer) set(*scenario().sensor.accelerometer);
+  }
+
+  void load_sensor(const Node& node) {
+    const std::string text = yaml_.text("sensor", node);
+    if (text == "ideal") return;
+    result_.sensor = path_from(folder_, text);
+    try {
+      scenario().sensor = read_sensor(result_.sensor);
+    } catch (const InputError& error) {  // its own place, behind that of the line which named it
+      yaml_.fail_here(node, fmt::format("sensor: {}", error.what()));
+    }
+  }
+
+  void read_states(const Node& node) {
+    auto& states = scenario().states;
+    const auto use = [this](std::string_view key, const Node& v) {
+      constexpr std::array kUses{navigation::Use::estimated, navigation::Use::considered,
+                                 navigation::Use::left_out};
+      return kUses.at(yaml_.one_of(key, v, {"estimated", "considered", "left_out"}));
+    };
+    constexpr int kMostFlickerStates = 6;
+    section(
+        node, "states",
+        {{"flicker",
+          [&](const Node& v) { states.flicker_states = yaml_.whole("flicker", v, 0, kMostFlickerStates); }},
+         {"tolerance",
+          [&](const Node& v) {
+            states.tolerance = yaml_.quantity("tolerance", v, dimension::kNumber, Sign::above_zero);
+          }},
+         {"scale_factor", [&](const Node& v) { states.scale_factor = use("scale_factor", v); }},
+         {"misalignment", [&](const Node& v) { states.misalignment = use("misalignment", v); }},
+         {"g_sensitivity", [&](const Node& v) { states.g_sensitivity = use("g_sensitivity", v); }}});
+  }
+
+  // --- Alignment ---
+
+  // The aid of a device that measures this.
+  [[nodiscard]] FromAid aid_named(std::string_view key, const Node& node, Aid::Kind kind) const {
+    const std::string name = fmt::format("{}.{}", node.Scalar(), navigation::name(kind));
+    std::vector<std::string> devices;
+    for (std::size_t i = 0; i < result_.scenario.aids.size(); ++i) {
+      const Aid& aid = result_.scenario.aids[i];
+      if (aid.name == name) return {i};
+      if (aid.kind == kind) devices.push_back(aid.name.substr(0, aid.name.rfind('.')));
+    }
+    yaml_.fail_here(node,
+                    fmt::format("{}: {} is no aid that measures {}{}; {}", key, io::quoted(node.Scalar()),
+                                navigation::name(kind), suggestion(node.Scalar(), devices),
+                                devices.empty() ? "there is none" : "there are " + listing(devices)));
+  }
+
+  void read_alignment(const Node& node) {
+    auto& a = scenario().alignment;
+    const auto sigma = [this](std::string_view key, const Node& v) {
+      return yaml_.quantity(key, v, dimension::kAngle, Sign::above_zero);
+    };
+    std::optional<double> duration, heading;
+    bool self = false;
+    section(node, "alignment",
+            {{"start", [&](const Node& v) { a.start = time("start", v, Sign::any); }},
+             {"position", [&](const Node& v) { read_position(v); }},
+             {"position_sigma",
+              [&](const Node& v) {
+                a.position_sigma = triple("position_sigma", v, kLength, Sign::not_negative);
+              }},
+             {"velocity", [&](const Node& v) { read_velocity(v); }},
+             {"velocity_sigma",
+              [&](const Node& v) {
+                a.velocity_sigma = triple("velocity_sigma", v, dimension::kVelocity, Sign::not_negative);
+              }},
+             {"attitude", [&](const Node& v) { self = read_attitude(v); }},
+             {"duration", [&](const Node& v) { duration = time("duration", v, Sign::above_zero); }},
+             {"heading",
+              [&](const Node& v) { heading = yaml_.quantity("heading", v, dimension::kAngle, Sign::any); }},
+             {"level_sigma", [&](const Node& v) { a.level_sigma = sigma("level_sigma", v); }},
+             {"heading_sigma", [&](const Node& v) { a.heading_sigma = sigma("heading_sigma", v); }}});
+    if (!self && (duration || heading))
+      yaml_.fail_here(node, "alignment: duration and heading belong to \"attitude: self\"");
+    if (heading && !a.heading_sigma)
+      yaml_.fail_here(node, "alignment: a heading needs its heading_sigma beside it");
+    if (self) {
+      navigation::SelfAlignment with;
+      with.duration = duration.value_or(with.duration);
+      with.heading = heading;
+      a.attitude = with;
+    }
+    if (!node["position"]) position_from_site(node);
+    if (!node["attitude"])
+      yaml_.fail_here(node,
+                      "alignment: found no \"attitude:\", expected self, the name of an aid, or {heading, "
+                      "pitch, roll}");
+    check_sigmas(node);
+  }
+
+  // Nothing that a person states is exact.
+  void check_sigmas(const Node& node) {
+    const auto& a = scenario().alignment;
+    const auto need = [&](bool there, bool needed, const char* what, const char* example) {
+      if (needed && !there)
+        yaml_.fail_here(node,
+                        fmt::format("alignment: found no \"{0}:\", expected how well it is known, as in "
+                                    "{0}: {1}",
+                                    what, example));
+    };
+    const auto is_given = [](const auto& v) { return !std::holds_alternative<FromAid>(v); };
+    need(a.position_sigma.has_value(), is_given(a.position), "position_sigma", "5 m");
+    need(a.velocity_sigma.has_value(), is_given(a.velocity), "velocity_sigma", "1 cm/s");
+    const bool euler = std::holds_alternative<earth::Euler>(a.attitude);
+    need(a.level_sigma.has_value(), euler, "level_sigma", "0.1 deg");
+    need(a.heading_sigma.has_value(), euler, "heading_sigma", "1 deg");
+  }
+
+  void position_from_site(const Node& node) {
+    if (!scenario().site)
+      yaml_.fail_here(node, "found no site, expected \"site:\" in the scene, or a position in the alignment");
+    scenario().alignment.position = *scenario().site;
+  }
+
+  void read_position(const Node& v) {
+    auto& position = scenario().alignment.position;
+    if (!v.IsScalar())
+      position = place("position", v);
+    else if (v.Scalar() == "site")
+      position_from_site(v);
+    else
+      position = aid_named("position", v, Aid::Kind::position);
+  }
+
+  void read_velocity(const Node& node) {
+    auto& velocity = scenario().alignment.velocity;
+    if (node.IsScalar() && node.Scalar() == "rest") {
+      velocity = Vector3d(0, 0, 0);
+      return;
+    }
+    if (node.IsScalar()) {
+      velocity = aid_named("velocity", node, Aid::Kind::velocity);
+      return;
+    }
+    Vector3d v = Vector3d::Zero();
+    const auto component = [&](const char* key, Eigen::Index i) {
+      return Key{key, [this, key, i, &v](const Node& value) {
+                   v[i] = yaml_.quantity(key, value, dimension::kVelocity, Sign::any);
+                 }};
+    };
+    section(node, "velocity", {component("north", 0), component("east", 1), component("down", 2)});
+    velocity = v;
+  }
+
+  // True for self-alignment.
+  bool read_attitude(const Node& node) {
+    auto& attitude = scenario().alignment.attitude;
+    if (node.IsScalar() && node.Scalar() == "self") return true;
+    if (node.IsScalar()) {
+      attitude = aid_named("attitude", node, Aid::Kind::attitude);
+      return false;
+    }
+    earth::Euler euler;
+    const auto angle = [&](const char* key, double& value) {
+      return Key{key, [this, key, &value](const Node& v) {
+                   value = yaml_.quantity(key, v, dimension::kAngle, Sign::any);
+                 }};
+    };
+    section(node, "attitude",
+            {angle("heading", euler.yaw), angle("pitch", euler.pitch), angle("roll", euler.roll)});
+    attitude = euler;
+    return false;
+  }
+
+  // --- Aids ---
+
+  // What a device says once for all it measures.
+  struct Device {
+    AidSource source;
+    Aid common;
+    std::vector<std::pair<Aid::Kind, Node>> measures;
+  };
+
+  std::vector<Key> use_keys(Aid& aid) const {
+    return {{"from", [this, &aid](const Node& v) { aid.valid.from = time("from", v, Sign::any); }},
+            {"until", [this, &aid](const Node& v) { aid.valid.to = time("until", v, Sign::any); }},
+            {"outages", [this, &aid](const Node& v) { aid.outages = spans("outages", v); }},
+            {"used", [this, &aid](const Node& v) { aid.used = yaml_.flag("used", v); }}};
+  }
+
+  [[nodiscard]] std::vector<Span> spans(std::string_view key, const Node& node) const {
+    const auto refuse = [&](const Node& at) {
+      yaml_.fail_here(at, fmt::format("{}: found {}, expected pairs of times as in [[60 s, 120 s]]", key,
+                                      YamlReader::kind(at)));
+    };
+    if (!node.IsSequence()) refuse(node);
+    std::vector<Span> result;
+    for (const Node& pair : node) {
+      if (!pair.IsSequence() || pair.size() != 2) refuse(pair);
+      const Span span{time(key, pair[0], Sign::any), time(key, pair[1], Sign::any)};
+      if (span.to < span.from)
+        yaml_.fail_here(
+            pair, fmt::format("{}: ends at {:g} s, before it begins at {:g} s", key, span.to, span.from));
+      result.push_back(span);
+    }
+    return result;
+  }
+
+  void read_aids(const Node& node) {
+    yaml_.for_each(node, "aids", [&](const Node& key, const Node& value) {
+      const std::string where = "aids." + key.Scalar();
+      Device device;
+      device.common.name = key.Scalar();
+      Aid& common = device.common;
+      std::vector<Key> keys = use_keys(common);
+      const auto add = [&](const char* name, std::function<void(const Node&)> read) {
+        keys.push_back({name, std::move(read)});
+      };
+      add("file", [&](const Node& v) { device.source.path = data_path("file", v); });
+      add("columns", [&](const Node& v) { device.source.columns = columns(v, aid_column_names()); });
+      add("rate", [&](const Node& v) {
+        common.rate = yaml_.quantity("rate", v, dimension::kFrequency, Sign::above_zero);
+      });
+      add("lever_arm", [&](const Node& v) { common.lever_arm = lever_arm(v); });
+      add("lever_arm_sigma", [&](const Node& v) {
+        common.lever_arm_sigma = triple("lever_arm_sigma", v, kLength, Sign::not_negative);
+      });
+      add("time_tag", [&](const Node& v) { common.time_tag = time("time_tag", v, Sign::any); });
+      add("time_tag_sigma",
+          [&](const Node& v) { common.time_tag_sigma = time("time_tag_sigma", v, Sign::not_negative); });
+      for (const Aid::Kind kind : kKinds) {
+        keys.push_back({std::string(navigation::name(kind)),
+                        [&device, kind](const Node& v) { device.measures.emplace_back(kind, v); }});
+      }
+      section(value, where, keys);
+      if (device.measures.empty())
+        yaml_.fail_here(value, fmt::format("{}: found nothing that it measures, expected position, velocity, "
+                                           "height, attitude or rest",
+                                           where));
+      for (const auto& [kind, v] : device.measures) add_aid(device, kind, v);
+    });
+  }
+
+  [[nodiscard]] Vector3d lever_arm(const Node& v) const {
+    if (!v.IsSequence())
+      yaml_.fail_here(v,
+                      fmt::format("lever_arm: found {}, expected [forward, right, down] as in [0.2 m, 0 m, "
+                                  "-1 m]",
+                                  YamlReader::kind(v)));
+    return triple("lever_arm", v, kLength, Sign::any);
+  }
+
+  void add_aid(const Device& device, Aid::Kind kind, const Node& node) {
+    Aid aid = device.common;
+    aid.kind = kind;
+    aid.name = fmt::format("{}.{}", device.common.name, navigation::name(kind));
+    const Dimension d = dimension_of(kind);
+    bool sigma = true;
+    const auto read_sigma = [&](const Node& v) {
+      aid.sigma = triple("sigma", v, d, Sign::above_zero);
+      sigma = true;
+    };
+    if (node.IsMap()) {
+      sigma = false;
+      std::vector<Key> keys = use_keys(aid);
+      keys.push_back({"sigma", read_sigma});
+      keys.push_back({"bias_sigma", [&](const Node& v) {
+                        aid.bias_sigma = triple("bias_sigma", v, d, Sign::not_negative);
+                      }});
+      keys.push_back({"correlated", [&](const Node& v) { read_correlated(v, d, aid); }});
+      section(node, "aids." + aid.name, keys);
+    } else {
+      read_sigma(node);
+    }
+    if (!sigma)
+      yaml_.fail_here(node, fmt::format("aids.{}: found no \"sigma:\", expected its white noise", aid.name));
+    AidSource source = device.source;
+    if (kind == Aid::Kind::rest) source = {};
+    scenario().aids.push_back(std::move(aid));
+    result_.aids.push_back(std::move(source));
+  }
+
+  void read_correlated(const Node& node, const Dimension& d, Aid& aid) const {
+    bool both[2] = {false, false};
+    section(node, "correlated",
+            {{"sigma",
+              [&](const Node& v) {
+                aid.correlated_sigma = triple("sigma", v, d, Sign::not_negative);
+                both[0] = true;
+              }},
+             {"time", [&](const Node& v) {
+                aid.correlation_time = time("time", v, Sign::above_zero);
+                both[1] = true;
+              }}});
+    if (!both[0] || !both[1])
+      yaml_.fail_here(node, "correlated: expected both, as in {sigma: 1 m, time: 5 min}");
+  }
+
+  // --- Filter, solution, reference ---
+
+  void read_filter(const Node& node) {
+    auto& filter = scenario().filter;
+    constexpr std::array kForms{navigation::Form::automatic, navigation::Form::plain,
+                                navigation::Form::joseph, navigation::Form::square_root};
+    section(
+        node, "filter",
+        {{"form",
+          [&](const Node& v) {
+            filter.form = kForms.at(yaml_.one_of("form", v, {"automatic", "plain", "joseph", "square_root"}));
+          }},
+         {"gate",
+          [&](const Node& v) {
+            filter.gate_false_alarm = yaml_.number("gate", v);
+            if (!(filter.gate_false_alarm >= 0 && filter.gate_false_alarm < 1))
+              yaml_.fail_here(v, fmt::format("gate: found {}, expected a share from 0 to below 1",
+                                             io::quoted(v.Scalar())));
+          }},
+         {"covariance_interval",
+          [&](const Node& v) {
+            filter.covariance_interval = time("covariance_interval", v, Sign::not_negative);
+          }},
+         {"order",
+          [&](const Node& v) {
+            filter.strapdown.order = yaml_.whole("order", v, 1, navigation::Strapdown::kHighestOrder);
+          }},
+         {"earth_rate",
+          [&](const Node& v) { filter.strapdown.earth_rate_in_attitude = yaml_.flag("earth_rate", v); }}});
+  }
+
+  void read_solution(const Node& node) {
+    section(node, "solution",
+            {{"rate",
+              [&](const Node& v) {
+                scenario().solution_interval =
+                    1 / yaml_.quantity("rate", v, dimension::kFrequency, Sign::above_zero);
+              }},
+             {"at", [&](const Node& v) {
+                if (!v.IsSequence()) {
+                  scenario().at = {time("at", v, Sign::any)};
+                  return;
+                }
+                scenario().at.clear();
+                for (const Node& one : v) scenario().at.push_back(time("at", one, Sign::any));
+              }}});
+  }
+
+  void read_reference(const Node& node) {
+    constexpr std::array kCompared{Aid::Kind::position, Aid::Kind::velocity, Aid::Kind::attitude};
+    auto& reference = scenario().reference;
+    if (node.IsScalar()) {
+      std::vector<std::string> devices;
+      for (std::size_t i = 0; i < scenario().aids.size(); ++i) {
+        const Aid& aid = scenario().aids[i];
+        devices.push_back(aid.name.substr(0, aid.name.rfind('.')));
+        const bool compared = std::ranges::find(kCompared, aid.kind) != kCompared.end();
+        if (compared && devices.back() == node.Scalar()) reference.push_back(i);
+      }
+      if (reference.empty())
+        yaml_.fail_here(node, fmt::format("reference: {} is no aid that measures position, velocity or "
+                                          "attitude{}; a file goes below it: {{file: truth.csv}}",
+                                          io::quoted(node.Scalar()), suggestion(node.Scalar(), devices)));
+      return;
+    }
+    AidSource source;
+    section(node, "reference",
+            {{"file", [&](const Node& v) { source.path = data_path("file", v); }},
+             {"columns", [&](const Node& v) { source.columns = columns(v, aid_column_names()); }}});
+    if (source.path.empty())
+      yaml_.fail_here(node, "reference: found no \"file:\", expected the path of a CSV");
+    for (const Aid::Kind kind : kCompared) {
+      Aid aid;
+      aid.kind = kind;
+      aid.name = fmt::format("reference.{}", navigation::name(kind));
+      aid.used = false;
+      reference.push_back(scenario().aids.size());
+      scenario().aids.push_back(aid);
+      result_.aids.push_back(source);
+    }
+  }
+
+  YamlReader yaml_;
+  std::filesystem::path folder_, data_folder_;
+  SceneFile result_;
+};
+
+}  // namespace
+
+SceneFile read_scene(const std::string& path, const std::string& data_folder) {
+  return SceneReader(path, data_folder).read();
+}
+
+}  // namespace gyrobudget::inline v0::io

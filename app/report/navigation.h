@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "gyrobudget/navigation/run.h"
+
+#include <string>
+#include <vector>
+
+// A navigation run as people and programs want it. Local axes are east, north, up; attitude errors are rotation
+// vectors in them; body axes are forward, right, down.
+namespace gyrobudget::inline v0::report {
+
+struct NavigationResult {
+  std::string scene;    ///< its path
+  std::string source;   ///< path of the IMU log
+  std::string command;  ///< as typed
+  navigation::Scenario scenario;
+  navigation::Recording recording;
+  navigation::Run run;
+  std::vector<std::string> notes;  ///< how the data were read
+};
+
+/// An estimated error with its unit for people.
+struct StateText {
+  std::string name;  ///< "gyro bias x", "ins.attitude mounting y", "gnss.position lever arm x"
+  std::string unit;  ///< "deg/h", "ug", "deg"
+  double to_si = 1;  ///< SI of one unit
+};
+[[nodiscard]] StateText state_text(const navigation::Scenario&, const navigation::ErrorTerm&);
+
+/// Summary for the terminal.
+[[nodiscard]] std::string navigation_text(const NavigationResult&);
+/// The solution: time (s), latitude (deg), longitude (deg), height (m), velocity_north (m/s), velocity_east,
+/// velocity_down, q_w (1), q_x, q_y, q_z (of q_nb), heading (deg), pitch, roll; one sigma sigma_position_east (m) ...,
+/// sigma_velocity_east (m/s) ..., sigma_attitude_east (deg) ...; gyro_bias_x (rad/s), sigma_gyro_bias_x ...,
+/// accel_bias_x (m/s^2), sigma_accel_bias_x. A trajectory for --trajectory, and for other scenes.
+[[nodiscard]] std::string solution_csv(const NavigationResult&);
+/// One line for each fix: time (s), aid, status (used, gated, not_finite), nis, dof, and residual and sigma of each
+/// component in SI.
+[[nodiscard]] std::string innovations_csv(const NavigationResult&);
+/// Schema gyrobudget.navigation/1: {"schema","version","command","scene","name","sensor","status","why",
+/// "imu":{"source","samples","duration_s","interval_s","gaps","bridged_s"},"alignment":{"from_s","to_s","words"},
+/// "epochs","final":{"t_s","latitude_deg","longitude_deg","height_m","velocity_m_s":{"north","east","down"},
+/// "heading_deg","pitch_deg","roll_deg","q_nb"},"sigma":{"position_m":{"east","north","up"},"velocity_m_s",
+/// "attitude_deg"},"nis":{"mean","inside_95","aids":[{"name","dof","used","gated","not_finite","left_out","mean","low",
+/// "high","inside_95","unit","residual_mean","residual_rms"}]},"states":[{"name","unit","initial_sigma","value","sigma"}],
+/// "reference":{"position_rms_m","velocity_rms_m_s","attitude_rms_deg","nees","nees_dof","nees_low","nees_high",
+/// "nees_inside_95","epochs","final":{…}},"left_out":[{"what","why"}],"notes"}.
+/// "nis"."mean" is over the aids' degrees of freedom: 1 where the sigmas are right; of one aid it is the mean NIS, to
+/// lie between low and high. "final", "sigma" and "reference" are null where there is none; a quantity that the
+/// reference has not is null in it.
+[[nodiscard]] std::string navigation_json(const NavigationResult&);
+/// One HTML page that opens offline.
+[[nodiscard]] std::string navigation_page(const NavigationResult&);
+
+}  // namespace gyrobudget::inline v0::report

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// Inside navigation: from a scene's alignment to the filter's start.
+#pragma once
+
+#include "gyrobudget/navigation/detail/fix_track.h"
+#include "gyrobudget/navigation/run.h"
+
+#include <variant>
+
+namespace gyrobudget::inline v0::navigation::detail {
+
+/// Why there is no start.
+struct NoStart {
+  Run::Status status;
+  std::string why;
+};
+
+/// When, at the earliest, a filter can start: all aids that the alignment needs have a fix, and what aligns
+/// itself has stood. Which part of the log that takes.
+[[nodiscard]] std::variant<NoStart, Span> start_span(const Scenario&, const ImuLog&,
+                                                     const std::vector<FixTrack>&, std::int64_t origin);
+
+struct Start {
+  AlignmentResult result;
+  StateMatrix P0;  ///< of the model's states
+};
+
+/// State and covariance at span.to. `terms` is the covariance of the model's terms; where the sensors have
+/// aligned themselves it is correlated with the attitude: levelled by an accelerometer of bias b, the body is
+/// off level by b/g just so that this accelerometer sees none of it.
+[[nodiscard]] std::variant<NoStart, Start> start(const Scenario&, const Recording&,
+                                                 const std::vector<FixTrack>&, const Span&, const ErrorModel&,
+                                                 const StateMatrix& terms);
+
+}  // namespace gyrobudget::inline v0::navigation::detail
