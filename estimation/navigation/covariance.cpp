@@ -36,8 +36,8 @@ void check(const StateMatrix& P) {
     }
 }
 
-// P = U D U^T, U unit upper triangular with D on its diagonal (Bierman 1977, III.3). A remainder below rounding
-// of its own variance is none: the state is a combination of those after it.
+// P = U D U^T, U unit upper triangular with D on its diagonal (Bierman 1977, III.3). A remainder below
+// rounding of its own variance is none: the state is a combination of those after it.
 enum class Remainder { refused_if_negative, none_if_negative };
 void factorise(StateMatrix& p, Remainder remainder) {
   const double rounding = 16 * std::numeric_limits<double>::epsilon() * static_cast<double>(p.rows());
@@ -58,8 +58,8 @@ void factorise(StateMatrix& p, Remainder remainder) {
   }
 }
 
-// U D U^T <- U D U^T + c a a^T, c >= 0, for the first a.size() states (Agee & Turner 1972; Bierman 1977, III.4).
-// Where the new term prevails, U and a are weighed instead of corrected: nothing cancels (Bierman's V.3).
+// U D U^T <- U D U^T + c a a^T, c >= 0, for the first a.size() states (Agee & Turner 1972; Bierman 1977,
+// III.4). Where the new term prevails, U and a are weighed instead of corrected: nothing cancels (V.3).
 template <typename Factors>
 void add_rank_one(Factors& ud, double c, StateVector& a) {
   for (auto j = a.size() - 1; j >= 0 && c > 0; --j) {
@@ -82,8 +82,8 @@ void add_rank_one(Factors& ud, double c, StateVector& a) {
   }
 }
 
-// Modified weighted Gram-Schmidt (Thornton 1976; Bierman 1977, VI.4): W diag(weight) W^T = U D U^T into the first
-// rows of `ud`, for the rows of a small W.
+// Modified weighted Gram-Schmidt (Thornton 1976; Bierman 1977, VI.4): W diag(weight) W^T = U D U^T into the
+// first rows of `ud`, for the rows of a small W.
 template <typename Factors>
 void orthogonalise(Eigen::Matrix<double, kCore + kInputs, kCore>& w,
                    const Eigen::Matrix<double, kCore + kInputs, 1>& weight, Factors& ud) {
@@ -127,9 +127,9 @@ void Covariance::propagate(const Transition& step) {
     detail::propagate_dense(detail::best_target(), step, p_.data());
 }
 
-// Phi U = [core U_cc, core U_cs + C U_ss; 0, decay U_ss] is triangular already but for its first nine rows and
-// columns: only these, with the inputs' noise, have to be made triangular anew. What is left is the diagonal of
-// the sensor block, made one again by weights, and one rank-one addition a noisy term.
+// Phi U = [core U_cc, core U_cs + C U_ss; 0, decay U_ss] is triangular already but for its first nine rows
+// and columns: only these, with the inputs' noise, have to be made triangular anew. What is left is the
+// diagonal of the sensor block, made one again by weights, and one rank-one addition a noisy term.
 void Covariance::propagate_factors(const Transition& step) {
   const int n = size_ - kCore;
   Eigen::Matrix<double, kCore + kInputs, kCore> w;
@@ -152,8 +152,8 @@ void Covariance::propagate_factors(const Transition& step) {
   }
 }
 
-// Column 9 + k of Phi U, with its last element made one. Where next to nothing of the state is left, the column
-// is instead a source of the states before it.
+// Column 9 + k of Phi U, with its last element made one. Where next to nothing of the state is left, the
+// column is instead a source of the states before it.
 void Covariance::transform_column(const Transition& step, int k) {
   const double own = step.terms[static_cast<std::size_t>(k)].decay;
   auto column = p_.col(kCore + k);
@@ -219,7 +219,7 @@ StateVector Covariance::update_dense(const MeasurementRow& row, std::span<const 
   return gain;
 }
 
-// From the left, then from the right with what h sees of it, so that errors of the gain enter squared. g is P h.
+// From the left, then from the right with what h sees of it, so errors of the gain enter squared. g is P h.
 void Covariance::joseph(const MeasurementRow& row, StateVector& g, const StateVector& gain) {
   auto p = p_.topRows(size_);
   for (int j = 0; j < size_; ++j) p.col(j) -= g[j] * gain;

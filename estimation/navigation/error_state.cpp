@@ -34,9 +34,9 @@ double integral_0_1(Function f) {
 // (1 - exp(-x))/x
 double mean_exponential(double x) { return x == 0 ? 1 : -std::expm1(-x) / x; }
 
-// Variance of a step's mean that the state at its end does not share, over walk^2 dt; a = dt/Tc. The mean is the
-// integral of w(u) (1 - e^(-a u))/a and the state that of w(u) e^(-a u), u back from the step's end. Above a = 1
-// nothing cancels in the closed form; below, the square of the difference is integrated.
+// Variance of a step's mean that the state at its end does not share, over walk^2 dt; a = dt/Tc. The mean is
+// the integral of w(u) (1 - e^(-a u))/a and the state that of w(u) e^(-a u), u back from the step's end.
+// Above a = 1 nothing cancels in the closed form; below, the square of the difference is integrated.
 double unshared_variance(double a, double spill) {
   if (a > 1) {
     const double h = mean_exponential(a), h2 = mean_exponential(2 * a);

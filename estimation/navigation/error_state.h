@@ -94,7 +94,8 @@ struct ErrorModel {
 /// variance N^2/dt through `input`. That is exact for a strapdown fed with increments, not an approximation
 /// in dt. A state's noise and the mean of it over the step are drawn jointly (closed form):
 ///   G = [input | kick_1 ... kick_n],  kick_k = input.col(signal_k) spill_k + e_(9+k).
-/// Attitude is moved by itself and the gyro alone: core(6 ... 8, 0 ... 5) and input(6 ... 8, 3 ... 5) are zero.
+/// Attitude is moved by itself and the gyro alone: core(6 ... 8, 0 ... 5) and input(6 ... 8, 3 ... 5) are
+/// zero.
 struct Transition {
   struct Term {
     int signal = -1;   ///< column of `input`; -1: aids touch no navigation state
@@ -134,9 +135,10 @@ class Lineariser {
   [[nodiscard]] const ErrorModel& model() const { return model_; }
   [[nodiscard]] int states() const { return model_.states(); }
 
-  /// Phi of the core is exp(F dt), to rounding for dt above kSecondOrder and to second order in dt up to it. What
-  /// is then left out turns position by |f| w_ie dt^3/2 for a unit attitude error and the inputs by w_ie dt of
-  /// themselves: 1e-6 of them at 10 ms. The motion of f within a step adds (w dt)^2/12 of what f does in it.
+  /// Phi of the core is exp(F dt), to rounding for dt above kSecondOrder and to second order in dt up to it.
+  /// What is then left out turns position by |f| w_ie dt^3/2 for a unit attitude error and the inputs by w_ie
+  /// dt of themselves: 1e-6 of them at 10 ms. The motion of f within a step adds (w dt)^2/12 of what f does
+  /// in it.
   /// @throws std::invalid_argument unless dt > 0 and finite.
   [[nodiscard]] const Transition& operator()(const StepInput&);
   static constexpr double kSecondOrder = 0.05;  ///< [s]

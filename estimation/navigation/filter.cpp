@@ -74,8 +74,8 @@ void Filter::set_step(double dt) {
   step_dt_ = dt;
 }
 
-// Less what the terms add. Those that multiply do so with the true signal: one repetition takes the error of using
-// the measured one from the square of a term to its cube.
+// Less what the terms add. Those that multiply do so with the true signal: one repetition takes the error of
+// using the measured one from the square of a term to its cube.
 earth::ImuIncrement Filter::corrected(const earth::ImuIncrement& imu, double dt) const {
   if (terms_.size() == 0) return imu;
   const StateVector mean = terms_.cwiseProduct(mean_decay_);

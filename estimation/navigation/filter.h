@@ -59,7 +59,8 @@ class Filter {
   /// @throws std::invalid_argument for dt < 0 (time runs backwards), dt or increments not finite.
   void propagate(const earth::ImuIncrement&, double dt);
 
-  /// All rows of a measurement, or none: those beyond the gate and those not finite are reported and left out.
+  /// All rows of a measurement, or none: those beyond the gate and those not finite are reported and left
+  /// out.
   Innovation update(const Measurement&);
 
   [[nodiscard]] double time() const { return time_; }  ///< since the start [s]
@@ -70,10 +71,10 @@ class Filter {
   /// What aids are compared with; valid until the filter changes.
   [[nodiscard]] Estimate estimate() const;
 
-  /// From now on tells `record` what it does, for smooth(); nullptr ends that. The record must outlive it, and a copy of
-  /// the filter tells the same record until it is given its own. Recording allocates.
-  /// @throws std::invalid_argument for a record of other size, and for a model with considered states: their gains are
-  /// not optimal, which smoothing supposes.
+  /// From now on tells `record` what it does, for smooth(); nullptr ends that. The record must outlive it,
+  /// and a copy of the filter tells the same record until it is given its own. Recording allocates.
+  /// @throws std::invalid_argument for a record of other size, and for a model with considered states: their
+  /// gains are not optimal, which smoothing supposes.
   void record(Record* record);
   /// Keeps the present as an epoch of the record. @throws std::logic_error without one.
   void keep_epoch();

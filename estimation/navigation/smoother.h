@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Fixed-interval smoothing: what all measurements of a run, later ones included, say of an earlier time.
 //
-// The modified Bryson-Frazier form (Bierman, Fixed interval smoothing with discrete measurements, Int. J. Control
-// 18:65, 1973; Bierman 1977, X) needs no inverse of a covariance. A vector l and a matrix L run backwards, zero at the
-// end, through what the filter did,
+// The modified Bryson-Frazier form (Bierman, Fixed interval smoothing with discrete measurements, Int. J.
+// Control 18:65, 1973; Bierman 1977, X) needs no inverse of a covariance. A vector l and a matrix L run
+// backwards, zero at the end, through what the filter did,
 //   row h, S, residual r, gain k:  l <- l - h (r/S + k . l),   L <- (I - k h)^T L (I - k h) + h^T h/S
 //   transition Phi:                l <- Phi^T l,               L <- Phi^T L Phi
-// and at an epoch with covariance P the estimate gains -P l and the covariance loses P L P. In a closed loop the
-// residuals are the same numbers, so l corrects the estimate that the filter held at that epoch.
+// and at an epoch with covariance P the estimate gains -P l and the covariance loses P L P. In a closed loop
+// the residuals are the same numbers, so l corrects the estimate that the filter held at that epoch.
 #pragma once
 
 #include "gyrobudget/navigation/covariance.h"
@@ -20,10 +20,11 @@ namespace gyrobudget::inline v0::navigation {
 
 struct SmoothedEpoch;
 
-/// What a filter did, in order. Transitions between two entries are multiplied together, so memory grows with updates
-/// and epochs, not with IMU steps: 8 bytes times
-///   81 + 10 n a stretch between them, 2 (9 + n) + 2 a row, 2 (9 + n)^2 + n an epoch, n the terms.
-/// An hour of 21 states with a fix of three rows and an epoch a second: 37 MB.
+/// What a filter did, in order. Transitions between two entries are multiplied together, so memory grows with
+/// updates and epochs, not with IMU steps: 8 bytes times
+///   81 + 10 n a stretch between them, 2 (9 + n) + 2 a row, (9 + n)^2 + n an epoch, n the terms.
+/// An hour of 21 states with a fix of three rows and an epoch a second: 24 MB, and what the vectors hold in
+/// reserve.
 class Record {
  public:
   /// @param states of the filter. @throws std::invalid_argument below 9 or above kMaxStates.
@@ -73,9 +74,9 @@ struct SmoothedEpoch {
   StateMatrix P;           ///< covariance of what error is left; no variance above the filter's
 };
 
-/// All epochs kept, in their order. Work: states^3 a stretch, states^2 a row, 2 states^3 an epoch.
-/// The difference P - P L P loses what digits the later measurements took from P: sigmas hold to 1e-6 where they shrink
-/// by less than 1e4.
+/// All epochs kept, in their order. Work: states^3 a stretch, states^2 a row, 2 states^3 an epoch. The
+/// difference P - P L P loses what digits the later measurements took from P: sigmas hold to 1e-6 where they
+/// shrink by less than 1e4.
 [[nodiscard]] std::vector<SmoothedEpoch> smooth(const Record&);
 
 }  // namespace gyrobudget::inline v0::navigation

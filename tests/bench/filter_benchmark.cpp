@@ -3,8 +3,9 @@
 //
 //   filter_benchmark                       the table of speed
 //   filter_benchmark digits                what each form keeps of its digits, against a hundred of them
-//   filter_benchmark steps STATES FORM N   N steps alone, for an instruction count: of two runs, the difference
-//                                          over the difference in N; FORM is strapdown, plain, joseph, square_root
+//   filter_benchmark steps STATES FORM N   N steps alone, for an instruction count: of two runs, the
+//                                          difference over the difference in N; FORM is strapdown,
+//                                          plain, joseph, square_root
 //
 // Alternatives take turns, so a busy machine slows all of them; a figure is the best of its turns.
 #include "gyrobudget/earth/paths.h"
@@ -204,8 +205,8 @@ void print_updates() {
 using Real =
     boost::multiprecision::number<boost::multiprecision::cpp_bin_float<100>, boost::multiprecision::et_off>;
 
-/// Worst relative error of any sigma over ten steps with a fix of position, and another of attitude, each, where the
-/// variances at the start are `ratio` times those of the fixes.
+/// Worst relative error of any sigma over ten steps with a fix of position, and another of attitude, each,
+/// where the variances at the start are `ratio` times those of the fixes.
 std::vector<double> lost_digits(const std::vector<Form>& forms, double ratio) {
   constexpr int kStates = 21, kFixes = 10;
   const auto model = model_of(kStates);

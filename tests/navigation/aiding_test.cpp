@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Truth here: what each aid measures as a function of the whole state, written out and differentiated numerically.
+// Truth here: what each aid measures as a function of the whole state, written out and differentiated
+// numerically.
 #include "gyrobudget/navigation/aiding.h"
 
 #include "gyrobudget/earth/attitude.h"
@@ -79,9 +80,9 @@ using Measure = std::function<Measurement(const World& truth, const navigation::
 
 double perturbation(int state) { return state < kVelocity ? 10 : state < kAttitude ? 1 : 1e-4; }
 
-// Columns of H against central differences of the residual, at a world whose terms are known exactly but not zero.
-// `scale` is the size of what is measured, of which differences are rounded; `curvature` that of its third
-// derivative by angle or time, unity within a perturbation of 1e-4.
+// Columns of H against central differences of the residual, at a world whose terms are known exactly but not
+// zero. `scale` is the size of what is measured, of which differences are rounded; `curvature` that of its
+// third derivative by angle or time, unity within a perturbation of 1e-4.
 void expect_rows(const Measure& measure, double scale, double curvature,
                  std::initializer_list<int> exempt = {}) {
   const auto m = model();

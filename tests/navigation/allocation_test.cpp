@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The filter's loop asks the heap for nothing: malloc of this program is replaced by one that counts (operator new
-// and Eigen end there).
+// The filter's loop asks the heap for nothing: malloc of this program is replaced by one that counts
+// (operator new and Eigen end there).
 #include "gyrobudget/earth/paths.h"
 #include "gyrobudget/navigation/filter.h"
 

@@ -109,8 +109,8 @@ TEST(Covariance, MovesAsDenseAlgebraSays) {
       }
 }
 
-// A term that forgets itself within a step, to the last digit or beyond what a double holds. A state that nothing
-// feeds ends as none.
+// A term that forgets itself within a step, to the last digit or beyond what a double holds. A state that
+// nothing feeds ends as none.
 TEST(Covariance, MovesTermsThatForgetThemselves) {
   constexpr Real kNothing = 1e-95L;
   for (const double decay : {1e-8, 1e-40, 1e-49, 1e-51, 1e-120, 0.0})
@@ -167,7 +167,8 @@ TEST(Covariance, UpdatesAsDenseAlgebraSays) {
       const StateVector gain = ours.update(z);
       const Dense g = Dense(P) * Dense(z.h);
       const Real s = (Dense(z.h).transposed() * g)(0, 0) + Real(z.variance);
-      // An element of P h and of the gain against what may stand there; P against what it was, as it is a difference.
+      // An element of P h and of the gain against what may stand there; P against what it was, as it is a
+      // difference.
       for (int i = 0; i < states; ++i) {
         const double whole = std::sqrt(P(i, i) * static_cast<double>(s));
         EXPECT_NEAR(ph[i], static_cast<double>(g(i, 0)), kOneStep * whole);

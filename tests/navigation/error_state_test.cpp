@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Truth here: numerical derivatives of the strapdown itself, what each error does to a sensor written out once
-// more, and the continuous model of a term integrated in long double by doubling.
+// Truth here: numerical derivatives of the strapdown itself, what each error does to a sensor written out
+// once more, and the continuous model of a term integrated in long double by doubling.
 #include "gyrobudget/navigation/error_state.h"
 
 #include "gyrobudget/earth/attitude.h"
@@ -83,8 +83,8 @@ navigation::StepInput input_of(const Scene& s, double dt) {
 
 double perturbation(int state) { return state < kVelocity ? 1000 : state < kAttitude ? 10 : 1e-4; }
 
-// Bounds of what the model leaves out by row and column of 3 x 3 blocks, from the third term of exp(F dt), from the
-// turn of f in a step and from the closed gradient; none is a fit.
+// Bounds of what the model leaves out by row and column of 3 x 3 blocks, from the third term of exp(F dt),
+// from the turn of f in a step and from the closed gradient; none is a fit.
 double core_tolerance(const Scene& s, double dt, int row, int column) {
   const double f = s.f_ib_b.norm(), turn = (s.w_ib_b.norm() + kRate) * dt, d3 = dt * dt * dt / 6;
   const bool cut = dt <= navigation::Lineariser::kSecondOrder;
@@ -189,8 +189,8 @@ TEST(ErrorState, InputIsTheDerivativeByIncrements) {
     }
 }
 
-// The error of every sensor term, written out: measured = true + s (...). A navigator that believes it moves as the
-// term's column says, with its decay over the step.
+// The error of every sensor term, written out: measured = true + s (...). A navigator that believes it moves
+// as the term's column says, with its decay over the step.
 TEST(ErrorState, CouplingIsTheDerivativeByEveryTerm) {
   const double dt = 0.01;
   const Scene s = scene(0.5);
@@ -267,7 +267,8 @@ TEST(ErrorState, TermsOfAidsOnlyDecay) {
   }
 }
 
-// Joint covariance of a term and its mean over the step, from steps so small that a Taylor series is exact, doubled.
+// Joint covariance of a term and its mean over the step, from steps so small that a Taylor series is exact,
+// doubled.
 TEST(ErrorState, NoiseFactorsAreThoseOfTheContinuousModel) {
   using Reference = long double;
   constexpr double kWalk = 3;
@@ -323,8 +324,9 @@ TEST(ErrorState, WhiteNoiseIsThatOfTheMean) {
   }
 }
 
-// Two half-steps against one, of a body at rest in inertial axes: Phi to what the order leaves out, noise where
-// the mean over a step says all (not position and velocity, which see when within the step an error came).
+// Two half-steps against one, of a body at rest in inertial axes: Phi to what the order leaves out, noise
+// where the mean over a step says all (not position and velocity, which see when within the step an error
+// came).
 TEST(ErrorState, TwoHalfStepsAreAStep) {
   const Scene s = scene(0);
   for (const double dt : {0.01, 0.04, 0.2, 4.0}) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// The square-root form where a filter could break, each against the same model in a hundred digits: every sigma
-// within kTolerance of it, or a refusal that says why.
+// The square-root form where a filter could break, each against the same model in a hundred digits: every
+// sigma within kTolerance of it, or a refusal that says why.
 #include "gyrobudget/earth/attitude.h"
 #include "gyrobudget/earth/frames.h"
 #include "gyrobudget/navigation/filter.h"
@@ -223,7 +223,8 @@ TEST(Extremes, PitchOfNinetyDegreesAndPoles) {
     }
 }
 
-// Automatic is Joseph's until a row shrinks a variance too much for it, and as good as the factors from there on.
+// Automatic is Joseph's until a row shrinks a variance too much for it, and as good as the factors from there
+// on.
 TEST(Extremes, AutomaticFormLeavesBeforeDigitsAreLost) {
   Pair mild(with_biases(), usual_variances(15), {}, Form::automatic);
   for (int k = 0; k < 6; ++k) {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Truth here: the smoother of Rauch, Tung and Striebel in long double on a small problem, with inverses and all; and
-// closed-loop flights whose errors are known.
+// Truth here: the smoother of Rauch, Tung and Striebel in long double on a small problem, with inverses and
+// all; and closed-loop flights whose errors are known.
 #include "gyrobudget/navigation/smoother.h"
 
 #include "gyrobudget/earth/attitude.h"
@@ -138,8 +138,8 @@ TEST(Smoother, IsThatOfRauchTungAndStriebel) {
   }
 }
 
-// Flights of a filter in its closed loop, its errors and the sensors' drawn from what it is told. The normalised squares
-// of all smoothed errors sum to chi-square.
+// Flights of a filter in its closed loop, its errors and the sensors' drawn from what it is told. The
+// normalised squares of all smoothed errors sum to chi-square.
 TEST(Smoother, ErrorsAreThoseClaimed) {
   constexpr int kRuns = 40;
   constexpr double kFalseAlarm = 1e-6, kDt = 0.1, kDuration = 60;
