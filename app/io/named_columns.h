@@ -25,6 +25,22 @@ struct Wanted {
 
 inline constexpr Wanted kTimeColumn{"time", {"t", "timestamp"}, noise::dimension::kTime};
 
+inline constexpr noise::Dimension kLengthDimension{0, 2, 0};
+/// Geodetic place.
+inline constexpr std::array<Wanted, 3> kPlaceColumns{{{"latitude", {"lat", "lat"}, noise::dimension::kAngle},
+                                                      {"longitude", {"lon", "lng"}, noise::dimension::kAngle},
+                                                      {"height", {"altitude", "alt"}, kLengthDimension}}};
+/// q_nb, body against north, east, down.
+inline constexpr std::array<Wanted, 4> kQuaternionColumns{
+    {{"q_w", {"qw", "q_nb_w"}, noise::dimension::kNumber},
+     {"q_x", {"qx", "q_nb_x"}, noise::dimension::kNumber},
+     {"q_y", {"qy", "q_nb_y"}, noise::dimension::kNumber},
+     {"q_z", {"qz", "q_nb_z"}, noise::dimension::kNumber}}};
+/// The same as angles.
+inline constexpr std::array<Wanted, 3> kEulerColumns{{{"yaw", {"heading", "yaw"}, noise::dimension::kAngle},
+                                                      {"pitch", {"pitch", "pitch"}, noise::dimension::kAngle},
+                                                      {"roll", {"roll", "roll"}, noise::dimension::kAngle}}};
+
 /// Which column of a file stands for a name, and in what unit: {"yaw_ccw", "yaw_rad (rad)"}. The unit, with a
 /// factor where a count has one ("gx (0.1 arcsec)"), may be left out where the header has it.
 using ColumnMap = std::map<std::string, std::string>;

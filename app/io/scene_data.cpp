@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <span>
 #include <utility>
@@ -23,7 +24,6 @@ using navigation::Aid;
 using navigation::Fix;
 namespace dimension = noise::dimension;
 
-constexpr noise::Dimension kLength{0, 2, 0};
 constexpr std::size_t kChunk = std::size_t{1} << 20;
 
 constexpr std::array<Wanted, 3> kGyro{{{"gyro_x", {"w_rs_s_x", "gyrox"}, dimension::kAngularRate},
@@ -33,22 +33,12 @@ constexpr std::array<Wanted, 3> kAccelerometer{
     {{"accel_x", {"a_rs_s_x", "accelerometer_x"}, dimension::kSpecificForce},
      {"accel_y", {"a_rs_s_y", "accelerometer_y"}, dimension::kSpecificForce},
      {"accel_z", {"a_rs_s_z", "accelerometer_z"}, dimension::kSpecificForce}}};
-constexpr Wanted kLatitude{"latitude", {"lat", "lat"}, dimension::kAngle};
-constexpr Wanted kLongitude{"longitude", {"lon", "lng"}, dimension::kAngle};
-constexpr Wanted kHeight{"height", {"altitude", "alt"}, kLength};
 constexpr Wanted kNorth{"velocity_north", {"v_north", "vn"}, dimension::kVelocity};
 constexpr Wanted kEast{"velocity_east", {"v_east", "ve"}, dimension::kVelocity};
 constexpr Wanted kDown{"velocity_down", {"v_down", "vd"}, dimension::kVelocity};
 constexpr Wanted kUp{"velocity_up", {"v_up", "vu"}, dimension::kVelocity};
 constexpr Wanted kHeading{"heading", {"yaw", "yaw"}, dimension::kAngle};
-constexpr Wanted kYaw{"yaw", {"heading", "heading"}, dimension::kAngle};
 constexpr Wanted kYawCcw{"yaw_ccw", {"yaw_ccw", "yaw_ccw"}, dimension::kAngle};
-constexpr Wanted kPitch{"pitch", {"pitch", "pitch"}, dimension::kAngle};
-constexpr Wanted kRoll{"roll", {"roll", "roll"}, dimension::kAngle};
-constexpr std::array<Wanted, 4> kQuaternion{{{"q_w", {"qw", "q_nb_w"}, dimension::kNumber},
-                                             {"q_x", {"qx", "q_nb_x"}, dimension::kNumber},
-                                             {"q_y", {"qy", "q_nb_y"}, dimension::kNumber},
-                                             {"q_z", {"qz", "q_nb_z"}, dimension::kNumber}}};
 
 std::string hint(std::string_view example, std::string_view names) {
   return fmt::format("expected a header with {}, or their columns in the scene, as in columns: {{{}}}", names,
@@ -168,9 +158,10 @@ struct Plan {
 Plan plan_of(Aid::Kind kind, const NamedColumns& columns) {
   switch (kind) {
     case Aid::Kind::position:
-      return {{kLatitude, kLongitude, kHeight}, "latitude (deg), longitude (deg), height (m) and time (s)"};
+      return {{kPlaceColumns.begin(), kPlaceColumns.end()},
+              "latitude (deg), longitude (deg), height (m) and time (s)"};
     case Aid::Kind::height:
-      return {{kHeight}, "height (m) and time (s)"};
+      return {{kPlaceColumns.back()}, "height (m) and time (s)"};
     case Aid::Kind::velocity:
       return {{kNorth, kEast, columns.find(kUp) ? kUp : kDown},
               "velocity_north (m/s), velocity_east (m/s), velocity_down (m/s) or velocity_up, and time (s)"};
@@ -178,14 +169,17 @@ Plan plan_of(Aid::Kind kind, const NamedColumns& columns) {
       break;
   }
   const std::string names = "heading (deg), pitch (deg), roll (deg) or q_w, q_x, q_y, q_z, and time (s)";
-  if (columns.find(kQuaternion.front())) return {{kQuaternion.begin(), kQuaternion.end()}, names};
-  const Wanted& yaw = columns.find(kYawCcw) ? kYawCcw : columns.find(kYaw) ? kYaw : kHeading;
-  return {{yaw, kPitch, kRoll}, names};
+  if (columns.find(kQuaternionColumns.front()))
+    return {{kQuaternionColumns.begin(), kQuaternionColumns.end()}, names};
+  const Wanted& yaw = columns.find(kYawCcw)            ? kYawCcw
+                      : columns.find(kEulerColumns[0]) ? kEulerColumns[0]
+                                                       : kHeading;
+  return {{yaw, kEulerColumns[1], kEulerColumns[2]}, names};
 }
 
 Eigen::Quaterniond attitude(const File& file, std::size_t row, const Plan& plan, const Table& table) {
   const auto at = [&](std::size_t i) { return table.numbers[i][row]; };
-  if (plan.wanted.size() == kQuaternion.size()) {
+  if (plan.wanted.size() == kQuaternionColumns.size()) {
     const Eigen::Quaterniond q(at(0), at(1), at(2), at(3));
     constexpr double kTolerance = 0.01;
     if (!(std::abs(q.norm() - 1) <= kTolerance))
@@ -270,9 +264,9 @@ const std::vector<std::string>& imu_column_names() {
 }
 
 const std::vector<std::string>& aid_column_names() {
-  static const std::array kOthers{kLatitude, kLongitude, kHeight, kNorth,  kEast,  kDown,
-                                  kUp,       kHeading,   kYaw,    kYawCcw, kPitch, kRoll};
-  static const std::vector<std::string> names = names_of({kOthers, kQuaternion});
+  static const std::array kOthers{kNorth, kEast, kDown, kUp, kHeading, kYawCcw};
+  static const std::vector<std::string> names =
+      names_of({kPlaceColumns, kOthers, kEulerColumns, kQuaternionColumns});
   return names;
 }
 
@@ -282,7 +276,8 @@ SceneData read_recording(const SceneFile& scene) {
         "the scene has no \"imu:\" with a recorded log; one of a trajectory is for simulate, budget and fly");
   SceneData data;
   const navigation::ImuSamples samples = read_samples(*scene.imu);
-  data.recording.origin = samples.stamps.front();
+  constexpr std::int64_t kFar = 1'000'000'000'000'000;  // ns: the clock of an epoch, not of a run
+  data.recording.origin = std::abs(samples.stamps.front()) > kFar ? samples.stamps.front() : 0;
   try {
     data.recording.imu = navigation::imu_log(samples);
   } catch (const std::invalid_argument& error) {

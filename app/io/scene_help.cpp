@@ -4,8 +4,8 @@
 namespace gyrobudget::inline v0::io {
 
 std::string_view scene_help() {
-  return R"yaml(# Times are seconds after the first IMU sample, or after the start of the trajectory. Paths start at the scene's
-# folder. Leave out what the scene does not need; [in brackets] is what that means.
+  return R"yaml(# Times are those of the IMU log's clock; where that counts from an epoch (beyond 1e6 s), after the first sample; of a
+# trajectory, after its start. Paths start at the scene's folder. Leave out what the scene does not need; [in brackets] is what that means.
 name: delivery drone, GNSS outage
 site: alcantara               # or {latitude: -2.373 deg, longitude: -44.396 deg, height: 0 m}
 azimuth: 90 deg               # of the launch plane, clockwise from north

@@ -32,17 +32,7 @@ using Eigen::Quaterniond;
 
 // --- Columns by name ---------------------------------------------------------------------------------------
 
-constexpr std::array<Wanted, 3> kPlace{{{"latitude", {"lat", "lat"}, noise::dimension::kAngle},
-                                        {"longitude", {"lon", "lng"}, noise::dimension::kAngle},
-                                        {"height", {"altitude", "alt"}, {0, 2, 0}}}};
-constexpr std::array<Wanted, 4> kQuaternion{{{"q_w", {"qw", "q_nb_w"}, noise::dimension::kNumber},
-                                             {"q_x", {"qx", "q_nb_x"}, noise::dimension::kNumber},
-                                             {"q_y", {"qy", "q_nb_y"}, noise::dimension::kNumber},
-                                             {"q_z", {"qz", "q_nb_z"}, noise::dimension::kNumber}}};
-constexpr std::array<Wanted, 3> kEuler{{{"yaw", {"heading", "yaw"}, noise::dimension::kAngle},
-                                        {"pitch", {"pitch", "pitch"}, noise::dimension::kAngle},
-                                        {"roll", {"roll", "roll"}, noise::dimension::kAngle}}};
-constexpr std::size_t kNumbers = 1 + kPlace.size();  // before those of the attitude
+constexpr std::size_t kNumbers = 1 + kPlaceColumns.size();  // before those of the attitude
 
 constexpr const char* kExpected =
     "expected a header with time (s), latitude (deg), longitude (deg), height (m), and q_w, q_x, q_y, q_z or "
@@ -65,11 +55,11 @@ Choice choose(const Source& source, const Layout& layout) {
   if (is_far(layout, choice.data.front())) {
     add_stamps(choice, choice.data.front());
   }
-  for (const Wanted& w : kPlace) choice.data.push_back(columns.get(w));
-  if (columns.find(kQuaternion.front())) {
-    for (const Wanted& w : kQuaternion) choice.data.push_back(columns.get(w));
+  for (const Wanted& w : kPlaceColumns) choice.data.push_back(columns.get(w));
+  if (columns.find(kQuaternionColumns.front())) {
+    for (const Wanted& w : kQuaternionColumns) choice.data.push_back(columns.get(w));
   } else {
-    for (const Wanted& w : kEuler) choice.data.push_back(columns.get(w));
+    for (const Wanted& w : kEulerColumns) choice.data.push_back(columns.get(w));
   }
   return choice;
 }
@@ -140,7 +130,8 @@ class Samples {
 
   [[nodiscard]] Quaterniond attitude(std::size_t row) const {
     const auto at = [&](std::size_t i) { return number(kNumbers + i, row); };
-    if (choice_.data.size() == kNumbers + kEuler.size()) return earth::from_euler({at(0), at(1), at(2)});
+    if (choice_.data.size() == kNumbers + kEulerColumns.size())
+      return earth::from_euler({at(0), at(1), at(2)});
     const Quaterniond q(at(0), at(1), at(2), at(3));
     constexpr double kTolerance = 0.01;
     if (!(std::abs(q.norm() - 1) <= kTolerance)) {
@@ -177,9 +168,9 @@ LogHead truth_head(const TruthOptions& options) {
     for (const Wanted& w : wanted) head.columns.push_back({std::string(w.name), unit});
   };
   if (options.attitude == AttitudeForm::quaternion) {
-    add(kQuaternion, "1");
+    add(kQuaternionColumns, "1");
   } else {
-    add(kEuler, "deg");
+    add(kEulerColumns, "deg");
   }
   return head;
 }

@@ -30,7 +30,7 @@ struct StateText {
 
 /// Summary for the terminal.
 [[nodiscard]] std::string navigation_text(const NavigationResult&);
-/// The solution: time (s), latitude (deg), longitude (deg), height (m), velocity_north (m/s), velocity_east,
+/// The solution: time (s) on the log's clock, latitude (deg), longitude (deg), height (m), velocity_north (m/s), velocity_east,
 /// velocity_down, q_w (1), q_x, q_y, q_z (of q_nb), heading (deg), pitch, roll; one sigma sigma_position_east (m) ...,
 /// sigma_velocity_east (m/s) ..., sigma_attitude_east (deg) ...; gyro_bias_x (rad/s), sigma_gyro_bias_x ...,
 /// accel_bias_x (m/s^2), sigma_accel_bias_x. A trajectory for --trajectory, and for other scenes.

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <iterator>
 
 namespace gyrobudget::inline v0::report {
@@ -191,6 +192,18 @@ std::string reference_text(const NavigationResult& r) {
   return out;
 }
 
+// A time of the scene on the clock of the log, to the nanosecond: those of an epoch have more digits than a double.
+std::string on_log_clock(const NavigationResult& r, double t) {
+  constexpr double kNanoseconds = 1e9;
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  const std::int64_t ns = r.recording.origin + std::llround(t * kNanoseconds);
+  std::string text =
+      fmt::format("{}{}.{:09}", ns < 0 ? "-" : "", std::abs(ns) / kSecond, std::abs(ns) % kSecond);
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.') text.pop_back();
+  return text;
+}
+
 std::string_view status_word(navigation::Innovation::Status status) {
   switch (status) {
     case navigation::Innovation::Status::gated:
@@ -262,10 +275,10 @@ std::string solution_csv(const NavigationResult& r) {
     const earth::Euler e = earth::to_euler(q);
     auto to = std::back_inserter(out);
     fmt::format_to(to,
-                   "{:.10g},{:.12g},{:.12g},{:.6f},{:.7g},{:.7g},{:.7g},{:.12g},{:.12g},{:.12g},{:.12g},{:."
+                   "{},{:.12g},{:.12g},{:.6f},{:.7g},{:.7g},{:.7g},{:.12g},{:.12g},{:.12g},{:.12g},{:."
                    "7g},{:.7g},{:.7g}",
-                   s.time, at.latitude / deg, at.longitude / deg, at.height, v[0], v[1], v[2], q.w(), q.x(),
-                   q.y(), q.z(), e.yaw / deg, e.pitch / deg, e.roll / deg);
+                   on_log_clock(r, s.time), at.latitude / deg, at.longitude / deg, at.height, v[0], v[1],
+                   v[2], q.w(), q.x(), q.y(), q.z(), e.yaw / deg, e.pitch / deg, e.roll / deg);
     for (int i = 0; i < 3; ++i) fmt::format_to(to, ",{:.5g}", s.position_sigma[i]);
     for (int i = 0; i < 3; ++i) fmt::format_to(to, ",{:.5g}", s.velocity_sigma[i]);
     for (int i = 0; i < 3; ++i) fmt::format_to(to, ",{:.5g}", s.attitude_sigma[i] / deg);
@@ -283,7 +296,7 @@ std::string innovations_csv(const NavigationResult& r) {
   auto to = std::back_inserter(out);
   for (const auto& at : r.run.innovations) {
     const auto& i = at.innovation;
-    fmt::format_to(to, "{:.10g},{},{},{:.6g},{}", at.time, r.scenario.aids[at.aid].name,
+    fmt::format_to(to, "{},{},{},{:.6g},{}", on_log_clock(r, at.time), r.scenario.aids[at.aid].name,
                    status_word(i.status), i.nis, i.rows);
     for (const Vector3d* v : {&i.residual, &i.sigma})
       for (int k = 0; k < 3; ++k) out += k < i.rows ? fmt::format(",{:.6g}", (*v)[k]) : ",";

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// A scene as a value: what the test card says, in SI. Times are seconds after the first sample of the IMU log,
-// or after the start of the trajectory.
+// A scene as a value: what the test card says, in SI. Times are seconds after Recording::origin, or after the
+// start of the trajectory.
 #pragma once
 
 #include "gyrobudget/earth/attitude.h"

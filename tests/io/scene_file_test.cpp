@@ -169,7 +169,7 @@ TEST_F(SceneFile, RatesFromTheHeaderAndAids) {
                           "pitch: pitch (rad), roll: roll (rad)}\n    position: 1 m\n    velocity: 1 m/s\n   "
                           " attitude: 1 deg\n    height: 1 m\n");
   const auto& r = found.recording;
-  EXPECT_EQ(r.origin, 100'000'000'000);
+  EXPECT_EQ(r.origin, 0);  // the clock of a run is kept
   EXPECT_EQ(r.imu.gaps, 1);
   EXPECT_NEAR(r.imu.increments[1].angle.x(), 0.1 * kDegree, 1e-15);
   ASSERT_EQ(found.notes.size(), 2U);
@@ -180,6 +180,17 @@ TEST_F(SceneFile, RatesFromTheHeaderAndAids) {
   EXPECT_EQ(r.fixes[1][1].value, Eigen::Vector3d(1, 2, -3));
   EXPECT_NEAR(earth::to_euler(r.fixes[2][0].q_nb).yaw, -0.5, 1e-12);
   EXPECT_DOUBLE_EQ(r.fixes[3][2].value[0], 31);
+}
+
+TEST_F(SceneFile, TheClockOfAnEpochCountsFromTheFirstSample) {
+  (void)file("imu.csv",
+             "time (ns),gyro_x (deg/s),gyro_y (deg/s),gyro_z (deg/s),accel_x (g),accel_y (g),accel_z (g)\n"
+             "1403636579758555392,1,0,0,0,0,-1\n1403636579763555392,1,0,0,0,0,-1\n1403636579768555392,1,0,0,"
+             "0,0,-1\n");
+  const auto r = data(kHead).recording;
+  EXPECT_EQ(r.origin, 1403636579758555392);
+  EXPECT_EQ(r.imu.stamps.front(), 1403636579753555392);
+  EXPECT_EQ(r.imu.stamps.back(), 1403636579768555392);
 }
 
 TEST_F(SceneFile, LogsThatCannotBeReadSayWhere) {
