@@ -8,7 +8,9 @@
 #include <fmt/format.h>
 
 #include <stdexcept>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "paths.h"
 #include "terminal.h"
@@ -26,6 +28,16 @@ navigation::Run navigate(const std::string& scene, const report::NavigationResul
   }
 }
 
+// What the scene reads, which no output may replace.
+std::vector<std::string> inputs(const io::SceneFile& scene) {
+  std::vector<std::string> paths{scene.imu->path};
+  if (!scene.sensor.empty()) paths.push_back(scene.sensor);
+  for (const io::AidSource& aid : scene.aids) {
+    if (!aid.path.empty()) paths.push_back(aid.path);
+  }
+  return paths;
+}
+
 void write(const NavigateArguments& a, const report::NavigationResult& r) {
   if (!a.output.empty()) io::write_file(a.output, report::solution_csv(r));
   if (!a.innovations.empty()) io::write_file(a.innovations, report::innovations_csv(r));
@@ -37,8 +49,16 @@ void write(const NavigateArguments& a, const report::NavigationResult& r) {
 }  // namespace
 
 int run(const NavigateArguments& a) {
-  check_outputs(a.scene, {{"-o", a.output}, {"--innovations", a.innovations}, {"--report", a.report}});
+  const std::vector<Output> outputs{
+      {"-o", a.output}, {"--innovations", a.innovations}, {"--report", a.report}};
+  check_outputs(a.scene, outputs);
   io::SceneFile scene = io::read_scene(a.scene, a.data_folder);
+  if (!scene.imu)
+    throw io::InputError(
+        fmt::format("{}: found no \"imu:\" with a recorded log, which navigate needs; a trajectory is "
+                    "for simulate",
+                    a.scene));
+  for (const std::string& input : inputs(scene)) check_outputs(input, outputs);
   io::SceneData data = io::read_recording(scene);
   report::NavigationResult result{.scene = a.scene,
                                   .source = scene.imu->path,

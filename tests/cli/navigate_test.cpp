@@ -122,6 +122,16 @@ TEST_F(Navigate, ExitCodesSayWhatIsWrong) {
   EXPECT_EQ(run(scene_ + "imuu: 3\n").exit_code, 3);
   EXPECT_EQ(run(scene_ + "aids: {gnss: {position: 1 m}}\n").exit_code, 3);  // no file
   EXPECT_EQ(run(scene_, "-o /nosuch/solution.csv").exit_code, 4);
+  EXPECT_EQ(gyrobudget_run("navigate " + scratch_.file("planned.yaml", "trajectory: ascent\n")).exit_code, 3);
+  // No output replaces what is read.
+  const std::string log = read(scratch_.path("imu.csv"));
+  for (const std::string input : {"imu.csv", "gnss.csv", "mems.yaml", "scene.yaml"}) {
+    EXPECT_EQ(run(scene_ + "aids: {gnss: {file: gnss.csv, position: 1 m}}\n", "-o " + scratch_.path(input))
+                  .exit_code,
+              2)
+        << input;
+  }
+  EXPECT_EQ(read(scratch_.path("imu.csv")), log);
   // Ten degrees an hour at rest: no heading.
   const std::string self =
       "site: {latitude: 0 deg, longitude: 0 deg, height: 0 m}\nimu: {file: imu.csv}\nsensor: mems.yaml\n"

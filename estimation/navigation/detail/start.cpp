@@ -147,7 +147,10 @@ std::variant<NoStart, AtRest> align_at_rest(const Scenario& scenario, const Reco
             "axes of the log, or align where the body stands",
             piece.seconds, force, gravity, may_err)};
   }
-  if (!found.q_nb) return NoStart{Run::Status::heading_not_observable, found.message};
+  if (!found.q_nb)
+    return NoStart{
+        Run::Status::heading_not_observable,
+        found.message + " The alignment takes heading and heading_sigma, or the attitude of an aid."};
   AtRest result{*found.q_nb, found.covariance, decltype(AtRest::cross)::Zero(3, terms.cols()), found.message};
   correlate(found, Carrier::gyro, model, terms, result);
   correlate(found, Carrier::accelerometer, model, terms, result);
