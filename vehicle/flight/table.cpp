@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: MIT
+#include "gyrobudget/flight/table.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace gyrobudget::inline v0::flight {
+
+Table Table::linear(std::initializer_list<Point> points) { return {std::vector<Point>(points), false}; }
+Table Table::linear(std::vector<Point> points) { return {std::move(points), false}; }
+Table Table::smooth(std::initializer_list<Point> points) { return {std::vector<Point>(points), true}; }
+Table Table::smooth(std::vector<Point> points) { return {std::move(points), true}; }
+
+Table::Table(std::vector<Point> points, bool smooth) : points_(std::move(points)), smooth_(smooth) {
+  if (points_.empty()) throw std::invalid_argument("a table needs at least one point");
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    if (!std::isfinite(points_[k].first) || !std::isfinite(points_[k].second))
+      throw std::invalid_argument(fmt::format("point {} of the table, ({}, {}), must be finite", k,
+                                              points_[k].first, points_[k].second));
+    if (k > 0 && !(points_[k].first > points_[k - 1].first))
+      throw std::invalid_argument(fmt::format("the table's abscissae must ascend, but {} follows {}",
+                                              points_[k].first, points_[k - 1].first));
+  }
+  join(smooth_ ? slopes() : std::vector<double>());
+}
+
+/// Slopes of the spline at the points: h' s[k-1] + 2 (h + h') s[k] + h s[k+1] = 3 (h' D + h D'), D the slopes
+/// of the chords before and after, h and h' their lengths; zero at both ends. Solved by elimination.
+std::vector<double> Table::slopes() const {
+  const std::size_t n = points_.size();
+  std::vector<double> slope(n, 0.0), above(n, 0.0);
+  for (std::size_t k = 1; k + 1 < n; ++k) {
+    const double h = points_[k].first - points_[k - 1].first;
+    const double h_next = points_[k + 1].first - points_[k].first;
+    const double chord = (points_[k].second - points_[k - 1].second) / h;
+    const double chord_next = (points_[k + 1].second - points_[k].second) / h_next;
+    const double pivot = 2 * (h + h_next) - h_next * above[k - 1];
+    above[k] = h / pivot;
+    slope[k] = (3 * (h_next * chord + h * chord_next) - h_next * slope[k - 1]) / pivot;
+  }
+  for (std::size_t k = n - 1; k-- > 1;) slope[k] -= above[k] * slope[k + 1];
+  return slope;
+}
+
+void Table::join(const std::vector<double>& slopes) {
+  pieces_.push_back({points_.front().first, points_.front().second, 0, 0, 0, 0});
+  for (std::size_t k = 0; k + 1 < points_.size(); ++k) {
+    const auto [x, y] = points_[k];
+    const double h = points_[k + 1].first - x;
+    const double chord = (points_[k + 1].second - y) / h;
+    Piece piece{x, y, chord, 0, 0, 0};
+    if (smooth_) {
+      piece.b = slopes[k];
+      piece.c = (3 * chord - 2 * slopes[k] - slopes[k + 1]) / h;
+      piece.d = (slopes[k] + slopes[k + 1] - 2 * chord) / (h * h);
+    }
+    piece.sum = integral(x, k);
+    pieces_.push_back(piece);
+  }
+  const double end = points_.back().first;
+  const double sum = integral(end, pieces_.size() - 1);
+  pieces_.push_back({end, points_.back().second, 0, 0, 0, sum});
+}
+
+std::size_t Table::piece(double x) const {
+  std::size_t k = 0;
+  while (k < points_.size() && x >= points_[k].first) ++k;  // few points: faster than halving
+  return k;
+}
+
+Table Table::scaled(double factor) const {
+  std::vector<Point> points = points_;
+  for (Point& point : points) point.second *= factor;
+  return {std::move(points), smooth_};
+}
+
+std::pair<double, double> Table::range() const {
+  const auto by_value = [](const Point& a, const Point& b) { return a.second < b.second; };
+  const auto [least, greatest] = std::minmax_element(points_.begin(), points_.end(), by_value);
+  return {least->second, greatest->second};
+}
+
+}  // namespace gyrobudget::inline v0::flight
