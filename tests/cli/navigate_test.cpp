@@ -191,7 +191,7 @@ TEST_F(MemsBesideFog, FindsThePublishedBiasesAndStaysInsideItsSigmas) {
     return std::hypot(v["east"].get<double>(), v["north"].get<double>(), v["up"].get<double>());
   };
   EXPECT_LT(length(end["attitude_deg"]), 0.1);
-  EXPECT_LT(length(end["velocity_m_s"]), 0.5);
+  EXPECT_LT(length(end["velocity_m_s"]), 0.3);
   EXPECT_LT(length(end["position_m"]), 10);
   EXPECT_LT(found["reference"]["nees"].get<double>(), found["reference"]["nees_high"].get<double>());
 }

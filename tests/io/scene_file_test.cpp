@@ -68,6 +68,17 @@ TEST_F(SceneFile, TheHelpIsASceneThatReads) {
   EXPECT_EQ(scene.aids[2].path, "");
 }
 
+TEST_F(SceneFile, TheExamplesRead) {
+  int scenes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(GYROBUDGET_EXAMPLES "/scenes")) {
+    const io::SceneFile scene = io::read_scene(entry.path().string());
+    EXPECT_FALSE(scene.scenario.name.empty()) << entry.path();
+    EXPECT_FALSE(scene.sensor.empty()) << entry.path();
+    ++scenes;
+  }
+  EXPECT_GE(scenes, 2);
+}
+
 TEST_F(SceneFile, DataMayLieElsewhere) {
   const std::string scene = file("scene.yaml", kHead);
   EXPECT_EQ(io::read_scene(scene, "/data").imu->path, "/data/imu.csv");
