@@ -188,8 +188,10 @@ void add_flight(CLI::App& app, Texts& texts) {
           "--trajectory", texts.trajectory,
           "how it moves: a CSV of time, latitude, longitude, height and q_w, q_x, q_y, q_z or yaw, pitch, "
           "roll; or static, cruise, climb, ascent, with options behind a colon, key=value parted by "
-          "commas. Each row of the log is of the interval that ends at its time")
-      ->type_name("FILE|NAME[:...]");
+          "commas; or a scene (.yaml) that names one. Each row of the log is of the interval that ends at "
+          "its "
+          "time")
+      ->type_name("FILE|NAME[:...]|SCENE");
   group->add_option("--truth", texts.truth, "write position, velocity and attitude as CSV")
       ->type_name("FILE");
   group->add_option("--attitude", texts.attitude, "form of the attitude in --truth [quaternion]")

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // simulate --trajectory: sensor file and trajectory -> log of a whole IMU, and the truth.
 #include "gyrobudget/io/log_writer.h"
+#include "gyrobudget/io/scene_file.h"
 #include "gyrobudget/io/sensor_file.h"
 #include "gyrobudget/io/trajectory_file.h"
 #include "gyrobudget/noise/imu.h"
@@ -140,12 +141,21 @@ void check_paths(const SimulateArguments& a) {
   if (std::filesystem::exists(a.flight->trajectory)) check_outputs(a.flight->trajectory, outputs);
 }
 
+// That of a scene, by its ending, or as read_trajectory has it.
+earth::Trajectory trajectory_of(const std::string& text) {
+  if (!text.ends_with(".yaml") && !text.ends_with(".yml")) return io::read_trajectory(text);
+  const io::SceneFile scene = io::read_scene(text);
+  if (scene.trajectory.empty())
+    throw io::InputError(fmt::format("{}: found no \"trajectory:\", expected one: what moves", text));
+  return io::read_trajectory(scene.trajectory);
+}
+
 }  // namespace
 
 int run_flight(const SimulateArguments& a) {
   check_paths(a);
   const noise::SensorModel sensor = io::read_sensor(a.sensor);
-  const earth::Trajectory trajectory = io::read_trajectory(a.flight->trajectory);
+  const earth::Trajectory trajectory = trajectory_of(a.flight->trajectory);
   const std::uint64_t count = interval_count(a, trajectory);
   noise::Imu imu(sensor, 1 / a.rate_hz, {a.seed, a.flight->run},
                  {.vibration = a.flight->vibration, .duration = trajectory.duration()});

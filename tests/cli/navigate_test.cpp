@@ -142,6 +142,33 @@ TEST_F(Navigate, ExitCodesSayWhatIsWrong) {
   EXPECT_TRUE(run(self, "--json -q").err.empty());
 }
 
+TEST_F(Navigate, OneSceneIsSimulatedAndNavigated) {
+  const std::string scene = scratch_.file(
+      "flight.yaml",
+      "name: a minute without aids\ntrajectory: cruise:speed=100,duration=60,turn_acceleration=3\nsensor: "
+      "imu.yaml\n"
+      "imu: {file: flight.csv}\nreference: {file: truth.csv}\nalignment: {position: start, velocity: start, "
+      "attitude: "
+      "start, position_sigma: 1 cm, velocity_sigma: 1 mm/s, level_sigma: 0.001 deg, heading_sigma: 0.001 "
+      "deg}\n"
+      "aids: {start: {file: truth.csv, used: no, position: 1 m, velocity: 1 m/s, attitude: 1 deg}}\n");
+  const std::string sensor = scratch_.file(
+      "imu.yaml",
+      "gyro: {arw: 0.1 deg/sqrt(h), turn_on_bias: 5 deg/h}\naccelerometer: {turn_on_bias: 1 mg}\n");
+  const Outcome simulated = gyrobudget_run("simulate " + sensor + " -q --trajectory " + scene + " --truth " +
+                                           scratch_.path("truth.csv") + " -o " + scratch_.path("flight.csv"));
+  ASSERT_EQ(simulated.exit_code, 0) << simulated.err;
+  const json found = json_of(gyrobudget_run("navigate " + scene + " --json"));
+  EXPECT_EQ(found["reference"]["nees_dof"], 9);
+  // One run: NEES at each epoch is chi-square of 9, and the epochs go together; 1e-6 beyond 45.
+  EXPECT_LT(found["reference"]["nees"].get<double>(), 45);
+  EXPECT_GT(found["reference"]["position_rms_m"].get<double>(), 0.1);
+  EXPECT_LT(found["reference"]["position_rms_m"].get<double>(), 60);
+  EXPECT_EQ(gyrobudget_run("simulate " + sensor + " -q --trajectory " + scratch_.file("none.yaml", scene_))
+                .exit_code,
+            3);
+}
+
 TEST_F(Navigate, NumbersOfThreadsChangeNothing) {
   const std::string scene = scene_ + "aids: {gnss: {file: gnss.csv, position: 1 m}}\n";
   const auto body = [](const std::string& text) { return text.substr(text.find("\"scene\"")); };
