@@ -26,7 +26,7 @@ std::optional<Estimator> estimator_named(std::string_view wanted) {
 namespace {
 constexpr std::int64_t kFewestForRatio = 18;  // samples: the first one takes the oadev at m = 9
 constexpr std::int64_t kFewestForTheo1 = 40;  // samples, so that Theo1 has terms at a fifth of them
-}
+}  // namespace
 
 FactorRange factor_range(Estimator estimator, std::int64_t samples) {
   switch (estimator) {

@@ -29,6 +29,7 @@ inline constexpr Dimension kTime{0, 0, 2};
 inline constexpr Dimension kFrequency{0, 0, -2};
 inline constexpr Dimension kAngle{2, 0, 0};
 inline constexpr Dimension kAngularRate{2, 0, -2};
+inline constexpr Dimension kLength{0, 2, 0};
 inline constexpr Dimension kVelocity{0, 2, -2};
 inline constexpr Dimension kSpecificForce{0, 2, -4};
 }  // namespace dimension

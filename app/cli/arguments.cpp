@@ -34,6 +34,7 @@ struct Texts {
   std::string records, methods, axis = "gyro", require;
   std::string estimators = "oadev", stride = "1", format, psd, window, gap, resample;
   std::string trajectory, truth, attitude, flight_input, vibration, run;
+  std::string at, step, limit;
   std::vector<std::string> wishes, mask, logs;
 };
 
@@ -732,6 +733,54 @@ CLI::App* add_navigate(CLI::App& app, NavigateArguments& a) {
   return verb;
 }
 
+CLI::App* add_budget(CLI::App& app, BudgetArguments& a, Texts& texts) {
+  auto* verb = app.add_subcommand(
+      "budget",
+      "What each error source costs along a planned scene, in metres and degrees, by linear covariance.\n\n"
+      "  gyrobudget budget examples/scenes/vlm1-ifog.yaml --exact --runs 200 --report budget.html\n"
+      "  gyrobudget budget scene.yaml --sensor a.yaml --sensor b.yaml --limit 'crossrange < 10 m'\n");
+  verb->add_option("scene", a.scene, "scene file: site, trajectory, sensor, alignment, aids")
+      ->required()
+      ->type_name("SCENE");
+  auto* ask = verb->add_option_group("Question");
+  ask->add_option("--at", texts.at, "time of the table [end of the scene]")->type_name("TIME");
+  ask->add_option("--sensor", a.sensors, "in place of the scene's; several: side by side")->type_name("FILE");
+  ask->add_option(
+         "--limit", texts.limit,
+         "how far may each source grow: 'east|north|up|downrange|crossrange|horizontal|rss < LENGTH'; exit 1 "
+         "where the total is above it")
+      ->type_name("TEXT");
+  auto* how = verb->add_option_group("Method");
+  how->add_option("--tolerance", a.tolerance,
+                  "sources that together change no total by more than this fraction are left out and listed")
+      ->check(CLI::Range(0.0, 0.5))
+      ->capture_default_str();
+  how->add_flag("--keep-all", a.keep_all, "leave nothing out");
+  how->add_option("--step", texts.step, "of the covariance [1/200 of the scene, at most 1 s below an hour]")
+      ->type_name("TIME");
+  how->add_option("--rate", texts.rate,
+                  "of the IMU: it sets 1/f noise at short times and Monte Carlo [100 Hz]")
+      ->type_name("HZ");
+  how->add_flag("--exact", a.exact,
+                "each source again by integrals over its structure function, without states for 1/f");
+  how->add_option("--runs", a.runs, "Monte Carlo of the whole chain, not linearised; 0: none")
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
+  how->add_option("--seed", texts.seed, "of its random numbers")->capture_default_str();
+  verb->add_option("--report", a.report, "write a self-contained HTML page")->type_name("FILE.html");
+  add_common(*verb, a.common);
+  verb->footer("Every key of a scene: gyrobudget navigate --help");
+  return verb;
+}
+
+void finish(BudgetArguments& a, const Texts& texts) {
+  if (!texts.at.empty()) a.at = quantity("--at", texts.at, noise::dimension::kTime);
+  if (!texts.step.empty()) a.step = duration("--step", texts.step);
+  if (!texts.rate.empty()) a.rate = rate("--rate", texts.rate);
+  if (!texts.limit.empty()) a.limit = limit(texts.limit);
+  a.seed = seed(texts.seed);
+}
+
 // --- Help -----------------------------------------------------------------------------------------------------------
 
 // The list of verbs shows what each is for, without its examples.
@@ -842,6 +891,7 @@ Arguments parse_arguments(int argc, const char* const* argv) {
   AccuracyArguments accuracy;
   PaperArguments paper;
   NavigateArguments navigate;
+  BudgetArguments budget;
   Texts texts;
   const auto* calibrate_verb = add_calibrate(app, calibrate, texts);
   const auto* allan_verb = add_allan(app, allan, texts);
@@ -850,6 +900,7 @@ Arguments parse_arguments(int argc, const char* const* argv) {
   const auto* accuracy_verb = add_accuracy(app, accuracy, texts);
   const auto* paper_verb = add_paper(app, paper, texts);
   const auto* navigate_verb = add_navigate(app, navigate);
+  const auto* budget_verb = add_budget(app, budget, texts);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -889,6 +940,11 @@ Arguments parse_arguments(int argc, const char* const* argv) {
   if (navigate_verb->parsed()) {
     navigate.common.command_line = line;
     return navigate;
+  }
+  if (budget_verb->parsed()) {
+    finish(budget, texts);
+    budget.common.command_line = line;
+    return budget;
   }
   fmt::print(stderr, "{}", app.help());
   return Answered{exit_usage};

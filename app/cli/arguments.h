@@ -160,13 +160,34 @@ struct NavigateArguments {
   std::string report;       ///< path of the HTML page; empty: none
 };
 
+struct BudgetArguments {
+  Common common;
+  std::string scene;
+  std::vector<std::string> sensors;  ///< in place of the scene's, side by side
+  std::optional<double> at;          ///< time of the table [s]; unset: the end
+  double tolerance = 1e-3;           ///< of each total that may be left out
+  bool keep_all = false;
+  double step = 0;     ///< of the covariance [s]; 0: by the scene's length
+  double rate = 100;   ///< of the IMU [Hz]
+  bool exact = false;  ///< the same by integrals over structure functions
+  int runs = 0;        ///< of Monte Carlo
+  std::uint64_t seed = 1;
+  struct Limit {
+    std::string text;       ///< as typed
+    std::string component;  ///< "crossrange"
+    double metres = 0;
+  };
+  std::optional<Limit> limit;
+  std::string report;  ///< path of the HTML page; empty: none
+};
+
 /// The command line was answered already (--help, --version) or is wrong.
 struct Answered {
   int exit_code = 0;
 };
 
 using Arguments = std::variant<Answered, SimulateArguments, AllanArguments, CalibrateArguments, PlanArguments,
-                               AccuracyArguments, PaperArguments, NavigateArguments>;
+                               AccuracyArguments, PaperArguments, NavigateArguments, BudgetArguments>;
 
 /// Reads the command line; prints help, version and usage errors itself.
 [[nodiscard]] Arguments parse_arguments(int argc, const char* const* argv);

@@ -2,8 +2,10 @@
 #include "values.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <map>
@@ -169,6 +171,23 @@ std::uint64_t skipped_samples(const std::string& text, double rate_hz) {
   constexpr double kMost = 9e18;
   if (samples >= 0 && samples <= kMost) return static_cast<std::uint64_t>(samples);
   throw std::invalid_argument(fmt::format("--skip {}: must be from 0 to 9e18 samples", text));
+}
+
+BudgetArguments::Limit limit(const std::string& text) {
+  const auto parts = split(text, '<');
+  const auto trimmed = [](std::string word) {
+    word.erase(0, std::min(word.find_first_not_of(' '), word.size()));
+    word.erase(word.find_last_not_of(' ') + 1);
+    return word;
+  };
+  constexpr std::array names{"east", "north", "up", "downrange", "crossrange", "horizontal", "rss"};
+  const std::string component = trimmed(parts[0]);
+  if (parts.size() != 2 || std::find(names.begin(), names.end(), component) == names.end())
+    throw std::invalid_argument(
+        fmt::format("--limit '{}': write COMPONENT < LENGTH, e.g. 'crossrange < 10 m'; components are {}",
+                    text, fmt::join(names, ", ")));
+  const double metres = quantity("--limit", trimmed(parts[1]), noise::dimension::kLength);
+  return {text, component, positive("--limit", metres, text)};
 }
 
 }  // namespace gyrobudget::inline v0::cli

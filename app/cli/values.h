@@ -47,6 +47,8 @@ struct ShapedTerms {
 [[nodiscard]] std::vector<allan::Estimator> estimators(const std::string& text);
 /// "1", "m" or "m/16" of --stride: how many terms begin in a cluster; 0 for all.
 [[nodiscard]] std::int64_t overlap(const std::string& text);
+/// "crossrange < 10 m" of --limit.
+[[nodiscard]] BudgetArguments::Limit limit(const std::string& text);
 /// "9h", or "1000" samples, of --skip.
 [[nodiscard]] std::uint64_t skipped_samples(const std::string& text, double rate_hz);
 

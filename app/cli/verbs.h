@@ -25,5 +25,6 @@ enum Exit : int {
 [[nodiscard]] int run(const AccuracyArguments&);         ///< sensor file -> how wrong the fits are
 [[nodiscard]] int run(const PaperArguments&);     ///< the source paper's tables and figures beside ours
 [[nodiscard]] int run(const NavigateArguments&);  ///< scene with a recorded IMU log -> navigation solution
+[[nodiscard]] int run(const BudgetArguments&);    ///< scene -> error budget per source
 
 }  // namespace gyrobudget::inline v0::cli

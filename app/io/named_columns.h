@@ -25,7 +25,7 @@ struct Wanted {
 
 inline constexpr Wanted kTimeColumn{"time", {"t", "timestamp"}, noise::dimension::kTime};
 
-inline constexpr noise::Dimension kLengthDimension{0, 2, 0};
+inline constexpr noise::Dimension kLengthDimension = noise::dimension::kLength;
 /// Geodetic place.
 inline constexpr std::array<Wanted, 3> kPlaceColumns{{{"latitude", {"lat", "lat"}, noise::dimension::kAngle},
                                                       {"longitude", {"lon", "lng"}, noise::dimension::kAngle},

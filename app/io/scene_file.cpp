@@ -29,7 +29,7 @@ using noise::Dimension;
 using YAML::Node;
 namespace dimension = noise::dimension;
 
-constexpr Dimension kLength{0, 2, 0};
+using noise::dimension::kLength;
 
 /// A key and what reads its value.
 struct Key {
@@ -61,6 +61,7 @@ class SceneReader {
 
   SceneFile read() {
     const Node& root = yaml_.root();
+    recorded_ = root["imu"].IsDefined();
     if (root["site"]) read_site(root["site"]);  // others refer to these two
     if (root["aids"]) read_aids(root["aids"]);
     const auto done = [](const Node&) {};
@@ -77,6 +78,7 @@ class SceneReader {
              {"states", [&](const Node& v) { read_states(v); }},
              {"alignment", [&](const Node& v) { read_alignment(v); }},
              {"aids", done},
+             {"world", [&](const Node& v) { read_world(v); }},
              {"filter", [&](const Node& v) { read_filter(v); }},
              {"until", [&](const Node& v) { scenario().until = time("until", v, Sign::above_zero); }},
              {"solution", [&](const Node& v) { read_solution(v); }},
@@ -292,6 +294,19 @@ class SceneReader {
          {"g_sensitivity", [&](const Node& v) { states.g_sensitivity = use("g_sensitivity", v); }}});
   }
 
+  void read_world(const Node& node) {
+    section(node, "world",
+            {{"gravity",
+              [&](const Node& v) {
+                scenario().gravity_sigma =
+                    yaml_.quantity("gravity", v, dimension::kSpecificForce, Sign::not_negative);
+              }},
+             {"deflection", [&](const Node& v) {
+                scenario().deflection_sigma =
+                    yaml_.quantity("deflection", v, dimension::kAngle, Sign::not_negative);
+              }}});
+  }
+
   // --- Alignment ---
 
   // The aid of a device that measures this.
@@ -344,6 +359,7 @@ class SceneReader {
       with.heading = heading;
       a.attitude = with;
     }
+    if (!recorded_) return;  // a trajectory knows its start; what has no sigma is exact
     if (!node["position"]) position_from_site(node);
     if (!node["attitude"])
       yaml_.fail_here(node,
@@ -634,6 +650,7 @@ class SceneReader {
 
   YamlReader yaml_;
   std::filesystem::path folder_, data_folder_;
+  bool recorded_ = false;  ///< an IMU log, not a trajectory
   SceneFile result_;
 };
 

@@ -65,6 +65,9 @@ aids:
   pad:
     rest: 5 mm/s                      # zero velocity with this much sway
     until: 5 min
+world:                        # for budgets: what is wrong with it, one sigma
+  gravity: 30 ug              # vertical error of normal gravity [none]
+  deflection: 5 arcsec        # of the vertical, each way [none]
 filter:
   form: automatic             # or plain, joseph, square_root
   gate: 1e-6                  # share of right fixes that may be refused; 0: none is

@@ -29,7 +29,7 @@ namespace dimension = noise::dimension;
 
 // --- Keys, for reading and writing alike -----------------------------------------------------------------------------
 
-constexpr Dimension kLength{0, 2, 0};
+using noise::dimension::kLength;
 constexpr Term kCoefficients[] = {Term::white, Term::flicker, Term::rate_random_walk, Term::quantization,
                                   Term::rate_ramp};
 

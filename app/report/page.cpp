@@ -122,6 +122,12 @@ std::string navigation_page(const NavigationResult& result) {
                navigation_data(result), kNavigationJs);
 }
 
+std::string budget_page(const std::vector<BudgetResult>& results) {
+  const std::string& name = results[0].name.empty() ? results[0].scene : results[0].name;
+  return whole("Error budget: " + printable(name), kBudgetHtml, budget_text(results), budget_data(results),
+               kBudgetJs);
+}
+
 std::string sweep_page(const Sweep& sweep) {
   return whole("Error against run time: " + printable(sweep.sensor), kSweepHtml, sweep_table(sweep),
                sweep_data(sweep), kSweepJs);

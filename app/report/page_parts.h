@@ -2,6 +2,7 @@
 #pragma once
 
 #include "gyrobudget/report/accuracy.h"
+#include "gyrobudget/report/budget.h"
 #include "gyrobudget/report/navigation.h"
 #include "gyrobudget/report/paper.h"
 #include "gyrobudget/report/result.h"
@@ -30,6 +31,8 @@ namespace gyrobudget::inline v0::report {
 /// What navigation.js draws: navigation_json as "navigation", errors, sigmas, biases and innovations over time, and the
 /// track.
 [[nodiscard]] std::string navigation_data(const NavigationResult&);
+/// What budget.js draws: budget_json of each sensor, ellipses, the cloud of Monte Carlo and what the filter claims.
+[[nodiscard]] std::string budget_data(const std::vector<BudgetResult>&);
 
 // The files of the pages, embedded by embed.cmake.
 extern const std::string_view kShellHtml, kPageCss, kPlotJs, kChartJs;
@@ -38,5 +41,6 @@ extern const std::string_view kPaperHtml, kPaperJs;            ///< paper
 extern const std::string_view kAccuracyHtml, kAccuracyJs;      ///< accuracy
 extern const std::string_view kSweepHtml, kSweepJs;            ///< accuracy --sweep
 extern const std::string_view kNavigationHtml, kNavigationJs;  ///< navigate
+extern const std::string_view kBudgetHtml, kBudgetJs;          ///< budget
 
 }  // namespace gyrobudget::inline v0::report

@@ -589,6 +589,6 @@ const plotting = (() => {
   return {
     state, redraws, data, axes, byId, element, paragraphs, list, number, compact, count, signed, colour, duration,
     unitOf, table, logScale, tooltipLook, dashes, curveLine, bandLines, measuredPoints, marks, overlayDatasets,
-    union, addPlot, drawLegend, keepUpdated, plotFigure, padded, followSettings, insideArea, linearScale, addChart, plain,
+    redraw, union, addPlot, drawLegend, keepUpdated, plotFigure, padded, followSettings, insideArea, linearScale, addChart, plain,
   };
 })();

@@ -240,4 +240,14 @@ CoreMatrix constant_response(const Adjoint& adjoint, const Timeline& timeline, c
   return covariance + column * source.initial * column.transpose();
 }
 
+CoreMatrix response(const Adjoint& adjoint, const Timeline& timeline, const Source& source,
+                    double imu_interval) {
+  if (!source.slow) return constant_response(adjoint, timeline, source);
+  CoreMatrix covariance = CoreMatrix::Zero();
+  for (const auto& process : source.slow->processes)
+    covariance +=
+        process_response(adjoint, timeline, source.slow->carrier, process, source.slow->epoch, imu_interval);
+  return covariance;
+}
+
 }  // namespace gyrobudget::inline v0::navigation

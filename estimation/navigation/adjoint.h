@@ -44,4 +44,7 @@ struct Adjoint {
 /// @throws std::invalid_argument for a term that varies.
 [[nodiscard]] CoreMatrix constant_response(const Adjoint&, const Timeline&, const Source&);
 
+/// Whichever of the two a source needs.
+[[nodiscard]] CoreMatrix response(const Adjoint&, const Timeline&, const Source&, double imu_interval);
+
 }  // namespace gyrobudget::inline v0::navigation

@@ -15,6 +15,8 @@
 #include "gyrobudget/navigation/aiding.h"
 #include "gyrobudget/navigation/covariance.h"
 #include "gyrobudget/navigation/error_state.h"
+#include "gyrobudget/navigation/sensor_states.h"
+#include "gyrobudget/noise/process.h"
 
 #include <functional>
 #include <optional>
@@ -80,6 +82,13 @@ struct Source {
   StateMatrix initial;                   ///< covariance of model.terms at the scene's start
   CoreMatrix core = CoreMatrix::Zero();  ///< covariance of position, velocity, attitude there, axes of e
   int aid = -1;                          ///< the white noise of this aid's fixes is the source
+  /// What the terms that vary stand for, on each axis of a triad: for routes without states (adjoint.h).
+  struct Slow {
+    Carrier carrier = Carrier::gyro;
+    std::vector<noise::Process> processes;
+    Epoch epoch;
+  };
+  std::optional<Slow> slow;
   /// Where given, each term's effect is multiplied by it [any unit]: errors that are fixed in other axes than
   /// the body's, such as Earth's rate left out or an error of gravity.
   std::function<double(const StepInput&, std::size_t term)> shape;

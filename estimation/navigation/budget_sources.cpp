@@ -100,11 +100,16 @@ SensorSources sensor_sources(const noise::SensorModel& sensor, const SensorState
   const auto add = [&](const noise::ErrorModel& errors, Signal signal, std::string_view triad) {
     for (auto& [name, model] : single_errors(errors, signal)) {
       noise::SensorModel one;
+      Source& source = result.sources.emplace_back();
+      source.name = fmt::format("{}.{}", triad, name);
+      if (const auto processes = model.processes(); !processes.empty())
+        source.slow = {signal == Signal::angular_rate ? Carrier::gyro : Carrier::accelerometer, processes,
+                       (signal == Signal::angular_rate ? options.gyro : options.accelerometer)
+                           .value_or(epoch_of(model))};
       (signal == Signal::angular_rate ? one.gyro : one.accelerometer.emplace()) = std::move(model);
       SensorStates states = sensor_states(one, all);
-      result.sources.push_back({.name = fmt::format("{}.{}", triad, name),
-                                .model = std::move(states.model),
-                                .initial = states.initial});
+      source.model = std::move(states.model);
+      source.initial = states.initial;
     }
   };
   add(sensor.gyro, Signal::angular_rate, "gyro");

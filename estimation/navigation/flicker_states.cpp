@@ -118,7 +118,8 @@ FlickerStates flicker_states(double b, double shortest, double longest, int stat
     result.processes.push_back({b * std::exp(x[2 * k] / 2), shortest * std::exp(x[2 * k + 1])});
   std::sort(result.processes.begin(), result.processes.end(),
             [](const auto& l, const auto& r) { return l.correlation_time < r.correlation_time; });
-  misfit.taus = VectorXd::LinSpaced(8 * points, 0, std::log(longest / shortest)).array().exp();  // between, too
+  misfit.taus =
+      VectorXd::LinSpaced(8 * points, 0, std::log(longest / shortest)).array().exp();  // between, too
   result.worst_error = worst(misfit, x);
   return result;
 }

@@ -3,7 +3,9 @@
 
 #include "gyrobudget/earth/attitude.h"
 #include "gyrobudget/earth/ellipsoid.h"
+#include "gyrobudget/earth/frames.h"
 #include "gyrobudget/earth/gravity.h"
+#include "gyrobudget/navigation/alignment.h"
 #include "gyrobudget/noise/normal.h"
 
 #include <fmt/format.h>
@@ -12,6 +14,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <mutex>
 #include <stdexcept>
 
@@ -25,6 +28,7 @@ using CoreVector = Eigen::Matrix<double, kCoreStates, 1>;
 
 // Streams of random numbers beside the IMU's own: 'M', what it is for, the run.
 constexpr std::uint64_t kStart = 1, kAids = 2;
+constexpr double kAnyHeading = 1e3;  // [rad] limit that no alignment reaches: the filter judges
 noise::StreamKey key(std::uint64_t seed, std::uint64_t what, std::uint64_t run) {
   return {seed, (std::uint64_t{'M'} << 56) | (what << 48) | run};
 }
@@ -63,6 +67,11 @@ struct Scene {
   const MonteCarlo::Options& options;
   std::vector<earth::ImuIncrement> increments;  // from the scene's start
   Eigen::MatrixXd aid_root;                     // of aids.initial
+  struct Vectors {
+    Carrier carrier;
+    std::vector<Vector3d> unit;  // what a unit adds to the increment of each sample
+  };
+  std::vector<Vectors> world;
 
   [[nodiscard]] std::size_t sample(double time) const {
     return static_cast<std::size_t>(std::llround((time - timeline.start()) / options.imu_interval));
@@ -81,6 +90,24 @@ std::vector<earth::ImuIncrement> increments(const Timeline& timeline, double int
   return all;
 }
 
+// The vectors of a source of the world along all samples.
+void add_world(Scene& scene, const Source& source) {
+  const double dt = scene.options.imu_interval;
+  const std::size_t vectors = source.model.terms.size() / 3;
+  for (std::size_t v = 0; v < vectors; ++v) scene.world.push_back({source.model.terms[3 * v].carrier, {}});
+  for (std::size_t k = 0; k < scene.increments.size(); ++k) {
+    const double t = scene.timeline.start() + (static_cast<double>(k) + 0.5) * dt;
+    const Timeline::Instant at = scene.timeline.at(std::min(t, scene.timeline.end()));
+    StepInput input;
+    input.p_eb_e = at.state.p_eb_e;
+    input.C_eb = at.state.q_eb.toRotationMatrix();
+    for (std::size_t v = 0; v < vectors; ++v)
+      scene.world[scene.world.size() - vectors + v].unit.emplace_back(
+          dt * Vector3d(source.shape(input, 3 * v), source.shape(input, 3 * v + 1),
+                        source.shape(input, 3 * v + 2)));
+  }
+}
+
 class OneRun {
  public:
   OneRun(const Scene& scene, std::uint64_t run)
@@ -88,7 +115,9 @@ class OneRun {
         start_(key(scene.options.seed, kStart, run)),
         aids_(key(scene.options.seed, kAids, run)),
         imu_(scene.sensor, scene.options.imu_interval, {scene.options.seed, run}, scene.options.imu) {
-    const NavigationState start = wrong_start();
+    NavigationState start = wrong_start();
+    for (std::size_t v = 0; v < scene.world.size(); ++v) world_.push_back(start_());
+    if (scene.options.self_alignment) start.q_eb = aligned();
     if (scene.design)
       filter_.emplace(start, scene.design->model, scene.design->initial, scene.options.filter);
     else
@@ -104,9 +133,7 @@ class OneRun {
     for (std::size_t k = 0; k <= scene_.increments.size(); ++k) {
       at_sample(k);
       if (k == scene_.increments.size()) break;
-      const auto& truth = scene_.increments[k];
-      const noise::ImuReading read = imu_.next({array(truth.angle), array(truth.velocity)});
-      const earth::ImuIncrement measured{vector(read.velocity), vector(read.angle)};
+      const earth::ImuIncrement measured = k < pad_.size() ? pad_[k] : measure_imu(k);
       filter_ ? filter_->propagate(measured, dt) : strapdown_->step(measured, dt);
       move_aids(dt);
     }
@@ -120,6 +147,41 @@ class OneRun {
   }
 
  private:
+  earth::ImuIncrement measure_imu(std::size_t k) {
+    const auto& truth = scene_.increments[k];
+    const noise::ImuReading read = imu_.next({array(truth.angle), array(truth.velocity)});
+    earth::ImuIncrement measured{vector(read.velocity), vector(read.angle)};
+    for (std::size_t v = 0; v < scene_.world.size(); ++v)
+      (scene_.world[v].carrier == Carrier::gyro ? measured.angle : measured.velocity) +=
+          world_[v] * scene_.world[v].unit[k];
+    return measured;
+  }
+
+  // Coarse alignment on what is read on the pad, which is kept for the filter.
+  Eigen::Quaterniond aligned() {
+    const std::size_t samples = scene_.sample(0);
+    pad_.reserve(samples);
+    for (std::size_t k = 0; k < samples; ++k) pad_.push_back(measure_imu(k));
+    const NavigationState truth = scene_.timeline.at(scene_.timeline.start()).state;
+    const earth::Geodetic at = earth::to_geodetic(truth.p_eb_e);
+    const Eigen::Matrix3d C_en = earth::C_e_ned(at.latitude, at.longitude);
+    AlignmentOptions options;
+    options.sensor = scene_.sensor;
+    options.latitude = at.latitude;
+    options.heading_limit = kAnyHeading;
+    if (scene_.options.heading_sigma) {
+      // The body axis that lies most nearly level.
+      const Eigen::Matrix3d C_nb = C_en.transpose() * truth.q_eb.toRotationMatrix();
+      Eigen::Index axis = 0;
+      C_nb.row(2).cwiseAbs().minCoeff(&axis);
+      const double azimuth = std::atan2(C_nb(1, axis), C_nb(0, axis));
+      options.heading = {azimuth + *scene_.options.heading_sigma * start_(), *scene_.options.heading_sigma,
+                         Vector3d::Unit(axis)};
+    }
+    const Alignment found = align(pad_, scene_.options.imu_interval, options);
+    return found.q_nb ? Eigen::Quaterniond(C_en) * *found.q_nb : truth.q_eb;
+  }
+
   NavigationState wrong_start() {
     NavigationState state = scene_.timeline.at(scene_.timeline.start()).state;
     const auto draw = [&](const Vector3d& sigma) -> Vector3d {
@@ -180,9 +242,11 @@ class OneRun {
   const Scene& scene_;
   Normals start_, aids_;
   noise::Imu imu_;
+  std::vector<earth::ImuIncrement> pad_;  ///< as measured, where it served the alignment
   std::optional<Filter> filter_;
   std::optional<Strapdown> strapdown_;
   Eigen::VectorXd aid_terms_;
+  std::vector<double> world_;  ///< sizes of the scene's vectors
   std::size_t next_fix_ = 0;
   std::vector<CoreVector> errors_;
 };
@@ -210,6 +274,7 @@ MonteCarlo monte_carlo(const Timeline& timeline, const noise::SensorModel& senso
     throw std::invalid_argument(fmt::format("IMU interval of {} s, expected above 0", options.imu_interval));
   Scene scene{
       timeline, sensor, initial, C_el, design, aids, options, increments(timeline, options.imu_interval), {}};
+  for (const Source& source : options.world) add_world(scene, source);
   const Eigen::LDLT<Eigen::MatrixXd> factors{Eigen::MatrixXd(aids.initial)};
   scene.aid_root = factors.transpositionsP().transpose() * Eigen::MatrixXd(factors.matrixL()) *
                    factors.vectorD().cwiseMax(0).cwiseSqrt().asDiagonal().toDenseMatrix();

@@ -24,7 +24,14 @@ struct MonteCarlo {
     double imu_interval = 0.01;  ///< [s]
     noise::Imu::Options imu;     ///< epoch, vibration, and which sources are on
     bool initial_errors = true, fix_noise = true;
+    /// The attitude at the start is that of a coarse alignment over the pad (alignment.h), after which the filter
+    /// goes through the pad from its P0; InitialErrors' level and heading are that P0's, not drawn.
+    bool self_alignment = false;
+    std::optional<double> heading_sigma;  ///< of a heading from outside that the alignment is given [rad]
     Filter::Options filter;
+    /// Errors of the world as budget_sources.h makes them (gravity_error, deflection_of_the_vertical): vectors fixed in
+    /// other axes than the body's, each of a size drawn once a run.
+    std::vector<Source> world;
     /// After each run, from one thread at a time: runs done so far; false stops.
     std::function<bool(int)> progress;
   };

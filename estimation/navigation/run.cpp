@@ -67,27 +67,6 @@ void check(const Scenario& scenario, const Recording& recording) {
 
 // --- The model -----------------------------------------------------------------------------------------------
 
-// Adds what is estimated of an aid, with its variances.
-void add_aid_terms(const Aid& aid, int number, ErrorModel& model, std::vector<double>& variances) {
-  const auto add = [&](ErrorTerm term, double sigma) {
-    if (sigma == 0) return;
-    term.carrier = Carrier::aid;
-    term.aid = number;
-    model.terms.push_back(term);
-    variances.push_back(sigma * sigma);
-  };
-  for (int i = 0; i < rows(aid.kind); ++i) {
-    add({.effect = Effect::bias, .axis = i}, aid.bias_sigma[i]);
-    const double walk = aid.correlated_sigma[i] * std::sqrt(2 / aid.correlation_time);
-    add({.effect = Effect::bias, .axis = i, .correlation_time = aid.correlation_time, .walk = walk},
-        aid.correlated_sigma[i]);
-  }
-  if (aid.kind == Aid::Kind::position || aid.kind == Aid::Kind::velocity) {
-    for (int i = 0; i < 3; ++i) add({.effect = Effect::lever_arm, .axis = i}, aid.lever_arm_sigma[i]);
-  }
-  add({.effect = Effect::time_tag}, aid.time_tag_sigma);
-}
-
 SensorStates states(const Scenario& scenario, double length, double step) {
   SensorStates::Options options = scenario.states;
   options.scene_length = length;
@@ -96,7 +75,9 @@ SensorStates states(const Scenario& scenario, double length, double step) {
   std::vector<double> variances;
   for (std::size_t i = 0; i < scenario.aids.size(); ++i) {
     if (scenario.aids[i].used) {
-      add_aid_terms(scenario.aids[i], static_cast<int>(i), result.model, variances);
+      const AidTerms aid = aid_terms(scenario.aids[i], static_cast<int>(i));
+      result.model.terms.insert(result.model.terms.end(), aid.terms.begin(), aid.terms.end());
+      variances.insert(variances.end(), aid.variances.begin(), aid.variances.end());
     }
   }
   result.model.check();

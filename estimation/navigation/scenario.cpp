@@ -39,4 +39,25 @@ void check(const Aid& aid) {
           aid.time_tag_sigma, "0 s or more");
 }
 
+AidTerms aid_terms(const Aid& aid, int number) {
+  AidTerms result;
+  const auto add = [&](ErrorTerm term, double sigma) {
+    if (sigma == 0) return;
+    term.carrier = Carrier::aid;
+    term.aid = number;
+    result.terms.push_back(term);
+    result.variances.push_back(sigma * sigma);
+  };
+  for (int i = 0; i < rows(aid.kind); ++i) {
+    add({.effect = Effect::bias, .axis = i}, aid.bias_sigma[i]);
+    const double walk = aid.correlated_sigma[i] * std::sqrt(2 / aid.correlation_time);
+    add({.effect = Effect::bias, .axis = i, .correlation_time = aid.correlation_time, .walk = walk},
+        aid.correlated_sigma[i]);
+  }
+  if (aid.kind == Aid::Kind::position || aid.kind == Aid::Kind::velocity)
+    for (int i = 0; i < 3; ++i) add({.effect = Effect::lever_arm, .axis = i}, aid.lever_arm_sigma[i]);
+  add({.effect = Effect::time_tag}, aid.time_tag_sigma);
+  return result;
+}
+
 }  // namespace gyrobudget::inline v0::navigation

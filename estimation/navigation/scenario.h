@@ -65,6 +65,13 @@ struct Aid {
 /// @throws std::invalid_argument for a number out of range, naming the aid and the number.
 void check(const Aid&);
 
+/// What is estimated of an aid, as error terms of its number, with their variances at the start.
+struct AidTerms {
+  std::vector<ErrorTerm> terms;
+  std::vector<double> variances;
+};
+[[nodiscard]] AidTerms aid_terms(const Aid&, int number);
+
 /// The first fix of an aid at or after the start.
 struct FromAid {
   std::size_t aid = 0;  ///< number in Scenario::aids
@@ -101,7 +108,9 @@ struct Scenario {
   double until = std::numeric_limits<double>::infinity();  ///< end of the scene [s]
   double solution_interval = 1;                            ///< between solutions [s], positive
   std::vector<double> at;                                  ///< solutions at these times too
-  std::vector<std::size_t> reference;                      ///< aids that the solution is compared with
+  double gravity_sigma = 0;            ///< of a vertical error of normal gravity, for budgets [m/s^2]
+  double deflection_sigma = 0;         ///< of the vertical, for budgets [rad]
+  std::vector<std::size_t> reference;  ///< aids that the solution is compared with
 };
 
 }  // namespace gyrobudget::inline v0::navigation

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: MIT
+// budget: scene -> error budget per source.
+#include "gyrobudget/report/budget.h"
+
+#include "gyrobudget/io/output.h"
+#include "gyrobudget/io/scene_file.h"
+#include "gyrobudget/io/sensor_file.h"
+#include "gyrobudget/io/trajectory_file.h"
+#include "gyrobudget/navigation/scene_budget.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+
+#include "paths.h"
+#include "terminal.h"
+#include "verbs.h"
+
+namespace gyrobudget::inline v0::cli {
+namespace {
+
+using navigation::BudgetScene;
+using report::BudgetResult;
+
+navigation::BudgetQuestion question(const BudgetArguments& a, const navigation::Scenario& scenario,
+                                    double at) {
+  navigation::BudgetQuestion q;
+  q.step = a.step;
+  q.imu_interval = 1 / a.rate;
+  q.at = {at};
+  q.gravity = scenario.gravity_sigma;
+  q.deflection = scenario.deflection_sigma;
+  q.earth_rate_compensated = scenario.filter.strapdown.earth_rate_in_attitude;
+  return q;
+}
+
+std::size_t index_of(const std::vector<double>& times, double at) {
+  const auto nearest = std::min_element(
+      times.begin(), times.end(), [at](double a, double b) { return std::abs(a - at) < std::abs(b - at); });
+  return static_cast<std::size_t>(nearest - times.begin());
+}
+
+void add_exact(BudgetResult& r, const BudgetScene& scene, const navigation::FrozenGains& gains,
+               double imu_interval) {
+  const navigation::Adjoint back = adjoint(scene.timeline, gains, r.at);
+  r.exact.emplace();
+  for (const auto& source : scene.sources)
+    r.exact->push_back(response(back, scene.timeline, source, imu_interval));
+}
+
+void add_monte_carlo(BudgetResult& r, const BudgetArguments& a, const BudgetScene& scene,
+                     const navigation::Scenario& scenario, std::span<const navigation::Source> all,
+                     const navigation::FrozenGains& gains, Progress& progress) {
+  navigation::MonteCarlo::Options options;
+  options.runs = a.runs;
+  options.seed = a.seed;
+  options.imu_interval = 1 / a.rate;
+  options.filter = scenario.filter;
+  options.self_alignment = scene.self_alignment;
+  options.heading_sigma = scene.heading_sigma;
+  for (const auto& source : all)
+    if (source.shape && source.name != "earth_rate_uncompensated") options.world.push_back(source);
+  const Interruption interruption;
+  options.progress = [&](int done) {
+    progress.update(done, a.runs);
+    return !interruption.asked();
+  };
+  const auto flown = monte_carlo(scene.timeline, scenario.sensor, scene.initial, scene.C_enu, scene.design,
+                                 scene.aids, options);
+  if (flown.runs == 0) return;
+  const std::size_t i = index_of(flown.times, r.at);
+  BudgetResult::MonteCarlo mc{
+      .runs = flown.runs,
+      .seed = a.seed,
+      .covariance = flown.covariance(i),
+      .nees = flown.mean_nees(i, error_budget(scene.timeline, all, gains).total[r.at_index]),
+      .saturated = flown.saturated};
+  for (const auto& run : flown.errors) mc.points.emplace_back(scene.C_enu.transpose() * run[i].head<3>());
+  r.monte_carlo = std::move(mc);
+}
+
+// "crossrange < 10 m"
+BudgetResult::Limit limit(const BudgetArguments& a, const BudgetResult& r) {
+  BudgetResult::Limit result{
+      .text = a.limit->text, .component = a.limit->component, .limit = a.limit->metres};
+  result.found = position_sigma(r, r.budget.total[r.at_index], result.component);
+  const auto axes = component_axes(r, result.component);
+  for (const auto& line : r.budget.lines)
+    result.factors.push_back(allowed_factor(r.budget, r.at_index, line.name, axes, result.limit));
+  return result;
+}
+
+BudgetResult budget(const BudgetArguments& a, const io::SceneFile& file,
+                    const earth::Trajectory& trajectory) {
+  const navigation::Scenario& scenario = file.scenario;
+  const double end = trajectory.duration();
+  const double at = a.at.value_or(end);
+  if (!(at >= 0 && at <= end))
+    throw std::invalid_argument(fmt::format("--at {} s: the scene runs from 0 to {} s", at, end));
+  BudgetScene scene = budget_scene(scenario, trajectory, question(a, scenario, at));
+  const navigation::FrozenGains gains = frozen_gains(scene.timeline, scene.design);
+  BudgetResult r{.scene = a.scene,
+                 .name = scenario.name,
+                 .sensor = file.sensor,
+                 .command = a.common.command_line,
+                 .at = at,
+                 .C_enu = scene.C_enu,
+                 .C_launch = scene.C_launch,
+                 .aided = scene.design.has_value(),
+                 .pad = -scene.timeline.start(),
+                 .tolerance = a.keep_all ? 0 : a.tolerance,
+                 .not_modelled = scene.left_out};
+  if (!scene.warning.empty()) r.notes.push_back(scene.warning);
+  if (file.sensor.empty()) r.notes.emplace_back("the scene names no sensor file: the IMU is ideal");
+  const std::vector<navigation::Source> all = scene.sources;
+  if (!a.keep_all) r.left_out = leave_out(scene, gains, std::span(&at, 1), a.tolerance, 1 / a.rate);
+  r.budget = error_budget(scene.timeline, scene.sources, gains);
+  r.at_index = index_of(r.budget.times, at);
+  if (a.exact) add_exact(r, scene, gains, 1 / a.rate);
+  if (a.limit) r.limit = limit(a, r);
+  if (a.runs > 0) {
+    Progress progress(a.common, "runs");
+    add_monte_carlo(r, a, scene, scenario, all, gains, progress);
+  }
+  return r;
+}
+
+}  // namespace
+
+int run(const BudgetArguments& a) {
+  check_outputs(a.scene, {{"--report", a.report}});
+  io::SceneFile file = io::read_scene(a.scene);
+  if (file.trajectory.empty())
+    throw io::InputError(fmt::format(
+        "{}: a budget needs a trajectory: write 'trajectory: ascent', or the path of a CSV", a.scene));
+  const earth::Trajectory trajectory = io::read_trajectory(file.trajectory);
+  std::vector<BudgetResult> results;
+  if (a.sensors.empty()) results.push_back(budget(a, file, trajectory));
+  for (const std::string& sensor : a.sensors) {
+    file.sensor = sensor;
+    file.scenario.sensor = io::read_sensor(sensor);
+    results.push_back(budget(a, file, trajectory));
+  }
+  print(a.common.json ? report::budget_json(results) : report::budget_text(results));
+  if (!a.report.empty()) {
+    io::write_file(a.report, report::budget_page(results));
+    say(a.common, "report page: " + a.report);
+  }
+  const bool broken = std::any_of(results.begin(), results.end(), [](const auto& r) {
+    return r.limit && !(r.limit->found <= r.limit->limit);
+  });
+  return broken ? exit_no_answer : exit_done;
+}
+
+}  // namespace gyrobudget::inline v0::cli

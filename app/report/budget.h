@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "gyrobudget/navigation/scene_budget.h"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+// An error budget as people and programs want it. Local axes are east, north, up at the site; downrange and crossrange
+// (left of it) lie in the launch plane's frame; attitude errors are rotation vectors in east, north, up.
+namespace gyrobudget::inline v0::report {
+
+/// The budget of one scene with one sensor.
+struct BudgetResult {
+  std::string scene;   ///< its path
+  std::string name;    ///< as it calls itself
+  std::string sensor;  ///< path of the sensor file; empty: ideal
+  std::string command;
+  double at = 0;             ///< time of the table [s]
+  std::size_t at_index = 0;  ///< in budget.times
+  navigation::Budget budget;
+  Eigen::Matrix3d C_enu = Eigen::Matrix3d::Identity(), C_launch = Eigen::Matrix3d::Identity();
+  bool aided = false;
+  double pad = 0;  ///< self-alignment before the scene [s]
+  double tolerance = 0;
+  std::vector<navigation::Negligible> left_out;
+  std::vector<navigation::SensorStates::LeftOut> not_modelled;
+  std::vector<std::string> notes;
+  double seconds = 0;  ///< run time of the budget itself
+
+  /// The same lines without states for 1/f, at `at`.
+  std::optional<std::vector<navigation::CoreMatrix>> exact;
+  /// The whole chain, not linearised.
+  struct MonteCarlo {
+    int runs = 0;
+    std::uint64_t seed = 0;
+    navigation::CoreMatrix covariance;    ///< at `at`
+    double nees = 0;                      ///< against the total, mean; 9 dof
+    std::vector<Eigen::Vector3d> points;  ///< position errors of each run, east, north, up [m]
+    std::uint64_t saturated = 0;
+  };
+  std::optional<MonteCarlo> monte_carlo;
+
+  /// "crossrange < 10 m": what each source may grow to.
+  struct Limit {
+    std::string text;
+    std::string component;        ///< east, north, up, downrange, crossrange, horizontal, rss
+    double limit = 0;             ///< [m]
+    double found = 0;             ///< [m]
+    std::vector<double> factors;  ///< for each line, of its size
+  };
+  std::optional<Limit> limit;
+};
+
+/// Position of one sigma along a component of the table: east, north, up, downrange, crossrange, horizontal, rss.
+/// @throws std::invalid_argument for another name.
+[[nodiscard]] double position_sigma(const BudgetResult&, const navigation::CoreMatrix&,
+                                    std::string_view component);
+/// Its axes as columns, in ECEF.
+[[nodiscard]] Eigen::Matrix<double, 3, Eigen::Dynamic> component_axes(const BudgetResult&,
+                                                                      std::string_view component);
+
+/// Tables for the terminal; several results side by side below the first's.
+[[nodiscard]] std::string budget_text(const std::vector<BudgetResult>&);
+/// Schema gyrobudget.budget/1: {"schema","version","command","scene","name","sensor","at_s","total":{"position_m":
+/// {"east","north","up","downrange","crossrange","rss"},"velocity_m_s":{"east","north","up","rss"},"attitude_deg":
+/// {"east","north","up","total"}},"claimed" (alike, of the filter; null without one),"sources":[{"name","share",
+/// "position_m","velocity_m_s","attitude_deg","exact_position_rss_m"}],"left_out":[{"name","bound_position_m","why"}],
+/// "tolerance","not_modelled":[{"what","why"}],"growth":{"t_s","total_position_rss_m","sources":{name:[…]}},
+/// "steps","limit","monte_carlo":{"runs","seed","position_rss_ratio","position_ratio":{…},"ratio_low","ratio_high","nees",
+/// "nees_low","nees_high","saturated"},"notes"}. "exact_position_rss_m", "limit" and "monte_carlo" are null where not asked
+/// for. Bands are 99 %. Several sensors: {"schema":"gyrobudget.budgets/1","budgets":[…]}.
+[[nodiscard]] std::string budget_json(const std::vector<BudgetResult>&);
+/// One HTML page that opens offline.
+[[nodiscard]] std::string budget_page(const std::vector<BudgetResult>&);
+
+}  // namespace gyrobudget::inline v0::report

@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: MIT
+// Error budgets for programs, and the data that budget.js draws.
+#include "gyrobudget/navigation/consistency.h"
+#include "gyrobudget/report/budget.h"
+#include "gyrobudget/report/page_parts.h"
+#include "gyrobudget/version.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <utility>
+
+namespace gyrobudget::inline v0::report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using navigation::CoreMatrix;
+
+constexpr double kDegree = earth::kDegree;
+constexpr double kBand = 0.99;
+
+Json finite(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+
+Json position_json(const BudgetResult& r, const CoreMatrix& P) {
+  Json out;
+  for (const auto* component : {"east", "north", "up", "downrange", "crossrange", "rss"})
+    out[component] = finite(position_sigma(r, P, component));
+  return out;
+}
+
+Json errors_json(const BudgetResult& r, const CoreMatrix& P) {
+  const navigation::LocalSigmas s = navigation::local_sigmas(P, r.C_enu);
+  const Eigen::Vector3d a = s.attitude / kDegree;
+  return {{"position_m", position_json(r, P)},
+          {"velocity_m_s",
+           {{"east", s.velocity[0]},
+            {"north", s.velocity[1]},
+            {"up", s.velocity[2]},
+            {"rss", s.velocity.norm()}}},
+          {"attitude_deg", {{"east", a[0]}, {"north", a[1]}, {"up", a[2]}, {"total", a.norm()}}}};
+}
+
+Json sources_json(const BudgetResult& r) {
+  const std::vector<double> share = navigation::shares(r.budget, r.at_index);
+  Json list = Json::array();
+  for (std::size_t i = 0; i < r.budget.lines.size(); ++i) {
+    const auto& line = r.budget.lines[i];
+    Json one{{"name", line.name}, {"share", share[i]}};
+    one.update(errors_json(r, line.covariance[r.at_index]));
+    one["exact_position_rss_m"] = r.exact ? finite(position_sigma(r, (*r.exact)[i], "rss")) : Json(nullptr);
+    list.push_back(std::move(one));
+  }
+  return list;
+}
+
+Json growth_json(const BudgetResult& r) {
+  Json total = Json::array(), sources = Json::object();
+  for (const CoreMatrix& P : r.budget.total) total.push_back(finite(position_sigma(r, P, "rss")));
+  for (const auto& line : r.budget.lines) {
+    Json& list = sources[line.name] = Json::array();
+    for (const CoreMatrix& P : line.covariance) list.push_back(finite(position_sigma(r, P, "rss")));
+  }
+  return {{"t_s", r.budget.times}, {"total_position_rss_m", total}, {"sources", sources}};
+}
+
+Json left_out_json(const BudgetResult& r) {
+  Json list = Json::array();
+  for (const auto& l : r.left_out)
+    list.push_back({{"name", l.name}, {"bound_position_m", finite(l.position)}, {"why", l.why}});
+  return list;
+}
+
+Json not_modelled_json(const BudgetResult& r) {
+  Json list = Json::array();
+  for (const auto& l : r.not_modelled) list.push_back({{"what", l.what}, {"why", l.why}});
+  return list;
+}
+
+Json monte_carlo_json(const BudgetResult& r) {
+  if (!r.monte_carlo) return nullptr;
+  const auto& mc = *r.monte_carlo;
+  const CoreMatrix& linear = r.budget.total[r.at_index];
+  Json ratio;
+  for (const auto* component : {"east", "north", "up", "downrange", "crossrange"})
+    ratio[component] =
+        finite(position_sigma(r, mc.covariance, component) / position_sigma(r, linear, component));
+  const auto band = navigation::sigma_ratio_band(mc.runs, kBand);
+  const auto nees = navigation::chi_square_mean_band(navigation::kCoreStates, mc.runs, kBand);
+  return {{"runs", mc.runs},
+          {"seed", mc.seed},
+          {"position_rss_ratio",
+           finite(position_sigma(r, mc.covariance, "rss") / position_sigma(r, linear, "rss"))},
+          {"position_ratio", ratio},
+          {"ratio_low", band.lower},
+          {"ratio_high", band.upper},
+          {"nees", finite(mc.nees)},
+          {"nees_low", nees.lower},
+          {"nees_high", nees.upper},
+          {"saturated", mc.saturated}};
+}
+
+Json limit_json(const BudgetResult& r) {
+  if (!r.limit) return nullptr;
+  Json factors;
+  for (std::size_t i = 0; i < r.budget.lines.size(); ++i)
+    factors[r.budget.lines[i].name] = finite(r.limit->factors[i]);
+  return {{"text", r.limit->text},
+          {"component", r.limit->component},
+          {"limit_m", r.limit->limit},
+          {"found_m", finite(r.limit->found)},
+          {"met", r.limit->found <= r.limit->limit},
+          {"allowed_factor", factors}};
+}
+
+Json result_json(const BudgetResult& r) {
+  return {
+      {"schema", "gyrobudget.budget/1"},
+      {"version", kVersion},
+      {"command", r.command},
+      {"scene", r.scene},
+      {"name", r.name},
+      {"sensor", r.sensor.empty() ? Json(nullptr) : Json(r.sensor)},
+      {"at_s", r.at},
+      {"total", errors_json(r, r.budget.total[r.at_index])},
+      {"claimed", r.budget.claimed.empty() ? Json(nullptr) : errors_json(r, r.budget.claimed[r.at_index])},
+      {"sources", sources_json(r)},
+      {"left_out", left_out_json(r)},
+      {"tolerance", r.tolerance},
+      {"not_modelled", not_modelled_json(r)},
+      {"growth", growth_json(r)},
+      {"steps", r.budget.steps},
+      {"limit", limit_json(r)},
+      {"monte_carlo", monte_carlo_json(r)},
+      {"notes", r.notes}};
+}
+
+Json results_json(const std::vector<BudgetResult>& results) {
+  if (results.size() == 1) return result_json(results[0]);
+  Json list = Json::array();
+  for (const auto& r : results) list.push_back(result_json(r));
+  return {{"schema", "gyrobudget.budgets/1"}, {"version", kVersion}, {"budgets", list}};
+}
+
+// 2 x 2 covariance of a pair of components, for the ellipses.
+Json ellipse_json(const Eigen::Matrix3d& local, int i, int j) {
+  return {local(i, i), local(i, j), local(j, j)};
+}
+
+Json drawing(const BudgetResult& r) {
+  Json out = result_json(r);
+  Json ellipses = Json::object();
+  const auto add = [&](const std::string& name, const CoreMatrix& P) {
+    const Eigen::Matrix3d local =
+        r.C_enu.transpose() * P.block<3, 3>(navigation::kPosition, navigation::kPosition) * r.C_enu;
+    ellipses[name] = {{"east_north", ellipse_json(local, 0, 1)}, {"east_up", ellipse_json(local, 0, 2)}};
+  };
+  add("total", r.budget.total[r.at_index]);
+  for (const auto& line : r.budget.lines) add(line.name, line.covariance[r.at_index]);
+  out["ellipses"] = ellipses;
+  Json cloud = Json::array();
+  if (r.monte_carlo)
+    for (const auto& p : r.monte_carlo->points) cloud.push_back({p[0], p[1], p[2]});
+  out["cloud"] = cloud;
+  Json claimed = Json::array();
+  for (const CoreMatrix& P : r.budget.claimed) claimed.push_back(finite(position_sigma(r, P, "rss")));
+  out["claimed_growth"] = claimed;
+  return out;
+}
+
+}  // namespace
+
+std::string budget_json(const std::vector<BudgetResult>& results) {
+  return results_json(results).dump(2) + "\n";
+}
+
+std::string budget_data(const std::vector<BudgetResult>& results) {
+  Json list = Json::array();
+  for (const auto& r : results) list.push_back(drawing(r));
+  return without_markup(Json{{"budgets", list}}.dump());
+}
+
+}  // namespace gyrobudget::inline v0::report

@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: MIT
+#include "scene_budget.h"
+
+#include "gyrobudget/earth/frames.h"
+#include "gyrobudget/earth/gravity.h"
+#include "gyrobudget/navigation/alignment.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+#include <utility>
+
+namespace gyrobudget::inline v0::navigation {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+constexpr double kSway = 1e-3;       // of a vehicle that is said to rest [m/s]
+constexpr double kRestInterval = 1;  // [s]
+constexpr double kStepsOfAScene = 200;
+constexpr double kFinest = 1e-5;                 // no prior of alignment is finer [rad]
+constexpr double kLinear = 10 * earth::kDegree;  // nor coarser, where it need not be
+
+const SelfAlignment* self_alignment(const Scenario& scenario) {
+  return std::get_if<SelfAlignment>(&scenario.alignment.attitude);
+}
+
+double covariance_step(const BudgetQuestion& question, double length) {
+  if (question.step > 0) return question.step;
+  const double step = length / kStepsOfAScene;
+  return length <= 3600 ? std::min(step, 1.0) : step;
+}
+
+class Builder {
+ public:
+  Builder(const Scenario& scenario, const earth::Trajectory& trajectory, const BudgetQuestion& question)
+      : scenario_(scenario), trajectory_(trajectory), question_(question) {
+    if (const auto* self = self_alignment(scenario)) pad_ = self->duration;
+    length_ = pad_ + trajectory.duration();
+    const earth::Geodetic site = scenario.site ? *scenario.site : earth::to_geodetic(trajectory.at(0).p_eb_e);
+    C_enu_ = earth::LocalFrame::east_north_up(site).C_el();
+    C_launch_ = earth::LocalFrame::launch_plane(site, scenario.azimuth).C_el();
+  }
+
+  BudgetScene operator()() {
+    plan_fixes();
+    initial_errors();
+    BudgetScene scene{.timeline = timeline(), .C_enu = C_enu_, .C_launch = C_launch_, .initial = initial_};
+    scene.warning = warning_;
+    if (const auto* self = self_alignment(scenario_)) {
+      scene.self_alignment = true;
+      if (self->heading) scene.heading_sigma = initial_.heading;
+    }
+    add_sources(scene);
+    if (!scene.timeline.fixes().empty()) design(scene);
+    return scene;
+  }
+
+ private:
+  [[nodiscard]] bool aided() const { return !fixes_.empty(); }
+
+  [[nodiscard]] SensorStates::Options state_options() const {
+    SensorStates::Options options = scenario_.states;
+    options.scene_length = length_;
+    options.step = question_.imu_interval;
+    return options;
+  }
+
+  // --- Fixes ---
+  void plan_fixes() {
+    for (std::size_t i = 0; i < scenario_.aids.size(); ++i) {
+      const Aid& aid = scenario_.aids[i];
+      check(aid);
+      if (!aid.used || (aid.kind == Aid::Kind::rest && pad_ > 0)) continue;
+      plan(aid, static_cast<int>(i), std::max(aid.valid.from, 0.0),
+           std::min(aid.valid.to, trajectory_.duration()));
+    }
+    if (pad_ > 0) rest_on_the_pad();
+  }
+
+  void plan(const Aid& aid, int number, double from, double to) {
+    FixPlan plan{from, to, 1 / aid.rate, {}};
+    for (const Span& outage : aid.outages) plan.outages.emplace_back(outage.from, outage.to);
+    for (const double t : fix_times(plan)) fixes_.push_back({t, fix(aid, number, t)});
+  }
+
+  void rest_on_the_pad() {
+    const auto rest = std::find_if(scenario_.aids.begin(), scenario_.aids.end(),
+                                   [](const Aid& aid) { return aid.used && aid.kind == Aid::Kind::rest; });
+    const bool given = rest != scenario_.aids.end();
+    rest_ = given ? static_cast<int>(rest - scenario_.aids.begin()) : static_cast<int>(scenario_.aids.size());
+    const Vector3d sigma = given ? rest->sigma : Vector3d::Constant(kSway);
+    const double interval = given ? 1 / rest->rate : kRestInterval;
+    for (const double t : fix_times({-pad_ + interval, 0, interval, {}}))
+      fixes_.push_back({t, VelocityFix{Vector3d::Zero(), sigma, C_enu_, Vector3d::Zero(), rest_}});
+  }
+
+  [[nodiscard]] std::variant<PositionFix, VelocityFix, HeightFix, AttitudeFix> fix(const Aid& aid, int number,
+                                                                                   double t) const {
+    const earth::TrajectoryPoint truth = trajectory_.at(t);
+    const Matrix3d C = truth.q_eb.toRotationMatrix();
+    const earth::Geodetic at = earth::to_geodetic(truth.p_eb_e);
+    const Matrix3d axes = earth::C_e_enu(at.latitude, at.longitude);
+    const Vector3d w_eb_b = truth.w_ib_b - C.transpose() * Vector3d(0, 0, earth::wgs84::kEarthRate);
+    switch (aid.kind) {
+      case Aid::Kind::position:
+        return PositionFix{truth.p_eb_e + C * aid.lever_arm, aid.sigma, axes, aid.lever_arm, number};
+      case Aid::Kind::height:
+        return HeightFix{at.height, aid.sigma[0], number};
+      case Aid::Kind::attitude:
+        return AttitudeFix{truth.q_eb, aid.sigma, number};
+      default:
+        return VelocityFix{truth.v_eb_e + C * w_eb_b.cross(aid.lever_arm), aid.sigma, axes, aid.lever_arm,
+                           number};
+    }
+  }
+
+  // --- Start ---
+  void initial_errors() {
+    const AlignmentPlan& a = scenario_.alignment;
+    initial_.position = a.position_sigma.value_or(of_aid(a.position, Aid::Kind::position));
+    initial_.velocity = a.velocity_sigma.value_or(of_aid(a.velocity, Aid::Kind::velocity));
+    const auto* self = self_alignment(scenario_);
+    const auto* from = std::get_if<FromAid>(&a.attitude);
+    const double of_master = from ? scenario_.aids.at(from->aid).sigma.maxCoeff() : 0;
+    initial_.level = a.level_sigma.value_or(of_master);
+    initial_.heading = a.heading_sigma.value_or(of_master);
+    if (self) coarse(*self);
+  }
+
+  // What a coarse alignment of the true means leaves, and a filter that starts from it is told.
+  void coarse(const SelfAlignment& self) {
+    const earth::TrajectoryPoint start = trajectory_.at(0);
+    const Matrix3d C_be = start.q_eb.toRotationMatrix().transpose();
+    const earth::Geodetic at = earth::to_geodetic(start.p_eb_e);
+    AlignmentOptions options;
+    options.sensor = scenario_.sensor;
+    options.latitude = at.latitude;
+    const Alignment found = align(StaticMeans{-(C_be * earth::normal_gravity(start.p_eb_e)),
+                                              C_be * Vector3d(0, 0, earth::wgs84::kEarthRate), self.duration},
+                                  options);
+    const Vector3d sigma = found.sigma();
+    const auto trusted_less = [](double one) {
+      return std::clamp(BudgetScene::kCoarse * one, kFinest, std::max(one, kLinear));
+    };
+    if (!scenario_.alignment.level_sigma) initial_.level = trusted_less(sigma.head<2>().maxCoeff());
+    if (self.heading) return;
+    initial_.heading = trusted_less(sigma.z());
+    if (!found.heading_observable) warning_ = found.message;
+  }
+
+  template <typename Given>
+  [[nodiscard]] Vector3d of_aid(const Given& given, Aid::Kind) const {
+    const auto* from = std::get_if<FromAid>(&given);
+    return from ? scenario_.aids.at(from->aid).sigma : Vector3d::Zero();
+  }
+
+  [[nodiscard]] Timeline timeline() const {
+    Timeline::Options options;
+    options.step = covariance_step(question_, length_);
+    options.pad = pad_;
+    options.report = question_.at;
+    for (int i = 0; i < question_.growth_points; ++i)
+      options.report.push_back(-pad_ + length_ * i / question_.growth_points);
+    return {trajectory_, fixes_, options};
+  }
+
+  // --- Sources ---
+  void add_sources(BudgetScene& scene) const {
+    auto [sources, left_out] = sensor_sources(scenario_.sensor, state_options());
+    scene.sources = std::move(sources);
+    scene.left_out = std::move(left_out);
+    for (Source& source : initial_sources(initial_, C_enu_)) scene.sources.push_back(std::move(source));
+    for (std::size_t i = 0; i < scenario_.aids.size(); ++i)
+      if (scenario_.aids[i].used) add_aid(scene, scenario_.aids[i], static_cast<int>(i));
+    if (rest_ == static_cast<int>(scenario_.aids.size())) scene.sources.push_back(white("aid.rest", rest_));
+    if (question_.gravity > 0) scene.sources.push_back(gravity_error(question_.gravity));
+    if (question_.deflection > 0) scene.sources.push_back(deflection_of_the_vertical(question_.deflection));
+    if (!question_.earth_rate_compensated) scene.sources.push_back(uncompensated_earth_rate());
+  }
+
+  static Source white(std::string name, int aid) {
+    Source source;
+    source.name = std::move(name);
+    source.initial = StateMatrix(0, 0);
+    source.aid = aid;
+    return source;
+  }
+
+  static void add_aid(BudgetScene& scene, const Aid& aid, int number) {
+    const std::string name = fmt::format("aid.{}", aid.name);
+    scene.sources.push_back(white(name, number));
+    const AidTerms terms = aid_terms(aid, number);
+    for (const auto& [part, effect, correlated] : {std::tuple{"bias", Effect::bias, false},
+                                                   {"correlated", Effect::bias, true},
+                                                   {"lever_arm", Effect::lever_arm, false},
+                                                   {"time_tag", Effect::time_tag, false}}) {
+      Source source;
+      source.name = fmt::format("{}.{}", name, part);
+      std::vector<double> variances;
+      for (std::size_t k = 0; k < terms.terms.size(); ++k)
+        if (terms.terms[k].effect == effect && (terms.terms[k].walk > 0) == correlated) {
+          source.model.terms.push_back(terms.terms[k]);
+          variances.push_back(terms.variances[k]);
+        }
+      if (variances.empty()) continue;
+      source.initial = diagonal(variances);
+      scene.sources.push_back(std::move(source));
+    }
+    append(scene.aids, terms);
+  }
+
+  static StateMatrix diagonal(const std::vector<double>& variances) {
+    const auto n = static_cast<Eigen::Index>(variances.size());
+    StateMatrix P = StateMatrix::Zero(n, n);
+    for (Eigen::Index i = 0; i < n; ++i) P(i, i) = variances[static_cast<std::size_t>(i)];
+    return P;
+  }
+
+  static void append(MonteCarlo::AidErrors& aids, const AidTerms& terms) {
+    const auto old = aids.initial.rows(), more = static_cast<Eigen::Index>(terms.variances.size());
+    StateMatrix P = StateMatrix::Zero(old + more, old + more);
+    P.topLeftCorner(old, old) = aids.initial;
+    P.bottomRightCorner(more, more) = diagonal(terms.variances);
+    aids.initial = P;
+    aids.model.terms.insert(aids.model.terms.end(), terms.terms.begin(), terms.terms.end());
+  }
+
+  // --- Filter ---
+  void design(BudgetScene& scene) const {
+    const SensorStates states = sensor_states(scenario_.sensor, state_options());
+    Design design;
+    design.model = states.model;
+    design.model.terms.insert(design.model.terms.end(), scene.aids.model.terms.begin(),
+                              scene.aids.model.terms.end());
+    const auto n = states.initial.rows(), m = scene.aids.initial.rows();
+    StateMatrix terms = StateMatrix::Zero(n + m, n + m);
+    terms.topLeftCorner(n, n) = states.initial;
+    terms.bottomRightCorner(m, m) = scene.aids.initial;
+    design.initial = initial_covariance(initial_core(initial_, C_enu_), terms);
+    scene.design = std::move(design);
+  }
+
+  const Scenario& scenario_;
+  const earth::Trajectory& trajectory_;
+  const BudgetQuestion& question_;
+  double pad_ = 0, length_ = 0;
+  Matrix3d C_enu_, C_launch_;
+  std::vector<PlannedFix> fixes_;
+  int rest_ = -1;
+  InitialErrors initial_;
+  std::string warning_;
+};
+
+// Traces of position, velocity and attitude.
+Vector3d totals(const CoreMatrix& P) {
+  return {P.block<3, 3>(kPosition, kPosition).trace(), P.block<3, 3>(kVelocity, kVelocity).trace(),
+          P.block<3, 3>(kAttitude, kAttitude).trace()};
+}
+
+}  // namespace
+
+BudgetScene budget_scene(const Scenario& scenario, const earth::Trajectory& trajectory,
+                         const BudgetQuestion& question) {
+  return Builder(scenario, trajectory, question)();
+}
+
+std::vector<Negligible> leave_out(BudgetScene& scene, const FrozenGains& gains, std::span<const double> times,
+                                  double tolerance, double imu_interval) {
+  if (!(tolerance >= 0 && tolerance < 1))
+    throw std::invalid_argument(fmt::format("tolerance is {}, expected 0 to below 1", tolerance));
+  const std::size_t n = scene.sources.size();
+  const auto columns = static_cast<Eigen::Index>(3 * times.size());
+  Eigen::MatrixXd variance(static_cast<Eigen::Index>(n), columns);  // of each source in every total
+  for (std::size_t t = 0; t < times.size(); ++t) {
+    const Adjoint back = adjoint(scene.timeline, gains, times[t]);
+    for (std::size_t s = 0; s < n; ++s)
+      variance.block<1, 3>(static_cast<Eigen::Index>(s), static_cast<Eigen::Index>(3 * t)) =
+          totals(response(back, scene.timeline, scene.sources[s], imu_interval)).transpose();
+  }
+  // Sigma falls by at most `tolerance` of itself where variance falls by 1 - (1 - tolerance)^2.
+  const Eigen::RowVectorXd total = variance.colwise().sum();
+  const Eigen::RowVectorXd allowed = tolerance * (2 - tolerance) * total;
+  std::vector<std::size_t> order(n);
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto largest_share = [&](std::size_t s) {
+    const auto row = variance.row(static_cast<Eigen::Index>(s));
+    return (total.array() > 0).select(row.array() / total.array(), 0).maxCoeff();
+  };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return largest_share(a) < largest_share(b); });
+  std::vector<Negligible> left_out;
+  std::vector<bool> gone(n, false);
+  Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(columns);
+  for (const std::size_t s : order) {
+    const auto row = variance.row(static_cast<Eigen::Index>(s));
+    if (((sum + row).array() > allowed.array() && row.array() > 0).any()) break;
+    sum += row;
+    gone[s] = true;
+    double position = 0;
+    for (std::size_t t = 0; t < times.size(); ++t)
+      position = std::max(position, std::sqrt(row[static_cast<Eigen::Index>(3 * t)]));
+    left_out.push_back({scene.sources[s].name, position,
+                        row.isZero(0)
+                            ? "has no effect in this scene"
+                            : fmt::format("{:.2g} of the total's variance at most", largest_share(s))});
+  }
+  std::size_t next = 0;
+  std::erase_if(scene.sources, [&](const Source&) { return gone[next++]; });
+  return left_out;
+}
+
+std::vector<double> shares(const Budget& budget, std::size_t i) {
+  const double total = budget.total[i].block<3, 3>(kPosition, kPosition).trace();
+  std::vector<double> list;
+  for (const auto& line : budget.lines) {
+    const double own = line.covariance[i].block<3, 3>(kPosition, kPosition).trace();
+    list.push_back(total > 0 ? own / total : 0);
+  }
+  return list;
+}
+
+double allowed_factor(const Budget& budget, std::size_t i, std::string_view source,
+                      const Eigen::Matrix<double, 3, Eigen::Dynamic>& axes, double limit) {
+  const auto variance = [&](const CoreMatrix& P) {
+    return (axes.transpose() * P.block<3, 3>(kPosition, kPosition) * axes).trace();
+  };
+  const auto line = std::find_if(budget.lines.begin(), budget.lines.end(),
+                                 [&](const auto& one) { return one.name == source; });
+  if (line == budget.lines.end())
+    throw std::invalid_argument(fmt::format("the budget has no source '{}'", source));
+  const double own = variance(line->covariance[i]);
+  const double room = limit * limit - (variance(budget.total[i]) - own);
+  if (room <= 0) return 0;
+  return own > 0 ? std::sqrt(room / own) : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace gyrobudget::inline v0::navigation
