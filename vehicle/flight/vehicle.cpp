@@ -103,6 +103,7 @@ Vehicle vlm1() {
   v.pitch_inertia = Table::linear({{0, 4.2e5}, {1, 2.0e5}});
   v.yaw_inertia = v.pitch_inertia;
   v.imu_station = 16;
+  v.actuator.delay = 0.01;
   v.roll_moment_limit = 2000;
   return v;
 }
@@ -135,10 +136,11 @@ std::span<const Provenance> vlm1_provenance() {
       Provenance{"pitch_inertia", derived, "from masses and lengths of the stages: rests on assumptions"},
       Provenance{"yaw_inertia", derived, "as pitch"},
       Provenance{"imu_station", assumed, "in the bay above the upper stages of a vehicle of 19.6 m"},
-      Provenance{"actuator", assumed, "3 degrees, 15 degrees/s, 4 Hz, 0.7: usual of flexible nozzles"},
+      Provenance{"actuator", assumed,
+                 "3 degrees, 15 degrees/s, 4 Hz, 0.7: usual of flexible nozzles; 10 ms to compute"},
       Provenance{"roll_moment_limit", assumed, "two pairs of small thrusters at the skin"},
       Provenance{"bending", assumed,
-                 "free-free beam: 6 to 8 Hz, 0.5 %, 2 at the gimbal, 0.47 rad/m at the IMU"},
+                 "free-free beam: 6 to 8 Hz, 0.5 %, 2 at the gimbal, -0.47 rad/m at a forward IMU"},
   };
   return kTable;
 }

@@ -31,7 +31,9 @@ struct Bending {
   Table frequency = Table::linear({{0, 6}, {1, 8}});  ///< over burn fraction [Hz]
   double damping = 0.005;
   double gimbal_deflection = 2;
-  double slope_at_imu = 0.47;  ///< [rad/m]; sign: that of the turn a positive pitching moment's force causes
+  /// [rad/m]; positive where a force that pitches the body up turns the IMU up with the mode, as near the
+  /// gimbal; ahead of the belly of the mode it turns it down.
+  double slope_at_imu = -0.47;
 };
 
 /// A stage in powered flight. Stations are along the body's x axis, forward from the gimbal. Burn fraction is

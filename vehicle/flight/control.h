@@ -1,0 +1,120 @@
+// SPDX-License-Identifier: MIT
+// The two parts a closed loop needs beside the vehicle: who tells where it is, and who says what to do.
+#pragma once
+
+#include "gyrobudget/earth/ellipsoid.h"
+#include "gyrobudget/earth/trajectory.h"
+#include "gyrobudget/flight/body.h"
+
+#include <array>
+#include <complex>
+#include <concepts>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace gyrobudget::inline v0::flight {
+
+/// What a controller is told: navigation's pose of the IMU and the mean angular rate that the gyros measured
+/// over the last period.
+struct Seen {
+  double t;  ///< after ignition [s]
+  Eigen::Vector3d p_eb_e;
+  Eigen::Vector3d v_eb_e;
+  Eigen::Quaterniond q_eb;
+  Eigen::Vector3d w_ib_b;  ///< [rad/s]
+};
+
+/// Turns what is seen into a command, once a control period.
+template <class C>
+concept Controller = requires(C& controller, const Seen& seen) {
+  { controller.command(seen) } -> std::convertible_to<Command>;
+};
+
+/// Turns exact increments of the IMU into a pose; errors of the sensors are its own affair. Its state has the
+/// members p_eb_e, v_eb_e, q_eb of Seen.
+///   void know(const Body::Pose&)                  where it has it, it is told the truth before state()
+///   const earth::ImuIncrement& sensed() const     where it has it, rates come from this, the exact ones if not
+template <class N>
+concept Navigator = requires(N& navigator, const N& asked, const earth::ImuIncrement& increment, double dt) {
+  navigator.step(increment, dt);
+  { asked.state().p_eb_e } -> std::convertible_to<Eigen::Vector3d>;
+  { asked.state().v_eb_e } -> std::convertible_to<Eigen::Vector3d>;
+  { asked.state().q_eb } -> std::convertible_to<Eigen::Quaterniond>;
+};
+
+/// Tells the truth.
+class PerfectNavigator {
+ public:
+  void step(const earth::ImuIncrement&, double) {}
+  void know(const Body::Pose& truth) { truth_ = truth; }
+  [[nodiscard]] const Body::Pose& state() const { return truth_; }
+
+ private:
+  Body::Pose truth_;
+};
+
+/// A filter that takes out a band, (s^2 + 2 depth s w + w^2)/(s^2 + 2 width s w + w^2), by the bilinear
+/// transform with w kept in its place. At w it passes depth/width.
+struct Notch {
+  Table frequency;  ///< over burn fraction [Hz]
+  double depth = 0.05;
+  double width = 0.5;
+};
+
+/// Which rate the damping acts on.
+enum class RateFeedback {
+  rate,        ///< the body's rate: lags a turning program by 2 damping/frequency seconds
+  rate_error,  ///< against the program's: no lag while it turns evenly
+};
+
+struct AttitudeControlOptions {
+  /// Pitch above the site's horizon over time [rad]; yaw and roll against the launch plane are zero.
+  Table pitch = Table::linear({{8, 90 * earth::kDegree}, {83, 50 * earth::kDegree}});
+  double azimuth = 90 * earth::kDegree;  ///< of the launch plane
+  double frequency = 2.5;                ///< of the closed attitude loop [rad/s]
+  double damping = 0.7;
+  RateFeedback feedback = RateFeedback::rate_error;
+  double least_thrust = 0.2;   ///< of the mean: gains are scheduled by no less
+  std::vector<Notch> notches;  ///< at most 4
+  double period = 0.01;        ///< of control [s]
+};
+
+/// Follows a program of attitude: acceleration wanted = w^2 error - 2 z w (rate - program's rate); nozzle =
+/// that times inertia/(thrust arm), filtered. It knows the vehicle's tables, so its gains follow the nominal
+/// thrust in vacuum, and not what a disturbed vehicle does. Rolls with the same frequency and damping.
+///
+/// Below least_thrust of the mean its gains no longer follow the thrust: the loop slows down as the thrust
+/// fades, and in the last 1.3 s (VLM-1) attitude is kept by inertia rather than by control.
+class AttitudeControl {
+ public:
+  using Options = AttitudeControlOptions;
+
+  /// @throws std::invalid_argument for a vehicle that fails its check, a frequency, damping, period or
+  /// least_thrust that is not positive, too many notches, or a notch above half the control rate.
+  AttitudeControl(const Vehicle&, const earth::Geodetic& site, const Options& options);
+
+  [[nodiscard]] Command command(const Seen&);
+  [[nodiscard]] Eigen::Quaterniond reference(double t) const;  ///< q_eb of the program
+  [[nodiscard]] const Options& options() const { return options_; }
+  /// Response of the filters at time t to angular frequency w [rad/s].
+  [[nodiscard]] std::complex<double> filter_response(double t, double w) const;
+  /// Nozzle deflection per angular acceleration wanted, in pitch and yaw [s^2].
+  [[nodiscard]] Eigen::Vector2d gain(double t) const;
+
+ private:
+  static constexpr std::size_t kNotches = 4;
+  struct Coefficients {
+    double b0, b1, b2, a1, a2;
+  };
+  [[nodiscard]] Coefficients coefficients(const Notch&, double t) const;
+  [[nodiscard]] Eigen::Vector2d filtered(const Eigen::Vector2d&, double t);
+
+  Vehicle vehicle_;
+  Options options_;
+  Eigen::Quaterniond q_el_;  ///< of downrange, right, down
+  std::array<std::array<Eigen::Vector2d, 2>, kNotches> memory_;
+};
+
+}  // namespace gyrobudget::inline v0::flight

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: MIT
+// The closed loop: vehicle, IMU, navigation, control.
+#pragma once
+
+#include "gyrobudget/flight/body.h"
+#include "gyrobudget/flight/control.h"
+
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace gyrobudget::inline v0::flight {
+
+/// What is flown, from the pad on.
+struct Flight {
+  Vehicle vehicle = vlm1();
+  World world;
+  double azimuth = 90 * earth::kDegree;  ///< the belly's on the pad
+  double pitch = 90 * earth::kDegree;    ///< on the pad
+  Integration integration;
+  Faults faults;
+  double period = 0.01;                                        ///< of control and navigation [s]
+  double duration = std::numeric_limits<double>::quiet_NaN();  ///< [s]; not a number: until burnout
+  /// Where a flight ends before: [rad/s], [Pa rad].
+  double rate_limit = 3;
+  double pressure_angle_limit = std::numeric_limits<double>::infinity();  ///< of dynamic pressure times angle
+  int record_every = 10;         ///< periods between points; 0 keeps none
+  bool keep_increments = false;  ///< of the exact IMU, one a period
+};
+
+/// One instant of a flight.
+struct FlightPoint {
+  double t;
+  Body::Pose truth;  ///< of the IMU
+  Body::Pose seen;   ///< by navigation
+  Body::Flow flow;
+  Command command;
+  Eigen::Vector2d deflection;  ///< of the nozzle
+  Eigen::Vector2d bend;
+};
+
+enum class Ended {
+  complete,   ///< the duration was flown
+  impact,     ///< below the pad's height
+  tumbling,   ///< rate_limit passed
+  overload,   ///< pressure_angle_limit passed
+  not_finite  ///< the state left what can be computed: numbers overflowed, or navigation told of nonsense
+};
+
+struct FlightRecord {
+  Ended ended = Ended::complete;
+  std::string account;  ///< one sentence: how it ended, when and where
+  FlightPoint end;      ///< last sound instant
+  std::vector<FlightPoint> points;
+  std::vector<earth::ImuIncrement> increments;
+  double highest_pressure = 0;    ///< dynamic, over the points [Pa]
+  double largest_deflection = 0;  ///< of the nozzle, in one plane, over all periods [rad]
+  double limited = 0;             ///< share of the periods in which a limit bound the nozzle's command
+  Body::Work work;
+};
+
+namespace detail {
+
+/// One flight without its controller and navigator.
+class Run {
+ public:
+  explicit Run(const Flight&);
+
+  [[nodiscard]] bool going() const { return going_; }
+  [[nodiscard]] double t() const { return body_.state().t; }
+  [[nodiscard]] Body::Pose truth() const { return body_.pose(); }
+  [[nodiscard]] const earth::ImuIncrement& increment() const { return increment_; }
+  [[nodiscard]] double interval() const { return interval_; }
+  /// Flies one period.
+  void advance(const Command&, const Seen&);
+  [[nodiscard]] FlightRecord finish(const Seen&);
+
+ private:
+  void record(const Command&, const Seen&);
+  void end(Ended);
+  [[nodiscard]] bool beyond_limits();
+
+  Flight flight_;
+  double duration_;
+  double pad_height_;
+  Body body_;
+  FlightRecord result_;
+  earth::ImuIncrement increment_;
+  Command command_;
+  double interval_;
+  long period_ = 0;
+  long limited_ = 0;
+  bool going_ = true;
+};
+
+template <Navigator N>
+Seen look(const Run& run, N& navigator) {
+  if constexpr (requires { navigator.know(run.truth()); }) navigator.know(run.truth());
+  const auto& state = navigator.state();
+  Eigen::Vector3d angle = run.increment().angle;
+  if constexpr (requires { navigator.sensed().angle; })
+    if (run.t() > 0) angle = navigator.sensed().angle;
+  return {run.t(), state.p_eb_e, state.v_eb_e, state.q_eb, angle / run.interval()};
+}
+
+}  // namespace detail
+
+/// Flies to burnout, or until one of the limits ends it. Each period the navigator is asked, the controller
+/// commands, the body flies, and the navigator is given what an ideal IMU summed up. Allocates in the
+/// beginning and at the end only. The numbers of the record are finite, whatever happened.
+///
+///   flight::Flight plan;
+///   flight::AttitudeControl control(plan.vehicle, plan.world.site, {});
+///   flight::PerfectNavigator navigator;
+///   const flight::FlightRecord record = flight::fly(plan, control, navigator);
+///
+/// @throws std::invalid_argument as Body does, and for a period or duration that is not positive.
+template <Controller C, Navigator N>
+[[nodiscard]] FlightRecord fly(const Flight& flight, C& controller, N& navigator) {
+  detail::Run run(flight);
+  Seen seen = detail::look(run, navigator);
+  while (run.going()) {
+    run.advance(controller.command(seen), seen);
+    navigator.step(run.increment(), run.interval());
+    seen = detail::look(run, navigator);
+  }
+  return run.finish(seen);
+}
+
+}  // namespace gyrobudget::inline v0::flight
