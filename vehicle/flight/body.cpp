@@ -80,9 +80,18 @@ struct Explicit {
 
 template <class X>
 using Classical = odeint::runge_kutta4<X, double, X, double, odeint::vector_space_algebra>;
+/// Odeint keeps the slope at a step's end for the next one, also of a step that was thrown away: give it the
+/// slope at the start each time.
 template <class X>
-using DormandPrince =
-    Explicit<odeint::runge_kutta_dopri5<X, double, X, double, odeint::vector_space_algebra>>;
+struct DormandPrince {
+  odeint::runge_kutta_dopri5<X, double, X, double, odeint::vector_space_algebra> stepper;
+  X slope, slope_after;
+  template <class System>
+  void step(const System& system, const X& x, double t, double h, const X&, X& out, X& error) {
+    system(x, slope, t);
+    stepper.do_step(system, x, slope, t, out, slope_after, h, error);
+  }
+};
 template <class X>
 using Fehlberg = Explicit<odeint::runge_kutta_fehlberg78<X, double, X, double, odeint::vector_space_algebra>>;
 

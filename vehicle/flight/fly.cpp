@@ -129,4 +129,10 @@ FlightRecord Run::finish(const Seen& seen) {
 }
 
 }  // namespace detail
+
+Body::Pose pose_on_pad(const Flight& flight) {
+  const BodyState pad = on_pad(flight.world.site, flight.azimuth, flight.pitch);
+  return Body(flight.vehicle, flight.world, pad, {.method = Method::exact}, flight.faults).pose();
+}
+
 }  // namespace gyrobudget::inline v0::flight

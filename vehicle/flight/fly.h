@@ -105,6 +105,9 @@ Seen look(const Run& run, N& navigator) {
 
 }  // namespace detail
 
+/// Pose of the IMU on the pad, at time 0: where navigation begins. @throws as Body.
+[[nodiscard]] Body::Pose pose_on_pad(const Flight&);
+
 /// Flies to burnout, or until one of the limits ends it. Each period the navigator is asked, the controller
 /// commands, the body flies, and the navigator is given what an ideal IMU summed up. Allocates in the
 /// beginning and at the end only. The numbers of the record are finite, whatever happened.

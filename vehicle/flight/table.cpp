@@ -65,12 +65,6 @@ void Table::join(const std::vector<double>& slopes) {
   pieces_.push_back({end, points_.back().second, 0, 0, 0, sum});
 }
 
-std::size_t Table::piece(double x) const {
-  std::size_t k = 0;
-  while (k < points_.size() && x >= points_[k].first) ++k;  // few points: faster than halving
-  return k;
-}
-
 Table Table::scaled(double factor) const {
   std::vector<Point> points = points_;
   for (Point& point : points) point.second *= factor;

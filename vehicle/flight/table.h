@@ -39,7 +39,11 @@ class Table {
   [[nodiscard]] Jet at(double x) const { return at(x, piece(x)); }
 
   /// The piece that x is on, from its first point on: 0 is before the first point, size() from the last on.
-  [[nodiscard]] std::size_t piece(double x) const;
+  [[nodiscard]] std::size_t piece(double x) const {
+    std::size_t k = 0;
+    while (k < points_.size() && x >= points_[k].first) ++k;  // few points: faster than halving
+    return k;
+  }
   /// The polynomial of that piece, also beyond its ends: for whoever stays on one piece over a step.
   [[nodiscard]] Jet at(double x, std::size_t piece) const {
     const Piece& c = pieces_[piece];
