@@ -725,6 +725,7 @@ CLI::App* add_navigate(CLI::App& app, NavigateArguments& a) {
   auto* out = verb->add_option_group("Output");
   out->add_option("-o,--output", a.output, "write the solution with one-sigma columns")
       ->type_name("FILE.csv");
+  out->add_flag("--smooth", a.smooth, "solutions from all fixes, later ones too (fixed-interval smoother)");
   out->add_option("--innovations", a.innovations, "write what every fix told: residual, sigma, NIS")
       ->type_name("FILE.csv");
   out->add_option("--report", a.report, "write a self-contained HTML page")->type_name("FILE.html");

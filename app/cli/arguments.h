@@ -157,6 +157,7 @@ struct NavigateArguments {
   std::string data_folder;  ///< where the scene's logs are; empty: beside the scene
   std::string output;       ///< CSV of the solution; empty: none
   std::string innovations;  ///< CSV; empty: none
+  bool smooth = false;      ///< also where the scene does not say so
   std::string report;       ///< path of the HTML page; empty: none
 };
 

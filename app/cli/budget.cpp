@@ -93,6 +93,25 @@ BudgetResult::Limit limit(const BudgetArguments& a, const BudgetResult& r) {
   return result;
 }
 
+// Gauss-Markov states an axis that stand for 1/f noise.
+int flicker_states(std::span<const navigation::Source> sources) {
+  const auto flicker = std::ranges::find(sources, "gyro.bias_instability", &navigation::Source::name);
+  if (flicker == sources.end()) return 0;
+  const auto& terms = flicker->model.terms;
+  return static_cast<int>(std::ranges::count_if(
+             terms, [](const auto& term) { return std::isfinite(term.correlation_time); })) /
+         3;
+}
+
+void note_large_angles(BudgetResult& r) {
+  constexpr double kLinear = 5 * earth::kDegree;
+  const auto sigma = local_sigmas(r.budget.total[r.at_index], r.C_enu).attitude.norm();
+  if (sigma < kLinear) return;
+  r.notes.push_back(fmt::format(
+      "attitude is within {:.3g} deg, one sigma: beyond about 5 deg linear theory fails; --runs tells",
+      sigma / earth::kDegree));
+}
+
 BudgetResult budget(const BudgetArguments& a, const io::SceneFile& file,
                     const earth::Trajectory& trajectory) {
   const navigation::Scenario& scenario = file.scenario;
@@ -113,12 +132,14 @@ BudgetResult budget(const BudgetArguments& a, const io::SceneFile& file,
                  .pad = -scene.timeline.start(),
                  .tolerance = a.keep_all ? 0 : a.tolerance,
                  .not_modelled = scene.left_out};
-  if (!scene.warning.empty()) r.notes.push_back(scene.warning);
+  r.notes.insert(r.notes.end(), scene.warnings.begin(), scene.warnings.end());
   if (file.sensor.empty()) r.notes.emplace_back("the scene names no sensor file: the IMU is ideal");
   const std::vector<navigation::Source> all = scene.sources;
   if (!a.keep_all) r.left_out = leave_out(scene, gains, std::span(&at, 1), a.tolerance, 1 / a.rate);
   r.budget = error_budget(scene.timeline, scene.sources, gains);
   r.at_index = index_of(r.budget.times, at);
+  r.flicker_states = flicker_states(all);
+  note_large_angles(r);
   if (a.exact) add_exact(r, scene, gains, 1 / a.rate);
   if (a.limit) r.limit = limit(a, r);
   if (a.runs > 0) {

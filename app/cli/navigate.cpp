@@ -70,6 +70,9 @@ int run(const NavigateArguments& a) {
     result.notes.emplace_back(
         "the scene names no sensor file: the IMU is taken as ideal, and no error of it "
         "is estimated");
+  if (a.smooth) result.scenario.smooth = true;
+  if (result.scenario.smooth)
+    result.notes.emplace_back("solutions are smoothed: each uses all fixes, those after it too");
   result.run = navigate(a.scene, result);
   print(a.common.json ? report::navigation_json(result) : report::navigation_text(result));
   write(a, result);

@@ -604,6 +604,10 @@ class SceneReader {
                 scenario().solution_interval =
                     1 / yaml_.quantity("rate", v, dimension::kFrequency, Sign::above_zero);
               }},
+             {"smooth",
+              [&](const Node& v) {
+                scenario().smooth = yaml_.one_of("smooth", v, {"no", "yes"}) == 1;
+              }},
              {"at", [&](const Node& v) {
                 if (!v.IsSequence()) {
                   scenario().at = {time("at", v, Sign::any)};

@@ -78,6 +78,7 @@ until: 20 min
 solution:
   rate: 10 Hz                 # [1 Hz]
   at: [83 s]
+  smooth: no                  # yes: from all fixes, later ones too
 reference: gnss               # an aid, or {file, columns} of what is only compared with
 )yaml";
 }

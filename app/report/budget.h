@@ -28,7 +28,7 @@ struct BudgetResult {
   std::vector<navigation::Negligible> left_out;
   std::vector<navigation::SensorStates::LeftOut> not_modelled;
   std::vector<std::string> notes;
-  double seconds = 0;  ///< run time of the budget itself
+  int flicker_states = 0;  ///< Gauss-Markov states an axis for 1/f noise
 
   /// The same lines without states for 1/f, at `at`.
   std::optional<std::vector<navigation::CoreMatrix>> exact;
@@ -69,7 +69,7 @@ struct BudgetResult {
 /// {"east","north","up","total"}},"claimed" (alike, of the filter; null without one),"sources":[{"name","share",
 /// "position_m","velocity_m_s","attitude_deg","exact_position_rss_m"}],"left_out":[{"name","bound_position_m","why"}],
 /// "tolerance","not_modelled":[{"what","why"}],"growth":{"t_s","total_position_rss_m","sources":{name:[…]}},
-/// "steps","limit","monte_carlo":{"runs","seed","position_rss_ratio","position_ratio":{…},"ratio_low","ratio_high","nees",
+/// "steps","flicker_states","limit","monte_carlo":{"runs","seed","position_rss_ratio","position_ratio":{…},"ratio_low","ratio_high","nees",
 /// "nees_low","nees_high","saturated"},"notes"}. "exact_position_rss_m", "limit" and "monte_carlo" are null where not asked
 /// for. Bands are 99 %. Several sensors: {"schema":"gyrobudget.budgets/1","budgets":[…]}.
 [[nodiscard]] std::string budget_json(const std::vector<BudgetResult>&);

@@ -40,7 +40,7 @@ struct StateText {
 [[nodiscard]] std::string innovations_csv(const NavigationResult&);
 /// Schema gyrobudget.navigation/1: {"schema","version","command","scene","name","sensor","status","why",
 /// "imu":{"source","samples","duration_s","interval_s","gaps","bridged_s"},"alignment":{"from_s","to_s","words"},
-/// "epochs","final":{"t_s","latitude_deg","longitude_deg","height_m","velocity_m_s":{"north","east","down"},
+/// "smoothed","epochs","final":{"t_s","latitude_deg","longitude_deg","height_m","velocity_m_s":{"north","east","down"},
 /// "heading_deg","pitch_deg","roll_deg","q_nb"},"sigma":{"position_m":{"east","north","up"},"velocity_m_s",
 /// "attitude_deg"},"nis":{"mean","inside_95","aids":[{"name","dof","used","gated","not_finite","left_out","mean","low",
 /// "high","inside_95","unit","residual_mean","residual_rms"}]},"states":[{"name","unit","initial_sigma","value","sigma"}],

@@ -171,6 +171,7 @@ Json document(const NavigationResult& r) {
         {"bridged_s", imu.bridged_seconds}}},
       {"alignment",
        {{"from_s", r.run.alignment.from}, {"to_s", r.run.alignment.to}, {"words", r.run.alignment.words}}},
+      {"smoothed", r.scenario.smooth},
       {"epochs", r.run.solutions.size()},
       {"final", any ? final_json(r.run.solutions.back()) : Json(nullptr)},
       {"sigma", any ? sigma_json(r.run.solutions.back()) : Json(nullptr)},

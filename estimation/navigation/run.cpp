@@ -5,6 +5,7 @@
 #include "gyrobudget/earth/frames.h"
 #include "gyrobudget/navigation/detail/fix_track.h"
 #include "gyrobudget/navigation/detail/start.h"
+#include "gyrobudget/navigation/smoother.h"
 
 #include <boost/math/distributions/chi_squared.hpp>
 #include <fmt/format.h>
@@ -149,10 +150,8 @@ class Comparison {
     summary_.dof = 3 * (int{summary_.has_position} + int{summary_.has_velocity} + int{summary_.has_attitude});
   }
 
-  void compare(const Filter& filter, double t) {
+  void compare(const Estimate& estimate, const StateMatrix& P, double t) {
     if (summary_.dof == 0) return;
-    const Estimate estimate = filter.estimate();
-    const StateMatrix P = filter.covariance().matrix();
     const earth::Geodetic at = earth::to_geodetic(estimate.state.p_eb_e);
     const Matrix3d C_enu = earth::C_e_enu(at.latitude, at.longitude);
     const Matrix3d C_lb = C_enu.transpose() * estimate.state.q_eb.toRotationMatrix();
@@ -349,19 +348,36 @@ class Runner {
   void navigate(Filter& filter) {
     Sums sums(scenario_, result_.aids);
     Comparison comparison(scenario_, tracks_);
+    Record record(result_.model.states());
+    std::vector<Estimate> kept;  // what of an epoch smoothing does not change
+    std::vector<double> times;
+    if (scenario_.smooth) filter.record(&record);
     try {
       for (const Event& event : events(sums)) {
         advance(filter, event.time);
-        if (event.aid == scenario_.aids.size()) {
-          solve(filter, event.time);
-          comparison.compare(filter, event.time);
-        } else {
+        if (event.aid != scenario_.aids.size()) {
           use(filter, event, sums);
+        } else if (scenario_.smooth) {
+          filter.keep_epoch();
+          kept.push_back(filter.estimate());
+          times.push_back(event.time);
+        } else {
+          filter.catch_up();
+          const StateMatrix P = filter.covariance().matrix();
+          solve(filter.estimate(), P, event.time);
+          comparison.compare(filter.estimate(), P, event.time);
         }
       }
     } catch (const std::invalid_argument& error) {
       result_.status = Run::Status::failed;
       result_.why = fmt::format("at {:g} s: {}", now_, error.what());
+    }
+    const std::vector<SmoothedEpoch> smoothed = smooth(record);
+    for (std::size_t i = 0; i < smoothed.size(); ++i) {
+      kept[i].state = smoothed[i].state;
+      kept[i].terms = smoothed[i].terms.data();
+      solve(kept[i], smoothed[i].P, times[i]);
+      comparison.compare(kept[i], smoothed[i].P, times[i]);
     }
     sums.finish();
     result_.reference = comparison.finish();
@@ -447,12 +463,10 @@ class Runner {
     sums.add(result_.innovations.back());
   }
 
-  void solve(Filter& filter, double t) {
-    filter.catch_up();
+  void solve(const Estimate& estimate, const StateMatrix& P, double t) {
     Solution s;
     s.time = t;
-    s.state = filter.state();
-    const StateMatrix P = filter.covariance().matrix();
+    s.state = estimate.state;
     const earth::Geodetic at = earth::to_geodetic(s.state.p_eb_e);
     const Matrix3d C_enu = earth::C_e_enu(at.latitude, at.longitude);
     const auto sigma = [&](int first) {
@@ -463,15 +477,15 @@ class Runner {
     s.velocity_sigma = sigma(kVelocity);
     s.attitude_sigma = sigma(kAttitude);
     for (int k = 0; k < static_cast<int>(result_.model.terms.size()); ++k) {
-      s.terms.push_back(filter.term(k));
+      s.terms.push_back(estimate.terms[k]);
       s.term_sigmas.push_back(std::sqrt(P(kCoreStates + k, kCoreStates + k)));
     }
-    sum_biases(Carrier::gyro, filter, P, s.gyro_bias, s.gyro_bias_sigma);
-    sum_biases(Carrier::accelerometer, filter, P, s.accelerometer_bias, s.accelerometer_bias_sigma);
+    sum_biases(Carrier::gyro, estimate, P, s.gyro_bias, s.gyro_bias_sigma);
+    sum_biases(Carrier::accelerometer, estimate, P, s.accelerometer_bias, s.accelerometer_bias_sigma);
     result_.solutions.push_back(std::move(s));
   }
 
-  void sum_biases(Carrier carrier, const Filter& filter, const StateMatrix& P, Vector3d& bias,
+  void sum_biases(Carrier carrier, const Estimate& estimate, const StateMatrix& P, Vector3d& bias,
                   Vector3d& sigma) const {
     for (int axis = 0; axis < 3; ++axis) {
       StateVector h = StateVector::Zero(P.cols());
@@ -479,7 +493,7 @@ class Runner {
         const ErrorTerm& term = result_.model.terms[k];
         if (term.carrier != carrier || term.effect != Effect::bias || term.axis != axis) continue;
         h[kCoreStates + static_cast<int>(k)] = 1;
-        bias[axis] += filter.term(static_cast<int>(k));
+        bias[axis] += estimate.terms[k];
       }
       sigma[axis] = std::sqrt(std::max(0.0, h.dot(P * h)));
     }

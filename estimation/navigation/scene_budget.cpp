@@ -51,7 +51,10 @@ class Builder {
     plan_fixes();
     initial_errors();
     BudgetScene scene{.timeline = timeline(), .C_enu = C_enu_, .C_launch = C_launch_, .initial = initial_};
-    scene.warning = warning_;
+    if (!warning_.empty()) scene.warnings.push_back(warning_);
+    check_range(scene, scenario_.sensor.gyro.range, Carrier::gyro);
+    if (scenario_.sensor.accelerometer)
+      check_range(scene, scenario_.sensor.accelerometer->range, Carrier::accelerometer);
     if (const auto* self = self_alignment(scenario_)) {
       scene.self_alignment = true;
       if (self->heading) scene.heading_sigma = initial_.heading;
@@ -168,6 +171,22 @@ class Builder {
     for (int i = 0; i < question_.growth_points; ++i)
       options.report.push_back(-pad_ + length_ * i / question_.growth_points);
     return {trajectory_, fixes_, options};
+  }
+
+  // Linear covariance knows nothing of a sensor that saturates.
+  static void check_range(BudgetScene& scene, const std::optional<double>& range, Carrier carrier) {
+    if (!range) return;
+    for (const auto& step : scene.timeline.steps()) {
+      const Vector3d& u = carrier == Carrier::gyro ? step.input.w_ib_b : step.input.f_ib_b;
+      if (u.cwiseAbs().maxCoeff() < *range) continue;
+      scene.warnings.push_back(
+          fmt::format("from {:.4g} s on the {} is out of its range of {:.4g} {}: linear covariance knows "
+                      "nothing of that, "
+                      "look at Monte Carlo",
+                      step.from, carrier == Carrier::gyro ? "gyro" : "accelerometer", *range,
+                      carrier == Carrier::gyro ? "rad/s" : "m/s^2"));
+      return;
+    }
   }
 
   // --- Sources ---

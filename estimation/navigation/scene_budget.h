@@ -33,8 +33,9 @@ struct BudgetScene {
   InitialErrors initial;
   MonteCarlo::AidErrors aids;
   bool self_alignment = false;
-  std::optional<double> heading_sigma;          ///< of a heading that the alignment is given [rad]
-  std::string warning;                          ///< where the heading is not observable; else empty
+  std::optional<double> heading_sigma;  ///< of a heading that the alignment is given [rad]
+  std::vector<std::string>
+      warnings;  ///< heading not observable, samples that will be out of a sensor's range
   std::vector<SensorStates::LeftOut> left_out;  ///< by linear covariance and why
 };
 

@@ -122,6 +122,38 @@ TEST(NavigationRun, ATimeTagMovesFixesToTheirInstant) {
   EXPECT_LT(largest_residual(run(scene, recording)), 1e-3);
 }
 
+// In an outage a smoother knows both ends: in its middle the filter is worse, at the end of the run they are one.
+TEST(NavigationRun, SmoothingBridgesAnOutage) {
+  const earth::Trajectory truth = flight();
+  Scenario scene = scene_on(truth);
+  scene.sensor.gyro.white = 1e-4;
+  scene.sensor.accelerometer.emplace();
+  scene.sensor.accelerometer->turn_on_bias = 0.02;
+  scene.aids = {aid(Aid::Kind::position, 0.1)};
+  scene.aids[0].outages = {{5.5, 25.5}};
+  Recording recording = record(truth);
+  for (auto& increment : recording.imu.increments) increment.velocity.x() += 0.02 * kInterval;
+  recording.fixes = {fixes(Aid::Kind::position, truth, 1, 1)};
+  const auto filtered = run(scene, recording);
+  scene.smooth = true;
+  const auto smoothed = run(scene, recording);
+  ASSERT_EQ(smoothed.solutions.size(), filtered.solutions.size());
+  const auto error = [&](const navigation::Run& r, std::size_t i) {
+    return (truth.at(r.solutions[i].time).p_eb_e - r.solutions[i].state.p_eb_e).norm();
+  };
+  for (std::size_t i = 0; i < filtered.solutions.size(); ++i) {
+    EXPECT_EQ(smoothed.solutions[i].time, filtered.solutions[i].time);
+    EXPECT_LE(smoothed.solutions[i].position_sigma.norm(),
+              (1 + 1e-6) * filtered.solutions[i].position_sigma.norm());
+    EXPECT_LT(error(smoothed, i), 3 * smoothed.solutions[i].position_sigma.norm());
+  }
+  const std::size_t middle = 25;  // of a solution a second
+  EXPECT_LT(error(smoothed, middle), 0.3 * error(filtered, middle));
+  EXPECT_LT(smoothed.solutions[middle].position_sigma.norm(),
+            0.3 * filtered.solutions[middle].position_sigma.norm());
+  EXPECT_NEAR(error(smoothed, 30), error(filtered, 30), 1e-9);
+}
+
 TEST(NavigationRun, AnUnknownTimeTagIsFound) {
   const earth::Trajectory truth = flight();
   Scenario scene = scene_on(truth);
