@@ -105,7 +105,7 @@ int flicker_states(std::span<const navigation::Source> sources) {
 
 void note_large_angles(BudgetResult& r) {
   constexpr double kLinear = 5 * earth::kDegree;
-  const auto sigma = local_sigmas(r.budget.total[r.at_index], r.C_enu).attitude.norm();
+  const auto sigma = navigation::local_sigmas(r.budget.total[r.at_index], r.C_enu).attitude.norm();
   if (sigma < kLinear) return;
   r.notes.push_back(fmt::format(
       "attitude is within {:.3g} deg, one sigma: beyond about 5 deg linear theory fails; --runs tells",

@@ -130,6 +130,7 @@ Json result_json(const BudgetResult& r) {
       {"not_modelled", not_modelled_json(r)},
       {"growth", growth_json(r)},
       {"steps", r.budget.steps},
+      {"flicker_states", r.flicker_states},
       {"limit", limit_json(r)},
       {"monte_carlo", monte_carlo_json(r)},
       {"notes", r.notes}};

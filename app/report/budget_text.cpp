@@ -24,6 +24,7 @@ std::string title(const BudgetResult& r) {
   std::string out = fmt::format("{}\n  one sigma at {:.6g} s; {}; {} steps of covariance\n", printable(name),
                                 r.at, r.aided ? "aided, gains of the filter frozen" : "unaided strapdown",
                                 count_text(static_cast<std::int64_t>(r.budget.steps)));
+  if (r.flicker_states > 0) out += fmt::format("  1/f noise by {} states an axis\n", r.flicker_states);
   if (r.pad > 0) out += fmt::format("  aligned by itself over {} on the pad before\n", duration_text(r.pad));
   if (!r.sensor.empty()) out += fmt::format("  sensor: {}\n", printable(r.sensor));
   return out;
