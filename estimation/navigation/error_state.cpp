@@ -81,6 +81,8 @@ double sensitivity(const ErrorTerm& term, const Vector3d& w_ib_b, const Vector3d
       return own[term.input];
     case Effect::g_sensitivity:
       return f_ib_b[term.input];
+    case Effect::g2_sensitivity:
+      return f_ib_b[term.axis] * f_ib_b[term.axis];
     default:
       return 1;
   }

@@ -127,6 +127,7 @@ std::vector<ErrorTerm> every_sensor_term() {
     for (int i = 0; i < 3; ++i) {
       terms.push_back(term(carrier, Effect::bias, i, 0, 30));
       terms.push_back(term(carrier, Effect::scale_factor, i));
+      terms.push_back(term(carrier, Effect::g2_sensitivity, i));
       for (int j = 0; j < 3; ++j)
         if (j != i) terms.push_back(term(carrier, Effect::misalignment, i, j));
     }
@@ -202,10 +203,11 @@ TEST(ErrorState, CouplingIsTheDerivativeByEveryTerm) {
     const ErrorTerm& t = model.terms[k];
     const bool gyro = t.carrier == Carrier::gyro;
     const Vector3d u = gyro ? s.w_ib_b : s.f_ib_b;
-    const double sensitivity = t.effect == Effect::bias           ? 1
-                               : t.effect == Effect::scale_factor ? u[t.axis]
-                               : t.effect == Effect::misalignment ? u[t.input]
-                                                                  : s.f_ib_b[t.input];
+    const double sensitivity = t.effect == Effect::bias             ? 1
+                               : t.effect == Effect::scale_factor   ? u[t.axis]
+                               : t.effect == Effect::misalignment   ? u[t.input]
+                               : t.effect == Effect::g2_sensitivity ? std::pow(s.f_ib_b[t.axis], 2)
+                                                                    : s.f_ib_b[t.input];
     // 1e-3 of a signal's error, whatever its unit
     const double e = 1e-3 / std::abs(sensitivity);
     const double a = dt / t.correlation_time;
