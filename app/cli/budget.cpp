@@ -4,7 +4,6 @@
 
 #include "gyrobudget/io/output.h"
 #include "gyrobudget/io/scene_file.h"
-#include "gyrobudget/io/sensor_file.h"
 #include "gyrobudget/io/trajectory_file.h"
 #include "gyrobudget/navigation/scene_budget.h"
 
@@ -152,8 +151,11 @@ BudgetResult budget(const BudgetArguments& a, const io::SceneFile& file,
 }  // namespace
 
 int run(const BudgetArguments& a) {
-  check_outputs(a.scene, {{"--report", a.report}});
+  const std::vector<Output> outputs{{"--report", a.report}};
+  check_outputs(a.scene, outputs);
   io::SceneFile file = io::read_scene(a.scene);
+  for (const std::string& input : {file.sensor, file.trajectory}) check_outputs(input, outputs);
+  for (const std::string& input : a.sensors) check_outputs(input, outputs);
   if (file.trajectory.empty())
     throw io::InputError(fmt::format(
         "{}: a budget needs a trajectory: write 'trajectory: ascent', or the path of a CSV", a.scene));
@@ -161,8 +163,7 @@ int run(const BudgetArguments& a) {
   std::vector<BudgetResult> results;
   if (a.sensors.empty()) results.push_back(budget(a, file, trajectory));
   for (const std::string& sensor : a.sensors) {
-    file.sensor = sensor;
-    file.scenario.sensor = io::read_sensor(sensor);
+    change_sensor(file, sensor);
     results.push_back(budget(a, file, trajectory));
   }
   print(a.common.json ? report::budget_json(results) : report::budget_text(results));

@@ -52,6 +52,16 @@ Dimension dimension_of(Aid::Kind kind) {
   }
 }
 
+// The scene's epoch in place of the sensor file's.
+void set_epoch(SceneFile& scene) {
+  const auto set = [&](noise::ErrorModel& errors) {
+    if (scene.powered_on_before) errors.powered_on_before = scene.powered_on_before;
+    if (scene.calibrated_over) errors.calibrated_over = scene.calibrated_over;
+  };
+  set(scene.scenario.sensor.gyro);
+  if (scene.scenario.sensor.accelerometer) set(*scene.scenario.sensor.accelerometer);
+}
+
 class SceneReader {
  public:
   SceneReader(const std::string& path, const std::string& data_folder)
@@ -237,7 +247,6 @@ class SceneReader {
       load_sensor(node);
       return;
     }
-    std::optional<double> powered_on_before, calibrated_over;
     bool file = false;
     section(node, "sensor",
             {{"file",
@@ -246,20 +255,17 @@ class SceneReader {
                 file = true;
               }},
              {"powered_on_before",
-              [&](const Node& v) { powered_on_before = time("powered_on_before", v, Sign::not_negative); }},
+              [&](const Node& v) {
+                result_.powered_on_before = time("powered_on_before", v, Sign::not_negative);
+              }},
              {"calibrated_over",
-              [&](const Node& v) { calibrated_over = time("calibrated_over", v, Sign::above_zero); }},
+              [&](const Node& v) { result_.calibrated_over = time("calibrated_over", v, Sign::above_zero); }},
              {"vibration", [&](const Node& v) {
                 scenario().states.vibration =
                     yaml_.quantity("vibration", v, dimension::kSpecificForce, Sign::not_negative);
               }}});
     if (!file) yaml_.fail_here(node, "sensor: found no \"file:\", expected the sensor file's path");
-    const auto set = [&](noise::ErrorModel& errors) {  // in place of the sensor file's
-      if (powered_on_before) errors.powered_on_before = powered_on_before;
-      if (calibrated_over) errors.calibrated_over = calibrated_over;
-    };
-    set(scenario().sensor.gyro);
-    if (scenario().sensor.accelerometer) set(*scenario().sensor.accelerometer);
+    set_epoch(result_);
   }
 
   void load_sensor(const Node& node) {
@@ -662,6 +668,12 @@ class SceneReader {
 
 SceneFile read_scene(const std::string& path, const std::string& data_folder) {
   return SceneReader(path, data_folder).read();
+}
+
+void change_sensor(SceneFile& scene, const std::string& path) {
+  scene.scenario.sensor = read_sensor(path);
+  scene.sensor = path;
+  set_epoch(scene);
 }
 
 }  // namespace gyrobudget::inline v0::io

@@ -34,7 +34,9 @@ struct AidSource {
 /// A scene with the places of its data.
 struct SceneFile {
   navigation::Scenario scenario;
-  std::string sensor;      ///< path of the sensor file; empty: ideal
+  std::string sensor;  ///< path of the sensor file; empty: ideal
+  /// The scene's own epoch of any sensor, in place of the sensor file's [s].
+  std::optional<double> powered_on_before, calibrated_over;
   std::string trajectory;  ///< as read_trajectory takes it; empty: none
   std::optional<ImuSource> imu;
   std::vector<AidSource> aids;  ///< one for each of scenario.aids
@@ -56,6 +58,9 @@ struct SceneFile {
 /// @throws InputError with file:line:column, what was found, what was expected; an unknown key gets the nearest
 /// name. The sensor file is read with it; logs are not.
 [[nodiscard]] SceneFile read_scene(const std::string& path, const std::string& data_folder = {});
+
+/// Another sensor file in the same scene, at the scene's epoch. @throws InputError as read_sensor.
+void change_sensor(SceneFile&, const std::string& path);
 
 /// All keys of a scene as one commented example, which read_scene reads.
 [[nodiscard]] std::string_view scene_help();

@@ -33,6 +33,19 @@ class SceneFile : public TemporaryFolder {
   [[nodiscard]] io::SceneData data(std::string_view text) const { return io::read_recording(read(text)); }
 };
 
+TEST_F(SceneFile, AnotherSensorKeepsTheScenesEpoch) {
+  (void)file("a.yaml", "gyro:\n  rrw: 1 deg/h/sqrt(h)\n");
+  const auto other =
+      file("b.yaml", "gyro:\n  rrw: 2 deg/h/sqrt(h)\n  powered_on_before: 3 s\naccelerometer:\n");
+  io::SceneFile scene = read("trajectory: ascent\nsensor: {file: a.yaml, powered_on_before: 10 min}\n");
+  const double walk = scene.scenario.sensor.gyro.rate_random_walk;
+  io::change_sensor(scene, other);
+  EXPECT_EQ(scene.sensor, other);
+  EXPECT_DOUBLE_EQ(scene.scenario.sensor.gyro.rate_random_walk, 2 * walk);
+  EXPECT_EQ(scene.scenario.sensor.gyro.powered_on_before, 600);
+  EXPECT_EQ(scene.scenario.sensor.accelerometer.value().powered_on_before, 600);
+}
+
 TEST_F(SceneFile, TheHelpIsASceneThatReads) {
   (void)file("mems.yaml", "gyro:\n  arw: 0.1 deg/sqrt(h)\n");
   const io::SceneFile scene = read(io::scene_help());
