@@ -19,6 +19,8 @@ using Eigen::Vector3d;
 
 const Vector3d kEarthRate{0, 0, earth::wgs84::kEarthRate};
 constexpr double kSameTime = 1e-9;  // [s]
+constexpr double kAtRest = 1e-3;    // [m/s]
+constexpr double kMostSteps = 1e6;  // 600 bytes each in the adjoint
 
 void require(bool good, std::string_view what, double value, std::string_view expected) {
   if (!good) throw std::invalid_argument(fmt::format("{} is {}, expected {}", what, value, expected));
@@ -35,6 +37,9 @@ Timeline::Timeline(earth::Trajectory trajectory, std::vector<PlannedFix> fixes, 
       report_(options.report) {
   require(options.step > 0 && std::isfinite(options.step), "covariance step [s]", options.step, "above 0");
   require(options.pad >= 0 && std::isfinite(options.pad), "time on the pad [s]", options.pad, "0 or more");
+  if (pad_ > 0)
+    require(trajectory_.at(0).v_eb_e.norm() <= kAtRest, "speed at the start [m/s], after a time on the pad",
+            trajectory_.at(0).v_eb_e.norm(), fmt::format("at most {}", kAtRest));
   const auto inside = [&](double t) { return t >= start() && t <= end(); };
   for (const double t : report_) require(inside(t), "time of interest [s]", t, "within the scene");
   for (const auto& fix : fixes_) require(inside(fix.time), "time of a fix [s]", fix.time, "within the scene");
@@ -47,6 +52,8 @@ Timeline::Timeline(earth::Trajectory trajectory, std::vector<PlannedFix> fixes, 
 }
 
 void Timeline::cut(const Options& options) {
+  require((end() - start()) / options.step <= kMostSteps, "covariance step [s]", options.step,
+          fmt::format("at least {:g} of the scene's {:g} s", 1 / kMostSteps, end() - start()));
   std::vector<double> cuts = report_;
   cuts.push_back(start());
   cuts.push_back(0);
@@ -84,7 +91,7 @@ Timeline::Step Timeline::make_step(double from, double to) const {
 Timeline::Instant Timeline::at(double time) const {
   const earth::TrajectoryPoint point = trajectory_.at(std::max(0.0, time));
   Instant instant{{point.p_eb_e, point.v_eb_e, point.q_eb}, Vector3d::Zero(), Vector3d::Zero()};
-  if (time <= 0) {
+  if (time < 0 || (time == 0 && pad_ > 0)) {
     instant.state.v_eb_e.setZero();
     return instant;
   }

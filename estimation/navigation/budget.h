@@ -53,7 +53,8 @@ class Timeline {
   };
 
   /// Steps end at every fix, time of interest and break of the trajectory.
-  /// @throws std::invalid_argument for a step or pad out of range, times outside the scene.
+  /// @throws std::invalid_argument for a step or pad out of range, a step below 1e-6 of the scene, times outside the
+  /// scene, a pad before a trajectory that starts faster than 1 mm/s.
   Timeline(earth::Trajectory, std::vector<PlannedFix> fixes, const Options&);
 
   [[nodiscard]] const earth::Trajectory& trajectory() const { return trajectory_; }

@@ -73,8 +73,15 @@ struct Scene {
   };
   std::vector<Vectors> world;
 
+  // The sample whose end is nearest to a time of the scene, and when that is.
   [[nodiscard]] std::size_t sample(double time) const {
-    return static_cast<std::size_t>(std::llround((time - timeline.start()) / options.imu_interval));
+    const auto nearest = std::llround((time - timeline.start()) / options.imu_interval);
+    return std::min(static_cast<std::size_t>(nearest), increments.size());
+  }
+  [[nodiscard]] double time(std::size_t sample) const {
+    const auto pad = std::llround(-timeline.start() / options.imu_interval);
+    const double t = static_cast<double>(static_cast<std::int64_t>(sample) - pad) * options.imu_interval;
+    return std::min(t, timeline.end());
   }
 };
 
@@ -201,20 +208,21 @@ class OneRun {
   void at_sample(std::size_t k) {
     const auto& fixes = scene_.timeline.fixes();
     for (; next_fix_ < fixes.size() && scene_.sample(fixes[next_fix_].time) <= k; ++next_fix_)
-      if (filter_) use(fixes[next_fix_]);
+      if (filter_) use(fixes[next_fix_], k);
     const auto& report = scene_.timeline.report();
-    if (errors_.size() < report.size() && scene_.sample(report[errors_.size()]) <= k)
-      record(report[errors_.size()]);
+    if (errors_.size() < report.size() && scene_.sample(report[errors_.size()]) <= k) record(k);
   }
 
-  // The fix as the aid gives it: truth, its own errors by what they do to it, and white noise.
-  void use(const PlannedFix& planned) {
+  // The fix as the aid gives it: truth, its own errors by what they do to it, and white noise. Truth is that of
+  // the sample: what it moves until the planned time, which may lie between two, is the residual of truth itself.
+  void use(const PlannedFix& planned, std::size_t k) {
     Measurement measurement =
         std::visit([&](const auto& fix) { return measure(fix, filter_->estimate()); }, planned.fix);
-    const Measurement of_errors = linearise(planned, scene_.timeline.at(planned.time), scene_.aids.model);
+    const Measurement of_errors = linearise(planned, scene_.timeline.at(scene_.time(k)), scene_.aids.model);
     for (int i = 0; i < measurement.rows; ++i) {
       const auto& row = of_errors.row[static_cast<std::size_t>(i)];
       const double white = std::sqrt(row.variance) * aids_();
+      measurement.residual[i] -= of_errors.residual[i];
       if (scene_.options.fix_noise)
         measurement.residual[i] += white + row.h.tail(aid_terms_.size()).dot(aid_terms_);
     }
@@ -230,8 +238,8 @@ class OneRun {
     }
   }
 
-  void record(double time) {
-    const NavigationState truth = scene_.timeline.at(time).state;
+  void record(std::size_t k) {
+    const NavigationState truth = scene_.timeline.at(scene_.time(k)).state;
     const NavigationState& state = filter_ ? filter_->state() : strapdown_->state();
     CoreVector error;
     error << truth.p_eb_e - state.p_eb_e, truth.v_eb_e - state.v_eb_e,
@@ -272,6 +280,10 @@ MonteCarlo monte_carlo(const Timeline& timeline, const noise::SensorModel& senso
   if (options.runs < 1) throw std::invalid_argument(fmt::format("{} runs, expected 1 or more", options.runs));
   if (!(options.imu_interval > 0))
     throw std::invalid_argument(fmt::format("IMU interval of {} s, expected above 0", options.imu_interval));
+  if (!(options.imu_interval <= timeline.end()))
+    throw std::invalid_argument(
+        fmt::format("IMU interval of {} s, expected at most the {} s of the trajectory", options.imu_interval,
+                    timeline.end()));
   Scene scene{
       timeline, sensor, initial, C_el, design, aids, options, increments(timeline, options.imu_interval), {}};
   for (const Source& source : options.world) add_world(scene, source);

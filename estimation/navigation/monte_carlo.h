@@ -54,10 +54,10 @@ struct MonteCarlo {
 };
 
 /// Deterministic in (seed, run): the same for any number of threads and of runs beside it.
-/// Fixes, times of interest and the end fall on IMU samples (nearest, at most half an interval away: say
-/// interval 0.01 s and times of 0.01 s).
-/// @throws std::invalid_argument for runs < 1, an interval that is not positive, and what Imu, Filter and
-/// Covariance refuse.
+/// Fixes, times of interest and the end are moved to the nearest end of an IMU sample, with the truth of that instant;
+/// an end of the trajectory between two, to the last (less than an interval away).
+/// @throws std::invalid_argument for runs < 1, an interval that is not positive or longer than the trajectory, and
+/// what Imu, Filter and Covariance refuse.
 [[nodiscard]] MonteCarlo monte_carlo(const Timeline&, const noise::SensorModel&, const InitialErrors&,
                                      const Eigen::Matrix3d& C_el, const std::optional<Design>&,
                                      const MonteCarlo::AidErrors&, const MonteCarlo::Options&);

@@ -399,7 +399,12 @@ TEST(Budget, RefusesWhatDoesNotFit) {
   Timeline::Options options;
   options.step = 0;
   EXPECT_THROW(Timeline(climb(10), {}, options), std::invalid_argument);
+  options.step = 1e-6;  // ten million steps
+  EXPECT_THROW(Timeline(climb(10), {}, options), std::invalid_argument);
   options.step = 1;
+  options.pad = 60;  // in flight
+  EXPECT_THROW(Timeline(earth::cruise({.speed = 100, .duration = 10}), {}, options), std::invalid_argument);
+  options.pad = 0;
   options.report = {11};
   EXPECT_THROW(Timeline(climb(10), {}, options), std::invalid_argument);
   const auto gains = frozen_gains(scene.timeline, scene.design);

@@ -64,3 +64,33 @@ TEST(MonteCarloOfAnAscent, AgreesWithTheBudget) {
   const auto nees = navigation::chi_square_mean_band(9, mc.runs, 0.999);
   EXPECT_TRUE(nees.holds(flown.mean_nees(0, budget.total.back()))) << flown.mean_nees(0, budget.total.back());
 }
+
+// A trajectory and fixes that do not fall on IMU samples: at 340 m/s, truth of another instant would be metres.
+TEST(MonteCarlo, PutsTimesOnSamplesWithTheTruthOfThatInstant) {
+  const auto path = earth::cruise({.speed = 340, .duration = 5.037});
+  Timeline::Options options;
+  options.report = {0.004, 2.0049};
+  const auto place = [&](double t) {
+    return navigation::PlannedFix{
+        t, navigation::PositionFix{.p_eb_e = path.at(t).p_eb_e, .sigma = Vector3d::Constant(0.01), .aid = 0}};
+  };
+  const Timeline timeline(path, {place(1.004), place(3.0149), place(5.036)}, options);
+  navigation::Design design;
+  design.initial = 1e-6 * navigation::StateMatrix::Identity(navigation::kCoreStates, navigation::kCoreStates);
+  MonteCarlo::Options mc;
+  mc.runs = 1;
+  mc.fix_noise = false;
+  mc.filter.gate_false_alarm = 0;
+  for (const bool aided : {false, true}) {
+    const Timeline unaided(path, {}, options);
+    const auto flown = monte_carlo(aided ? timeline : unaided, {}, {}, pad_axes(),
+                                   aided ? std::optional(design) : std::nullopt, {}, mc);
+    ASSERT_EQ(flown.errors.size(), 1U);
+    ASSERT_EQ(flown.errors[0].size(), flown.times.size());
+    constexpr double kStrapdown = 1e-5;  // [m] ideal sensors, 5 s at 100 Hz
+    for (const auto& error : flown.errors[0]) EXPECT_LT(error.head<3>().norm(), kStrapdown) << aided;
+  }
+  mc.imu_interval = 6;
+  EXPECT_THROW((void)monte_carlo(Timeline(path, {}, options), {}, {}, pad_axes(), {}, {}, mc),
+               std::invalid_argument);
+}
