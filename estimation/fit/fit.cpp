@@ -309,8 +309,9 @@ void add_residuals(Result& result, const Prepared& p, const Run& run, const alla
     r.tau_s = curve.tau(p.rows[i]);
     r.measured = std::sqrt(p.s(row) * p.scale);
     r.model = std::sqrt(model(row) * p.scale);
-    r.relative_std = 0.5 * std::sqrt(S(row, row)) / model(row);
-    r.misfit = r.measured / r.model - 1;
+    // A model of nothing has no scatter, and misses whatever was measured without limit.
+    r.relative_std = r.model > 0 ? 0.5 * std::sqrt(S(row, row)) / model(row) : 0;
+    r.misfit = r.model > 0 ? r.measured / r.model - 1 : r.measured > 0 ? kInfinity : 0;
     r.used = row >= run.first;
     result.residuals.push_back(r);
   }

@@ -123,6 +123,7 @@ TEST_F(SimulateImu, WrongUsageIsSaid) {
   expect("--duration 1s --truth t.csv", 2, "--truth belongs to --trajectory");
   expect("--trajectory cruise --model 1", 2, "--model");
   expect("--trajectory cruise --axes x", 2, "--axes");
+  expect("--trajectory ascent:duration=1e12", 2, "86400");
   expect("--trajectory cruise --attitude euler", 2, "--attitude");
   expect("--trajectory cruise --unit deg", 2, "not a unit of angular rate");
   expect("--trajectory cruise --input increment --unit deg/s", 2, "not a unit of angle");

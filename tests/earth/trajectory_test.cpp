@@ -245,6 +245,12 @@ TEST(Climb, GoesStraightUp) {
   }
 }
 
+TEST(Ascent, LastsAsLongAsItMay) {
+  const Trajectory longest = ascent({.duration = kLongestAscent});
+  EXPECT_TRUE(longest.at(kLongestAscent).v_eb_e.allFinite());
+  EXPECT_THROW((void)ascent({.duration = std::nextafter(kLongestAscent, 1e6)}), std::invalid_argument);
+}
+
 TEST(Ascent, FollowsItsProgram) {
   const Trajectory flight = ascent({});
   const auto pad = LocalFrame::launch_plane(alcantara().position, pi / 2);
@@ -441,6 +447,7 @@ TEST(Trajectory, RefusesOptionsByName) {
   EXPECT_NE(message([&] { return climb({.duration = 0}); }).find("duration"), std::string::npos);
   EXPECT_NE(message([&] { return ascent({.pitch_over_at = 90}); }).find("90"), std::string::npos);
   EXPECT_NE(message([&] { return ascent({.tail_off = nan}); }).find("tail-off"), std::string::npos);
+  EXPECT_NE(message([&] { return ascent({.duration = 1e12}); }).find("86400"), std::string::npos);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -248,6 +249,33 @@ TEST(Fit, KeepsTheRangeOfTausThatIsAskedFor) {
   EXPECT_DOUBLE_EQ(result.tau_min_s, 0.08);
   EXPECT_DOUBLE_EQ(result.tau_max_s, 20.48);
   EXPECT_NEAR(result[Term::white].value / tests::mems().n, 1, 1e-6);
+}
+
+// Motion that is bounded in angle falls by 1/tau, which no sum of N, B and K does: beside bounds the reweighting takes
+// long steps, none of which may leave a model of nothing.
+TEST(Fit, ASwayingSupportIsNotDescribed) {
+  constexpr std::int64_t kSamples = 180000;
+  constexpr double kDt = 0.01;
+  const allan::Curve white = exact_curve({noise::White{1}}, kSamples, kDt);
+  const std::vector<noise::Process> units{noise::White{1}, noise::Flicker{1}, noise::RateRandomWalk{1}};
+  const allan::CurveCovariance covariance(kSamples, allan::octave_factors(kSamples), kDt, units);
+  // Variance of the sway's rate over that of white noise, both of one sample.
+  for (const double sway : {1e2, 1e3, 1e4, 1e5}) {
+    for (double hz = 0.1; hz < 20; hz *= 1.13) {
+      allan::Curve curve = white;
+      for (auto& p : curve.points) {
+        const double x = std::numbers::pi * hz * static_cast<double>(p.m) * kDt;
+        const double shape = x < 1 ? std::pow(std::sin(x), 4) : 0.375;  // mean of sin^4 where periods differ
+        p.variance += sway * white.points[0].variance * shape / (x * x);
+      }
+      const Result result = fit(curve, covariance, {.tau_min_s = kDt, .intervals = false});
+      EXPECT_TRUE(result.converged) << sway << " " << hz;
+      EXPECT_EQ(result.verdict, Verdict::not_described) << sway << " " << hz;
+      EXPECT_TRUE(std::isfinite(result.worst_misfit)) << sway << " " << hz;
+      EXPECT_TRUE(std::any_of(result.coefficients.begin(), result.coefficients.end(),
+                              [](const auto& c) { return c.value > 0; }));
+    }
+  }
 }
 
 TEST(Fit, ASilentRecordIsNoErrorAndNoAnswer) {

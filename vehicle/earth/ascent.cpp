@@ -120,6 +120,10 @@ Trajectory ascent(const Ascent& o) {
   detail::check_finite(o.force_start, "specific force at the start", "m/s^2");
   detail::check_finite(o.force_end, "specific force before the tail-off", "m/s^2");
   detail::check_positive(o.duration, "duration", "s");
+  if (o.duration > kLongestAscent)
+    throw std::invalid_argument(
+        fmt::format("duration {} s must be at most the {} s over which an ascent is integrated", o.duration,
+                    kLongestAscent));
   detail::check_not_negative(o.pitch_over_at, "start of the pitch-over", "s");
   detail::check_not_negative(o.tail_off, "tail-off", "s");
   if (o.pitch_over_at > o.duration || o.tail_off > o.duration)

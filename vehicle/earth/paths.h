@@ -62,7 +62,8 @@ struct Climb {
 /// linear in time to pitch_end at the end; yaw and roll against the launch plane are zero. Specific force
 /// along the body's x axis is linear from force_start to force_end, then linear to zero over the last
 /// tail_off seconds. What is sensed is exact; position and velocity are integrated from rest
-/// (Runge-Kutta-Fehlberg 7(8), error below 20 um).
+/// (Runge-Kutta-Fehlberg 7(8), error below 20 um over the defaults), two steps a second, which are kept: it
+/// lasts at most kLongestAscent.
 /// Defaults: 83 s from Alcantara to the east.
 struct Ascent {
   Geodetic site = alcantara().position;
@@ -74,6 +75,8 @@ struct Ascent {
   double tail_off = 6;              ///< [s]
   double duration = 83;             ///< [s]
 };
+inline constexpr double kLongestAscent = 86400;  ///< [s]
+/// Throws also where pitch-over or tail-off lie outside the duration, or that beyond kLongestAscent.
 [[nodiscard]] Trajectory ascent(const Ascent&);
 
 }  // namespace gyrobudget::inline v0::earth

@@ -138,8 +138,11 @@ GlsSolution iterate_gls(const LinearModel& model, std::optional<Held> held, cons
       part = solution.iterations < kDampAfter ? next_part(part, before, change) : 0.5;
     before = change;
     const Eigen::VectorXd step = optimum - solution.theta;
-    solution.theta =
-        solution.converged || part == 1 ? optimum : (solution.theta + part * step).cwiseMax(0).eval();
+    // A lengthened step shrinks no coefficient away that the optimum holds: with all of them gone, nothing is left to
+    // weigh with and no way back.
+    solution.theta = solution.converged || part == 1
+                         ? optimum
+                         : (solution.theta + part * step).cwiseMax(kShortest * optimum).eval();
     ++solution.iterations;
     solution.chi2 = squared_norm_whitened(factor, model.s - model.A * solution.theta);
   }
