@@ -4,6 +4,7 @@
 // one run; each counts with its fastest. Usage: flight_benchmark [stiffness|steps|parts|speed ...]
 #include "gyrobudget/earth/frames.h"
 #include "gyrobudget/flight/fly.h"
+#include "gyrobudget/flight/point_mass.h"
 #include "gyrobudget/navigation/strapdown.h"
 
 #include <fmt/core.h>
@@ -178,6 +179,20 @@ void parts() {
   for (const Row& row : rows)
     fmt::print("{:>22} {:>8.4f} s {:>6.2f} {:>12.4g} m\n", row.name, row.flown.seconds,
                row.flown.seconds / rows[0].flown.seconds, apart(row.flown.record, rows[0].flown.record));
+  const AttitudeControl program = control_of(rows[4].plan);
+  Flight at_centre = rows[4].plan;  // both from where the centre of mass begins
+  at_centre.vehicle.imu_station = 7;
+  Flown centre;
+  fly_again(at_centre, centre);
+  for (const double step : {0.5, 0.1, 0.01}) {
+    Flown point;
+    for (int pass = 0; pass < 5; ++pass)
+      point.seconds =
+          std::min(point.seconds, seconds([&] { point.record = fly_point_mass(at_centre, program, step); }));
+    fmt::print("{:>22} {:>8.5f} s {:>6.4f} {:>12.4g} m (against bending, wind)\n",
+               fmt::format("attitude, step {}", step), point.seconds, point.seconds / rows[0].flown.seconds,
+               apart(point.record, centre.record));
+  }
 }
 
 void speed() {

@@ -15,7 +15,7 @@ endfunction()
 file(REMOVE_RECURSE ${WORK})
 must(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
 set(configure ${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/build -G Ninja -DCMAKE_PREFIX_PATH=${WORK}/prefix -DCASE=${CASE})
-if(CASE MATCHES "noise_allan|optional|earth|navigation")  # as on a machine that has neither
+if(CASE MATCHES "noise_allan|optional|earth|flight|navigation")  # as on a machine that has neither
   list(APPEND configure -DCMAKE_DISABLE_FIND_PACKAGE_Ceres=ON -DCMAKE_DISABLE_FIND_PACKAGE_Boost=ON)
 endif()
 
@@ -42,4 +42,7 @@ if(CASE STREQUAL "navigation" AND output MATCHES "ceres|glog|gyrobudget_(allan|f
 endif()
 if(CASE STREQUAL "earth" AND output MATCHES "ceres|glog|gyrobudget_noise")
   message(FATAL_ERROR "earth drags in more than it needs:\n${output}")
+endif()
+if(CASE STREQUAL "flight" AND output MATCHES "ceres|glog|gyrobudget_(noise|allan|fit|navigation)")
+  message(FATAL_ERROR "flight drags in more than it needs:\n${output}")
 endif()

@@ -52,16 +52,15 @@ Quaterniond AttitudeControl::reference(double t) const {
   return q_el_ * earth::exp_rotation({0, options_.pitch(t), 0});
 }
 
-Vector2d AttitudeControl::gain(double t) const {
-  const BurnState now = burn_state(vehicle_, t);
+Vector2d AttitudeControl::gain(const BurnState& now) const {
   const double mean = vehicle_.mean_thrust();
   if (!(mean > 0) || !(now.centre_of_mass > 0)) return Vector2d::Zero();
   const double moment = std::max(now.vacuum_thrust, options_.least_thrust * mean) * now.centre_of_mass;
   return {now.pitch_inertia / moment, now.yaw_inertia / moment};
 }
 
-Command AttitudeControl::command(const Seen& seen) {
-  const Quaterniond to_reference = seen.q_eb.conjugate() * reference(seen.t);
+Command AttitudeControl::command(const Seen& seen, const Quaterniond& q_eb_wanted) {
+  const Quaterniond to_reference = seen.q_eb.conjugate() * q_eb_wanted;
   const Vector3d error = earth::log_rotation(to_reference);
   const Vector3d earth_rate = seen.q_eb.conjugate() * Vector3d(0, 0, earth::wgs84::kEarthRate);
   Vector3d rate = seen.w_ib_b - earth_rate;
@@ -69,8 +68,9 @@ Command AttitudeControl::command(const Seen& seen) {
     rate -= to_reference * Vector3d(0, options_.pitch.at(seen.t).first, 0);
   const double w = options_.frequency;
   const Vector3d wanted = w * w * error - 2 * options_.damping * w * rate;
-  const Vector2d nozzle = filtered(gain(seen.t).cwiseProduct(wanted.tail<2>()), seen.t);
-  return {nozzle[0], nozzle[1], burn_state(vehicle_, seen.t).roll_inertia * wanted.x()};
+  const BurnState now = burn_state(vehicle_, seen.t);
+  const Vector2d nozzle = filtered(gain(now).cwiseProduct(wanted.tail<2>()), seen.t);
+  return {nozzle[0], nozzle[1], now.roll_inertia * wanted.x()};
 }
 
 AttitudeControl::Coefficients AttitudeControl::coefficients(const Notch& notch, double t) const {

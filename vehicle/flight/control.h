@@ -95,19 +95,23 @@ class AttitudeControl {
   /// least_thrust that is not positive, too many notches, or a notch above half the control rate.
   AttitudeControl(const Vehicle&, const earth::Geodetic& site, const Options& options);
 
-  [[nodiscard]] Command command(const Seen&);
+  [[nodiscard]] Command command(const Seen& seen) { return command(seen, reference(seen.t)); }
+  /// Towards another attitude than the program's, which is to turn with the program's rate.
+  [[nodiscard]] Command command(const Seen&, const Eigen::Quaterniond& q_eb_wanted);
   [[nodiscard]] Eigen::Quaterniond reference(double t) const;  ///< q_eb of the program
   [[nodiscard]] const Options& options() const { return options_; }
   /// Response of the filters at time t to angular frequency w [rad/s].
   [[nodiscard]] std::complex<double> filter_response(double t, double w) const;
   /// Nozzle deflection per angular acceleration wanted, in pitch and yaw [s^2].
-  [[nodiscard]] Eigen::Vector2d gain(double t) const;
+  [[nodiscard]] Eigen::Vector2d gain(double t) const { return gain(burn_state(vehicle_, t)); }
+  [[nodiscard]] const Vehicle& vehicle() const { return vehicle_; }  ///< as this control believes it to be
 
  private:
   static constexpr std::size_t kNotches = 4;
   struct Coefficients {
     double b0, b1, b2, a1, a2;
   };
+  [[nodiscard]] Eigen::Vector2d gain(const BurnState&) const;
   [[nodiscard]] Coefficients coefficients(const Notch&, double t) const;
   [[nodiscard]] Eigen::Vector2d filtered(const Eigen::Vector2d&, double t);
 

@@ -115,7 +115,7 @@ inline Motion motion(const Plant& plant, const Segment& segment, double t, const
     moment += Vector3d(0, -v.pressure_ahead * aero.z(), v.pressure_ahead * aero.y());
     if (seen) *seen = air;
   } else if (seen) {
-    seen->height = height_of(s.p).above_ellipsoid;
+    *seen = stream(plant, standard_atmosphere::kLayers, t, s, C_ib);
   }
   m.thrust = net_thrust(plant, now.thrust, pressure);
   const double down = std::sin(deflection[0]), left = std::sin(deflection[1]);
