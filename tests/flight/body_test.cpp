@@ -168,7 +168,7 @@ TEST(Body, ThrustCutLeavesThePropellant) {
               1e-3);
 }
 
-// --- integrators ------------------------------------------------------------------------------------------------
+// --- integrators --------------------------------------------------------------------------------------
 
 /// Eight seconds of powered flight through air with the nozzle moved every second; no table's point, no end
 /// of a layer within.

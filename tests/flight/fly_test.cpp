@@ -33,7 +33,7 @@ Vector3d end_of(const Flight& plan, const FlightRecord& record) {
   return earth::LocalFrame::launch_plane(plan.world.site, plan.azimuth).from_ecef(record.end.truth.p_eb_e);
 }
 
-// --- an independent planar point mass ---------------------------------------------------------------------------
+// --- an independent planar point mass -----------------------------------------------------------------
 
 struct Planar {
   double height, downrange, speed;
@@ -180,7 +180,7 @@ TEST(Flight, IncrementsSumUpToWhatTheImuDid) {
   EXPECT_LT(q.angularDistance(q_ie * record.end.truth.q_eb), 1e-7);
 }
 
-// --- margins ----------------------------------------------------------------------------------------------------
+// --- margins ------------------------------------------------------------------------------------------
 
 struct Case {
   bool bends;
@@ -276,7 +276,7 @@ TEST(Margins, TellAnUnstableLoop) {
   EXPECT_TRUE(margins(v, finned, {20, 4.4e5, 8000}).stable);
 }
 
-// --- what goes wrong --------------------------------------------------------------------------------------------
+// --- what goes wrong ----------------------------------------------------------------------------------
 
 void expect_sound(const FlightRecord& record) {
   EXPECT_FALSE(record.account.empty());

@@ -59,9 +59,9 @@ struct Faults {
 /// How the equations of motion are integrated. Steps end at control instants, at the points of the thrust's
 /// table, at ends of the atmosphere's layers and where a delayed command arrives.
 ///
-/// Run time of 83 s of flight at 100 Hz in seconds, by how much faster than 4 Hz the actuator is, for an error
-/// of the angular rate below 1e-8 rad/s (tests/bench/flight_benchmark stiffness; runge_kutta4 in steps of
-/// 1.3 over the actuator's angular frequency, adaptive methods at 1e-7):
+/// Run time of 83 s of flight at 100 Hz in seconds, by how much faster than 4 Hz the actuator is, for an
+/// error of the angular rate below 1e-8 rad/s (tests/bench/flight_benchmark stiffness; runge_kutta4 in steps
+/// of 1.3 over the actuator's angular frequency, adaptive methods at 1e-7):
 ///   factor                1      10     100    1000    1e4    1e5    1e6
 ///   exact            0.0083  0.0082  0.0082  0.0083 0.0086 0.0085 0.0090
 ///   runge_kutta4     0.0083   0.015    0.15     2.5     32    340   3600    (2.6e-6 rad/s at 10)

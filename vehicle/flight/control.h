@@ -35,7 +35,7 @@ concept Controller = requires(C& controller, const Seen& seen) {
 /// Turns exact increments of the IMU into a pose; errors of the sensors are its own affair. Its state has the
 /// members p_eb_e, v_eb_e, q_eb of Seen.
 ///   void know(const Body::Pose&)                  where it has it, it is told the truth before state()
-///   const earth::ImuIncrement& sensed() const     where it has it, rates come from this, the exact ones if not
+///   const earth::ImuIncrement& sensed() const     where it has it, rates come from this, else exact ones
 template <class N>
 concept Navigator = requires(N& navigator, const N& asked, const earth::ImuIncrement& increment, double dt) {
   navigator.step(increment, dt);

@@ -146,8 +146,8 @@ inline Vector3d bent(const Vehicle& v, const Vector2d& bend) {
   return v.bending ? Vector3d(0, v.bending->slope_at_imu * bend[0], v.bending->slope_at_imu * bend[1])
                    : Vector3d(Vector3d::Zero());
 }
-/// Angular rate of the IMU in its own axes: R^T w + (a' - a x a'/2 + a x (a x a')/6), R = exp(a); what is left
-/// out is below |a|^3 |a'|/24.
+/// Angular rate of the IMU in its own axes: R^T w + (a' - a x a'/2 + a x (a x a')/6), R = exp(a); what is
+/// left out is below |a|^3 |a'|/24.
 inline Vector3d bent_rate(const Vector3d& w, const Vector3d& a, const Vector3d& a_rate) {
   return earth::exp_rotation(-a) * w + a_rate - a.cross(a_rate) / 2 + a.cross(a.cross(a_rate)) / 6;
 }

@@ -14,9 +14,9 @@ struct Height {
   Eigen::Vector3d up;      ///< normal of the ellipsoid, in the axes of p
 };
 
-/// Of a point in ECEF or ECI axes, without angles: B. R. Bowring, The accuracy of geodetic latitude and height
-/// equations, Survey Review 28:202 (1985), one step. Error below 1 um from 10 km below the ellipsoid to
-/// 1000 km above it; poles included, the centre not.
+/// Of a point in ECEF or ECI axes, without angles: B. R. Bowring, The accuracy of geodetic latitude and
+/// height equations, Survey Review 28:202 (1985), one step. Error below 1 um from 10 km below the ellipsoid
+/// to 1000 km above it; poles included, the centre not.
 inline Height height_of(const Eigen::Vector3d& p) {
   using namespace earth::wgs84;
   constexpr double second = kEccentricitySquared / kAxisRatioSquared;  // e'^2
