@@ -2,6 +2,7 @@
 // budget: scene -> error budget per source.
 #include "gyrobudget/report/budget.h"
 
+#include "gyrobudget/earth/frames.h"
 #include "gyrobudget/io/output.h"
 #include "gyrobudget/io/scene_file.h"
 #include "gyrobudget/io/trajectory_file.h"
@@ -42,6 +43,15 @@ std::size_t index_of(const std::vector<double>& times, double at) {
   return static_cast<std::size_t>(nearest - times.begin());
 }
 
+// Axes of the tables: at the scene's site; where it has none, at the place reached, as on a cruise over a quarter of Earth
+// the start's "up" says little.
+void choose_axes(BudgetResult& r, const navigation::Scenario& scenario, const earth::Trajectory& trajectory) {
+  if (scenario.site) return;
+  const earth::Geodetic here = earth::to_geodetic(trajectory.at(r.at).p_eb_e);
+  r.C_enu = earth::LocalFrame::east_north_up(here).C_el();
+  r.C_launch = earth::LocalFrame::launch_plane(here, scenario.azimuth).C_el();
+}
+
 void add_exact(BudgetResult& r, const BudgetScene& scene, const navigation::FrozenGains& gains,
                double imu_interval) {
   const navigation::Adjoint back = adjoint(scene.timeline, gains, r.at);
@@ -77,7 +87,7 @@ void add_monte_carlo(BudgetResult& r, const BudgetArguments& a, const BudgetScen
       .covariance = flown.covariance(i),
       .nees = flown.mean_nees(i, error_budget(scene.timeline, all, gains).total[r.at_index]),
       .saturated = flown.saturated};
-  for (const auto& run : flown.errors) mc.points.emplace_back(scene.C_enu.transpose() * run[i].head<3>());
+  for (const auto& run : flown.errors) mc.points.emplace_back(r.C_enu.transpose() * run[i].head<3>());
   r.monte_carlo = std::move(mc);
 }
 
@@ -131,10 +141,11 @@ BudgetResult budget(const BudgetArguments& a, const io::SceneFile& file,
                  .pad = -scene.timeline.start(),
                  .tolerance = a.keep_all ? 0 : a.tolerance,
                  .not_modelled = scene.left_out};
+  choose_axes(r, scenario, trajectory);
   r.notes.insert(r.notes.end(), scene.warnings.begin(), scene.warnings.end());
   if (file.sensor.empty()) r.notes.emplace_back("the scene names no sensor file: the IMU is ideal");
   const std::vector<navigation::Source> all = scene.sources;
-  if (!a.keep_all) r.left_out = leave_out(scene, gains, std::span(&at, 1), a.tolerance, 1 / a.rate);
+  if (!a.keep_all) r.left_out = leave_out(scene, gains, std::span(&at, 1), a.tolerance);
   r.budget = error_budget(scene.timeline, scene.sources, gains);
   r.at_index = index_of(r.budget.times, at);
   r.flicker_states = flicker_states(all);

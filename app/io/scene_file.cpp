@@ -134,7 +134,7 @@ class SceneReader {
 
   [[nodiscard]] std::string path_from(const std::filesystem::path& folder, const std::string& path) const {
     if (path == "-" || std::filesystem::path(path).is_absolute()) return path;
-    return (folder / path).string();
+    return (folder / path).lexically_normal().string();
   }
   [[nodiscard]] std::string data_path(std::string_view key, const Node& value) const {
     return path_from(data_folder_, yaml_.text(key, value));

@@ -8,7 +8,8 @@
 #include <string>
 #include <vector>
 
-// An error budget as people and programs want it. Local axes are east, north, up at the site; downrange and crossrange
+// An error budget as people and programs want it. Local axes are east, north, up at the site, or where the
+// scene has none at the place reached; downrange and crossrange
 // (left of it) lie in the launch plane's frame; attitude errors are rotation vectors in east, north, up.
 namespace gyrobudget::inline v0::report {
 

@@ -112,17 +112,36 @@ class Structure {
   double dt_;
 };
 
-// Covariance of the process since its epoch, between times of steps.
+constexpr std::size_t kMostBlocks = 2000;
+
+// Neighbouring steps over which a slow error is held constant.
+struct Block {
+  double from = 0, to = 0;
+  Eigen::Matrix<double, kCoreStates, 3> by = Eigen::Matrix<double, kCoreStates, 3>::Zero();
+};
+
+std::vector<Block> blocks_of(const Adjoint& adjoint, const Timeline& timeline, int first) {
+  const std::size_t together = (adjoint.steps + kMostBlocks - 1) / kMostBlocks;
+  std::vector<Block> blocks;
+  for (std::size_t k = 0; k < adjoint.steps; ++k) {
+    const Timeline::Step& step = timeline.steps()[k];
+    if (k % together == 0) blocks.push_back({step.from, step.to});
+    blocks.back().to = step.to;
+    blocks.back().by += adjoint.input[k].middleCols<3>(first);
+  }
+  return blocks;
+}
+
+// Covariance of the process since its epoch, between times of blocks.
 class SinceEpoch {
  public:
-  SinceEpoch(const noise::Process& process, const Epoch& epoch, double dt,
-             std::span<const Timeline::Step> steps)
+  SinceEpoch(const noise::Process& process, const Epoch& epoch, double dt, std::span<const Block> blocks)
       : structure_(process, dt) {
-    const double start = steps.front().from;
-    for (const auto& step : steps) {
-      const double t = (step.from + step.to) / 2 - start;
+    const double start = blocks.front().from;
+    for (const Block& block : blocks) {
+      const double t = (block.from + block.to) / 2 - start;
       middle_.push_back(t);
-      length_.push_back(step.to - step.from);
+      length_.push_back(block.to - block.from);
       to_epoch_.push_back(epoch.calibrated_over ? structure_.mean(t, t + *epoch.calibrated_over)
                                                 : structure_(t + epoch.powered_on_before));
     }
@@ -183,15 +202,15 @@ CoreMatrix process_response(const Adjoint& adjoint, const Timeline& timeline, Ca
   Epoch from = epoch;
   const bool stationary = term == noise::Term::gauss_markov && !epoch.calibrated_over;
   const double variance = stationary ? std::pow(noise::coefficient(process), 2) : 0;
-  const std::span steps(timeline.steps().data(), adjoint.steps);
-  const SinceEpoch since(process, from, imu_interval, steps);
+  const std::vector<Block> blocks = blocks_of(adjoint, timeline, first);
+  const SinceEpoch since(process, from, imu_interval, blocks);
   const Structure structure(process, imu_interval);
-  const auto K = static_cast<Eigen::Index>(adjoint.steps);
+  const auto K = static_cast<Eigen::Index>(blocks.size());
   MatrixXd R(K, K);
   for (Eigen::Index l = 0; l < K; ++l)
     for (Eigen::Index k = 0; k <= l; ++k) {
-      const auto& a = steps[static_cast<std::size_t>(k)];
-      const auto& b = steps[static_cast<std::size_t>(l)];
+      const Block& a = blocks[static_cast<std::size_t>(k)];
+      const Block& b = blocks[static_cast<std::size_t>(l)];
       const double lag = k == l ? (a.to - a.from) / 3 : (b.from + b.to - a.from - a.to) / 2;
       R(k, l) = R(l, k) = stationary ? variance - structure(lag) / 2
                                      : since(static_cast<std::size_t>(k), static_cast<std::size_t>(l));
@@ -199,50 +218,88 @@ CoreMatrix process_response(const Adjoint& adjoint, const Timeline& timeline, Ca
   CoreMatrix covariance = CoreMatrix::Zero();
   MatrixXd column(kCoreStates, K);
   for (int axis = 0; axis < 3; ++axis) {
-    for (Eigen::Index k = 0; k < K; ++k)
-      column.col(k) = adjoint.input[static_cast<std::size_t>(k)].col(first + axis);
+    for (Eigen::Index k = 0; k < K; ++k) column.col(k) = blocks[static_cast<std::size_t>(k)].by.col(axis);
     covariance += column * R * column.transpose();
   }
   return (covariance + covariance.transpose()) / 2;
 }
 
-// --- Constants ----------------------------------------------------------------------------------------------------
+// --- States ---------------------------------------------------------------------------------------------------------
 
-CoreMatrix constant_response(const Adjoint& adjoint, const Timeline& timeline, const Source& source) {
-  const auto m = static_cast<Eigen::Index>(source.model.terms.size());
-  for (const auto& term : source.model.terms)
-    if (std::isfinite(term.correlation_time) || term.walk != 0)
-      throw std::invalid_argument(
-          fmt::format("{}: {} varies, constants were expected", source.name, name(term)));
-  MatrixXd column = MatrixXd::Zero(kCoreStates, m);
-  Lineariser lineariser(source.model);
-  for (std::size_t k = 0; k < adjoint.steps; ++k) {
-    const StepInput& input = timeline.steps()[k].input;
-    const Transition& step = lineariser(input);
-    for (Eigen::Index j = 0; j < m; ++j) {
+namespace {
+
+// The backward pass of a source's own states, on top of that of the navigator.
+class States {
+ public:
+  States(const Adjoint& adjoint, const Timeline& timeline, const Source& source)
+      : adjoint_(adjoint),
+        timeline_(timeline),
+        source_(source),
+        lineariser_(source.model),
+        by_state_(MatrixXd::Zero(kCoreStates, static_cast<Eigen::Index>(source.model.terms.size()))),
+        covariance_(adjoint.initial * source.core * adjoint.initial.transpose()),
+        fix_(adjoint.fix.size()) {}
+
+  CoreMatrix operator()() {
+    for (std::size_t k = adjoint_.steps; k-- > 0;) {
+      fixes_after(timeline_.steps()[k].from);
+      back_through_step(k);
+    }
+    fixes_after(timeline_.start() - 1);
+    return covariance_ + by_state_ * source_.initial * by_state_.transpose();
+  }
+
+ private:
+  void add(double variance, const Eigen::Matrix<double, kCoreStates, 1>& by) {
+    if (variance != 0) covariance_ += variance * by * by.transpose();
+  }
+
+  void back_through_step(std::size_t k) {
+    const StepInput& input = timeline_.steps()[k].input;
+    const Transition& step = lineariser_(input);
+    for (int signal = 0; signal < 6; ++signal) add(step.input_noise[signal], adjoint_.input[k].col(signal));
+    for (Eigen::Index j = 0; j < by_state_.cols(); ++j) {
       const Transition::Term& term = step.terms[static_cast<std::size_t>(j)];
-      if (term.signal < 0) continue;
-      const double factor = source.shape ? source.shape(input, static_cast<std::size_t>(j)) : 1;
-      column.col(j) += factor * term.gain * adjoint.input[k].col(term.signal);
+      Eigen::Matrix<double, kCoreStates, 1> by_signal = Eigen::Matrix<double, kCoreStates, 1>::Zero();
+      if (term.signal >= 0) by_signal = adjoint_.input[k].col(term.signal);
+      if (source_.shape) by_signal *= source_.shape(input, static_cast<std::size_t>(j));
+      add(term.noise, by_signal * term.spill + by_state_.col(j));
+      by_state_.col(j) = by_state_.col(j) * term.decay + by_signal * term.gain;
     }
   }
-  CoreMatrix covariance = adjoint.initial * source.core * adjoint.initial.transpose();
-  for (std::size_t i = 0; i < adjoint.fix.size(); ++i) {
-    const PlannedFix& planned = timeline.fixes()[i];
-    const Measurement rows = linearise(planned, timeline.at(planned.time), source.model);
-    for (int r = 0; r < rows.rows; ++r) {
-      const auto& row = rows.row[static_cast<std::size_t>(r)];
-      column += adjoint.fix[i].col(r) * row.h.tail(m).transpose();
-      if (source.aid >= 0 && source.aid == aid_of(planned))
-        covariance += row.variance * adjoint.fix[i].col(r) * adjoint.fix[i].col(r).transpose();
+
+  void fixes_after(double time) {
+    for (; fix_ > 0 && timeline_.fixes()[fix_ - 1].time > time + kSameTime; --fix_) {
+      const PlannedFix& planned = timeline_.fixes()[fix_ - 1];
+      const bool own_noise = source_.aid >= 0 && source_.aid == aid_of(planned);
+      if (by_state_.cols() == 0 && !own_noise) continue;
+      const Measurement rows = linearise(planned, timeline_.at(planned.time), source_.model);
+      for (int r = 0; r < rows.rows; ++r) {
+        const auto& row = rows.row[static_cast<std::size_t>(r)];
+        by_state_ += adjoint_.fix[fix_ - 1].col(r) * row.h.tail(by_state_.cols()).transpose();
+        if (own_noise) add(row.variance, adjoint_.fix[fix_ - 1].col(r));
+      }
     }
   }
-  return covariance + column * source.initial * column.transpose();
+
+  const Adjoint& adjoint_;
+  const Timeline& timeline_;
+  const Source& source_;
+  Lineariser lineariser_;
+  MatrixXd by_state_;  // derivatives of [p, v, psi] by the source's states at the time reached
+  CoreMatrix covariance_;
+  std::size_t fix_;
+};
+
+}  // namespace
+
+CoreMatrix state_response(const Adjoint& adjoint, const Timeline& timeline, const Source& source) {
+  return States(adjoint, timeline, source)();
 }
 
 CoreMatrix response(const Adjoint& adjoint, const Timeline& timeline, const Source& source,
                     double imu_interval) {
-  if (!source.slow) return constant_response(adjoint, timeline, source);
+  if (!source.slow) return state_response(adjoint, timeline, source);
   CoreMatrix covariance = CoreMatrix::Zero();
   for (const auto& process : source.slow->processes)
     covariance +=

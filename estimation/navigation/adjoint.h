@@ -32,19 +32,18 @@ struct Adjoint {
 ///   E[r(s) r(t)] = [D(s + P) + D(t + P) - D(|t - s|)]/2            zero at -P, D its structure function
 ///                = [m(s) + m(t) - D(|t - s|) - mm]/2               mean over the last T taken off
 /// with m(t) the mean of D from t to that window and mm its mean within. White noise is N^2/dt in each step and
-/// N^2/T in the mean. Sinusoid and ramp are not random: see constant_response.
+/// N^2/T in the mean. Sinusoid and ramp are not random.
 /// @param imu_interval at which the process is sampled [s]: it sets what flicker is at short lags
 /// @throws std::invalid_argument for quantization, ramp and sinusoid, and an interval that is not positive.
-/// Time O(steps^2): 0.1 s for 2000.
+/// Time O(steps^2), 0.1 s for 2000; beyond these the process is held over so many neighbouring steps that 2000 are left.
 [[nodiscard]] CoreMatrix process_response(const Adjoint&, const Timeline&, Carrier, const noise::Process&,
                                           const Epoch&, double imu_interval);
 
-/// Covariance from a source all of whose terms are constant (infinite correlation time, no walk), its initial core
-/// covariance and, where it is an aid, the white noise of that aid's fixes.
-/// @throws std::invalid_argument for a term that varies.
-[[nodiscard]] CoreMatrix constant_response(const Adjoint&, const Timeline&, const Source&);
+/// Covariance from a source by its states, whatever they are: white noise, terms, initial core covariance and, where it
+/// is an aid, the white noise of that aid's fixes. What error_budget finds going forwards, to rounding, in O(steps).
+[[nodiscard]] CoreMatrix state_response(const Adjoint&, const Timeline&, const Source&);
 
-/// Whichever of the two a source needs.
+/// Without states for what varies slowly: by process_response where the source has processes, else state_response.
 [[nodiscard]] CoreMatrix response(const Adjoint&, const Timeline&, const Source&, double imu_interval);
 
 }  // namespace gyrobudget::inline v0::navigation

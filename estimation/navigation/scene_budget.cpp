@@ -290,7 +290,7 @@ BudgetScene budget_scene(const Scenario& scenario, const earth::Trajectory& traj
 }
 
 std::vector<Negligible> leave_out(BudgetScene& scene, const FrozenGains& gains, std::span<const double> times,
-                                  double tolerance, double imu_interval) {
+                                  double tolerance) {
   if (!(tolerance >= 0 && tolerance < 1))
     throw std::invalid_argument(fmt::format("tolerance is {}, expected 0 to below 1", tolerance));
   const std::size_t n = scene.sources.size();
@@ -300,7 +300,7 @@ std::vector<Negligible> leave_out(BudgetScene& scene, const FrozenGains& gains, 
     const Adjoint back = adjoint(scene.timeline, gains, times[t]);
     for (std::size_t s = 0; s < n; ++s)
       variance.block<1, 3>(static_cast<Eigen::Index>(s), static_cast<Eigen::Index>(3 * t)) =
-          totals(response(back, scene.timeline, scene.sources[s], imu_interval)).transpose();
+          totals(state_response(back, scene.timeline, scene.sources[s])).transpose();
   }
   // Sigma falls by at most `tolerance` of itself where variance falls by 1 - (1 - tolerance)^2.
   const Eigen::RowVectorXd total = variance.colwise().sum();

@@ -64,8 +64,7 @@ struct Negligible {
 /// response are always taken out. Times must be times of interest of the timeline.
 /// @throws std::invalid_argument unless 0 <= tolerance < 1.
 [[nodiscard]] std::vector<Negligible> leave_out(BudgetScene&, const FrozenGains&,
-                                                std::span<const double> times, double tolerance,
-                                                double imu_interval);
+                                                std::span<const double> times, double tolerance);
 
 /// dR/dp p/R of the total's position rss R at times[i] by each source's size p: its share of the variance.
 [[nodiscard]] std::vector<double> shares(const Budget&, std::size_t i);

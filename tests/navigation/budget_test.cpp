@@ -243,7 +243,7 @@ TEST(Budget, AgreesWithTheAdjoint) {
       } else if (!source.model.terms.empty() && source.model.terms[0].walk > 0) {
         walk_forward += expected;  // with the turn-on bias; one axis each
       } else {
-        EXPECT_LT(difference(constant_response(backward, scene.timeline, source), expected, budget.total[i]),
+        EXPECT_LT(difference(state_response(backward, scene.timeline, source), expected, budget.total[i]),
                   kConstants)
             << source.name << " at " << budget.times[i];
       }
@@ -254,7 +254,7 @@ TEST(Budget, AgreesWithTheAdjoint) {
                                        {.powered_on_before = 600}, 0.01);
     noise::SensorModel biased;
     biased.gyro.turn_on_bias = tactical().gyro.turn_on_bias;
-    ours += constant_response(backward, scene.timeline, source(biased, epoch_of(Aided::kDuration)));
+    ours += state_response(backward, scene.timeline, source(biased, epoch_of(Aided::kDuration)));
     EXPECT_LT(difference(ours, walk_forward, budget.total[i]), kProcesses) << budget.times[i];
   }
 }
