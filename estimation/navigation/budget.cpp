@@ -317,7 +317,7 @@ std::vector<double> fix_times(const FixPlan& plan) {
     const double t = plan.first + static_cast<double>(k) * plan.interval;
     if (!(t <= plan.last + 1e-9 * plan.interval)) break;
     const bool out = std::any_of(plan.outages.begin(), plan.outages.end(),
-                                 [t](const auto& outage) { return t >= outage.first && t < outage.second; });
+                                 [t](const auto& outage) { return t >= outage.first && t <= outage.second; });
     if (!out) times.push_back(std::min(t, plan.last));
   }
   return times;

@@ -137,7 +137,7 @@ struct Budget {
 /// Fixes at `interval` from `first` to `last`, those in outages left out, with the truth of the trajectory.
 struct FixPlan {
   double first = 0, last = 0, interval = 1;        ///< [s]
-  std::vector<std::pair<double, double>> outages;  ///< from, to [s]
+  std::vector<std::pair<double, double>> outages;  ///< from, to, both included [s]
 };
 [[nodiscard]] std::vector<double> fix_times(const FixPlan&);
 

@@ -3,6 +3,8 @@
 
 #include "gyrobudget/earth/attitude.h"
 #include "gyrobudget/earth/frames.h"
+#include "gyrobudget/navigation/budget.h"
+#include "gyrobudget/navigation/consistency.h"
 #include "gyrobudget/navigation/detail/fix_track.h"
 #include "gyrobudget/navigation/detail/start.h"
 #include "gyrobudget/navigation/smoother.h"
@@ -16,8 +18,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include <Eigen/Cholesky>
-
 namespace gyrobudget::inline v0::navigation {
 namespace {
 
@@ -27,10 +27,6 @@ using Eigen::Vector3d;
 
 constexpr double kNanosecond = 1e-9;
 constexpr double kSame = 2e-8;  // s: times that are one but for rounded stamps
-
-double chi_squared(double dof, double probability) {
-  return quantile(boost::math::chi_squared(dof), probability);
-}
 
 // --- Checks --------------------------------------------------------------------------------------------------
 
@@ -89,6 +85,18 @@ SensorStates states(const Scenario& scenario, double length, double step) {
     all(sensors + i, sensors + i) = variances[static_cast<std::size_t>(i)];
   result.initial = all;
   return result;
+}
+
+// The covariance of terms some time later.
+StateMatrix moved_on(const std::vector<ErrorTerm>& terms, StateMatrix P, double dt) {
+  for (std::size_t k = 0; k < terms.size(); ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    const double left = decay(terms[k], dt);
+    P.row(i) *= left;
+    P.col(i) *= left;
+    P(i, i) += terms[k].walk * terms[k].walk * dt * mean_decay(terms[k], 2 * dt);
+  }
+  return P;
 }
 
 // --- Measurements --------------------------------------------------------------------------------------------
@@ -167,8 +175,7 @@ class Comparison {
     if (attitude_ &&
         !add(tracks_[*attitude_].at(t), *attitude_, C_lb, estimate, P, rows, e.attitude, e.attitude_sigma))
       return;
-    const Eigen::MatrixXd S = rows.H * P * rows.H.transpose();
-    e.nees = rows.residual.dot(S.ldlt().solve(rows.residual));
+    e.nees = nees(rows.residual, rows.H * P * rows.H.transpose());
     summary_.errors.push_back(e);
   }
 
@@ -176,16 +183,16 @@ class Comparison {
     if (summary_.dof == 0) return std::nullopt;
     const auto n = static_cast<double>(summary_.errors.size());
     if (n == 0) return std::move(summary_);
-    constexpr double kTail = 0.025;
-    summary_.nees_low = chi_squared(summary_.dof, kTail);
-    summary_.nees_high = chi_squared(summary_.dof, 1 - kTail);
+    const Band band = chi_square_mean_band(summary_.dof, 1);
+    summary_.nees_low = band.lower;
+    summary_.nees_high = band.upper;
     double inside = 0;
     for (const ReferenceError& e : summary_.errors) {
       summary_.position_rms += e.position.squaredNorm();
       summary_.velocity_rms += e.velocity.squaredNorm();
       summary_.attitude_rms += e.attitude.squaredNorm();
       summary_.nees_mean += e.nees;
-      inside += e.nees >= summary_.nees_low && e.nees <= summary_.nees_high ? 1 : 0;
+      inside += band.holds(e.nees) ? 1 : 0;
     }
     summary_.position_rms = std::sqrt(summary_.position_rms / n);
     summary_.velocity_rms = std::sqrt(summary_.velocity_rms / n);
@@ -220,7 +227,7 @@ class Comparison {
     H = turn * H;
     const Vector3d residual = turn * m.residual;
     error = -residual;
-    sigma = (H * P * H.transpose()).diagonal().cwiseSqrt();
+    sigma = (H * P * H.transpose()).diagonal().cwiseMax(0).cwiseSqrt();
     const Eigen::Index before = rows.residual.size();
     rows.H.conservativeResize(before + 3, P.cols());
     rows.H.bottomRows<3>() = H;
@@ -248,7 +255,7 @@ class Sums {
       s.aid = i;
       s.rows = rows(scenario.aids[i].kind);
       summaries.push_back(s);
-      limit_.push_back(chi_squared(s.rows, kInside));
+      limit_.push_back(quantile(boost::math::chi_squared(s.rows), kInside));
     }
   }
 
@@ -273,14 +280,14 @@ class Sums {
   }
 
   void finish() {
-    constexpr double kTail = 0.025;
     for (AidSummary& s : summaries_) {
       const auto used = static_cast<double>(s.used);
       if (s.used + s.gated > 0) s.inside_95 /= static_cast<double>(s.used + s.gated);
       if (s.used == 0) continue;
       s.nis_mean /= used;
-      s.nis_low = chi_squared(used * s.rows, kTail) / used;
-      s.nis_high = chi_squared(used * s.rows, 1 - kTail) / used;
+      const Band band = chi_square_mean_band(s.rows, used);
+      s.nis_low = band.lower;
+      s.nis_high = band.upper;
       s.residual_mean /= used;
       s.residual_rms = (s.residual_rms / used).cwiseSqrt();
     }
@@ -313,7 +320,9 @@ class Runner {
     if (const auto* no = std::get_if<detail::NoStart>(&span)) return refuse(*no);
     const Span aligning = std::get<Span>(span);
     end_ = std::min(scenario_.until, stamp(recording_.imu.stamps.size() - 1));
-    const SensorStates sensors = states(scenario_, end_ - aligning.from, recording_.imu.typical_interval);
+    check_counts(aligning);
+    SensorStates sensors = states(scenario_, end_ - aligning.from, recording_.imu.typical_interval);
+    sensors.initial = moved_on(sensors.model.terms, sensors.initial, aligning.to - aligning.from);
     const auto start =
         detail::start(scenario_, recording_, tracks_, aligning, sensors.model, sensors.initial);
     if (const auto* no = std::get_if<detail::NoStart>(&start)) return refuse(*no);
@@ -335,6 +344,20 @@ class Runner {
     result_.status = no.status;
     result_.why = no.why;
     return std::move(result_);
+  }
+
+  // Before memory fills.
+  void check_counts(const Span& aligning) const {
+    constexpr double kMost = 1e7;
+    const auto require = [&](double seconds, double interval, std::string_view what) {
+      if (!(seconds <= kMost * interval))
+        throw std::invalid_argument(fmt::format("{} every {:g} s over {:g} s, expected at most {:g} in all",
+                                                what, interval, seconds, kMost));
+    };
+    require(end_ - aligning.to, scenario_.solution_interval, "solutions");
+    for (const Aid& aid : scenario_.aids)
+      if (aid.used && aid.kind == Aid::Kind::rest)
+        require(std::min(aid.valid.to, end_) - std::max(aid.valid.from, aligning.to), 1 / aid.rate, aid.name);
   }
 
   [[nodiscard]] double stamp(std::size_t k) const {
@@ -468,17 +491,14 @@ class Runner {
     s.time = t;
     s.state = estimate.state;
     const earth::Geodetic at = earth::to_geodetic(s.state.p_eb_e);
-    const Matrix3d C_enu = earth::C_e_enu(at.latitude, at.longitude);
-    const auto sigma = [&](int first) {
-      const Matrix3d block = P.block<3, 3>(first, first);
-      return Vector3d((C_enu.transpose() * block * C_enu).diagonal().cwiseSqrt());
-    };
-    s.position_sigma = sigma(kPosition);
-    s.velocity_sigma = sigma(kVelocity);
-    s.attitude_sigma = sigma(kAttitude);
+    const LocalSigmas local =
+        local_sigmas(P.topLeftCorner<kCoreStates, kCoreStates>(), earth::C_e_enu(at.latitude, at.longitude));
+    s.position_sigma = local.position;
+    s.velocity_sigma = local.velocity;
+    s.attitude_sigma = local.attitude;
     for (int k = 0; k < static_cast<int>(result_.model.terms.size()); ++k) {
       s.terms.push_back(estimate.terms[k]);
-      s.term_sigmas.push_back(std::sqrt(P(kCoreStates + k, kCoreStates + k)));
+      s.term_sigmas.push_back(std::sqrt(std::max(0.0, P(kCoreStates + k, kCoreStates + k))));
     }
     sum_biases(Carrier::gyro, estimate, P, s.gyro_bias, s.gyro_bias_sigma);
     sum_biases(Carrier::accelerometer, estimate, P, s.accelerometer_bias, s.accelerometer_bias_sigma);

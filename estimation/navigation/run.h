@@ -90,7 +90,7 @@ struct Run {
   std::string why;  ///< in words, unless navigated
 
   ErrorModel model;             ///< of sensors and aids
-  std::vector<double> initial;  ///< sigma of each term at the start
+  std::vector<double> initial;  ///< sigma of each term where the alignment ends
   std::vector<SensorStates::LeftOut> left_out;
   AlignmentResult alignment;
   std::vector<Solution> solutions;
@@ -109,7 +109,8 @@ struct Run {
 /// by cubics through position and velocity where it has both, else straight; attitudes along the shortest turn.
 ///
 /// Earth rate, gravity and the rest as in strapdown.h and filter.h. The same bytes for the same input.
-/// @throws std::invalid_argument for a scene whose numbers are out of range, aids and fixes that are not one for
+/// @throws std::invalid_argument for a scene whose numbers are out of range, more than 1e7 solutions or fixes of rest,
+/// aids and fixes that are not one for
 /// one, or numbers of aids that there are not. What the data cannot answer is Run::status.
 [[nodiscard]] Run run(const Scenario&, const Recording&);
 

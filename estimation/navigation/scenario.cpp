@@ -39,6 +39,12 @@ void check(const Aid& aid) {
           aid.time_tag_sigma, "0 s or more");
 }
 
+Eigen::Vector3d total_sigma(const Aid& aid) {
+  return (aid.sigma.array().square() + aid.bias_sigma.array().square() +
+          aid.correlated_sigma.array().square())
+      .sqrt();
+}
+
 AidTerms aid_terms(const Aid& aid, int number) {
   AidTerms result;
   const auto add = [&](ErrorTerm term, double sigma) {

@@ -65,6 +65,9 @@ struct Aid {
 /// @throws std::invalid_argument for a number out of range, naming the aid and the number.
 void check(const Aid&);
 
+/// One sigma of what a fix gives a start: white, constant and correlated error together.
+[[nodiscard]] Eigen::Vector3d total_sigma(const Aid&);
+
 /// What is estimated of an aid, as error terms of its number, with their variances at the start.
 struct AidTerms {
   std::vector<ErrorTerm> terms;

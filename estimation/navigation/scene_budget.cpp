@@ -126,11 +126,11 @@ class Builder {
   // --- Start ---
   void initial_errors() {
     const AlignmentPlan& a = scenario_.alignment;
-    initial_.position = a.position_sigma.value_or(of_aid(a.position, Aid::Kind::position));
-    initial_.velocity = a.velocity_sigma.value_or(of_aid(a.velocity, Aid::Kind::velocity));
+    initial_.position = a.position_sigma.value_or(of_aid(a.position));
+    initial_.velocity = a.velocity_sigma.value_or(of_aid(a.velocity));
     const auto* self = self_alignment(scenario_);
     const auto* from = std::get_if<FromAid>(&a.attitude);
-    const double of_master = from ? scenario_.aids.at(from->aid).sigma.maxCoeff() : 0;
+    const double of_master = from ? total_sigma(scenario_.aids.at(from->aid)).maxCoeff() : 0;
     initial_.level = a.level_sigma.value_or(of_master);
     initial_.heading = a.heading_sigma.value_or(of_master);
     if (self) coarse(*self);
@@ -158,9 +158,9 @@ class Builder {
   }
 
   template <typename Given>
-  [[nodiscard]] Vector3d of_aid(const Given& given, Aid::Kind) const {
+  [[nodiscard]] Vector3d of_aid(const Given& given) const {
     const auto* from = std::get_if<FromAid>(&given);
-    return from ? scenario_.aids.at(from->aid).sigma : Vector3d::Zero();
+    return from ? total_sigma(scenario_.aids.at(from->aid)) : Vector3d::Zero();
   }
 
   [[nodiscard]] Timeline timeline() const {

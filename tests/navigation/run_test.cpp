@@ -294,6 +294,37 @@ TEST(NavigationRun, HeadingAtRestCostsTheGyrosBias) {
   EXPECT_NEAR(found.solutions.front().attitude_sigma[2], expected, 0.02 * expected);
 }
 
+// Switched on where the alignment starts, the bias is zero there and walks in its course, to K sqrt(T) at its end. The
+// mean is off by K sqrt(T/3) and the heading with it; taken for one number with the bias at the end, by no more than
+// that.
+TEST(NavigationRun, HeadingAtRestCostsWhatTheBiasWalkedMeanwhile) {
+  constexpr double kTime = 60;
+  const double walk = 0.1 * kDegree / 3600 / 60;  // 0.1 deg/h/sqrt(h)
+  Scenario scene = pad_scene(0, 1e-9);
+  scene.sensor.gyro.rate_random_walk = walk;
+  const auto found = run(scene, record(earth::stand({.duration = kTime + 10})));
+  ASSERT_EQ(found.status, navigation::Run::Status::navigated) << found.why;
+  const double rate = earth::wgs84::kEarthRate * std::cos(earth::alcantara().position.latitude);
+  const Solution& start = found.solutions.front();
+  EXPECT_GE(start.attitude_sigma[2], 0.999 * walk * std::sqrt(kTime / 3) / rate);
+  EXPECT_LE(start.attitude_sigma[2], 1.001 * walk * std::sqrt(kTime) / rate);
+  for (int axis = 0; axis < 3; ++axis)
+    EXPECT_NEAR(start.gyro_bias_sigma[axis], walk * std::sqrt(kTime), 1e-6 * walk);
+}
+
+// What is known exactly stays so, and never without a number.
+TEST(NavigationRun, SigmasOfZeroAreNumbers) {
+  const earth::Trajectory truth = flight();
+  Scenario scene = scene_on(truth);
+  scene.alignment.position_sigma = scene.alignment.velocity_sigma = Vector3d::Zero();
+  scene.alignment.level_sigma = 0;
+  const auto found = run(scene, record(truth));
+  ASSERT_EQ(found.status, navigation::Run::Status::navigated) << found.why;
+  for (const Solution& s : found.solutions)
+    EXPECT_TRUE(s.position_sigma.allFinite() && s.velocity_sigma.allFinite() && s.attitude_sigma.allFinite())
+        << s.time;
+}
+
 TEST(NavigationRun, AMemsIsAskedForItsHeading) {
   constexpr double kDegreePerHour = kDegree / 3600;
   const earth::Trajectory truth = earth::stand({.q_nb = earth::from_euler({1, 0.1, 0}), .duration = 70});
@@ -386,6 +417,19 @@ TEST(NavigationRun, SigmasAreRightOverManyRuns) {
   EXPECT_GT(sum, kLow);
   EXPECT_LT(sum, kHigh);
   EXPECT_NEAR(nis / kRuns, 1, 0.13);  // 4 sqrt(2/(3 29 24))
+}
+
+TEST(NavigationRun, RefusesWhatWouldFillMemory) {
+  const earth::Trajectory truth = flight();
+  Scenario scene = scene_on(truth);
+  scene.solution_interval = 1e-9;
+  EXPECT_THROW((void)run(scene, record(truth)), std::invalid_argument);
+  scene.solution_interval = 1;
+  scene.aids = {aid(Aid::Kind::rest, 1)};
+  scene.aids[0].rate = 1e9;
+  Recording recording = record(truth);
+  recording.fixes.emplace_back();
+  EXPECT_THROW((void)run(scene, recording), std::invalid_argument);
 }
 
 TEST(NavigationRun, RefusesWrongScenes) {

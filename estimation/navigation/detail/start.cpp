@@ -42,13 +42,6 @@ const Fix* fix_at(const Variant& v, const std::vector<FixTrack>& tracks, double 
   return kept ? &*kept : nullptr;
 }
 
-// One sigma of what an aid gives: white, constant and correlated error together.
-Vector3d total_sigma(const Aid& aid) {
-  return (aid.sigma.array().square() + aid.bias_sigma.array().square() +
-          aid.correlated_sigma.array().square())
-      .sqrt();
-}
-
 // --- The IMU at rest -----------------------------------------------------------------------------------------
 
 struct AtRest {
@@ -80,8 +73,9 @@ Piece piece_of(const Recording& recording, const Span& span) {
           static_cast<double>(imu.stamps[last] - imu.stamps[first]) * kNanosecond};
 }
 
-// psi of the alignment is J times the biases it assumed, plus the rest. The model's terms are these biases, with a
-// variance that may differ: psi then moves with them by the same J.
+// psi of the alignment is J times the biases it assumed, plus the rest. The model's terms are these biases where the
+// alignment ends, with a variance that may differ: psi then moves with them by the same J. What the alignment assumed
+// beyond them, how the bias moved in its course, stays.
 void correlate(const Alignment& alignment, Carrier carrier, const ErrorModel& model, const StateMatrix& terms,
                AtRest& result) {
   const bool gyro = carrier == Carrier::gyro;
@@ -98,7 +92,7 @@ void correlate(const Alignment& alignment, Carrier carrier, const ErrorModel& mo
     }
     const StateVector covariance = terms * pick;
     result.cross += J * covariance.transpose();
-    result.covariance += J * J.transpose() * (pick.dot(covariance) - assumed[axis]);
+    result.covariance += J * J.transpose() * std::max(0.0, pick.dot(covariance) - assumed[axis]);
   }
 }
 
