@@ -111,8 +111,8 @@ struct Scenario {
   double until = std::numeric_limits<double>::infinity();  ///< end of the scene [s]
   double solution_interval = 1;                            ///< between solutions [s], positive
   std::vector<double> at;                                  ///< solutions at these times too
-  double gravity_sigma = 0;            ///< of a vertical error of normal gravity, for budgets [m/s^2]
-  double deflection_sigma = 0;         ///< of the vertical, for budgets [rad]
+  double gravity_sigma = 0;     ///< of a vertical error of normal gravity, for budgets [m/s^2]
+  double deflection_sigma = 0;  ///< of the vertical, for budgets [rad]
   bool smooth = false;  ///< solutions from all fixes, later ones too (smoother.h); considered states: refused
   std::vector<std::size_t> reference;  ///< aids that the solution is compared with
 };
