@@ -33,7 +33,7 @@ struct Texts {
   std::string seed = "1", skip, taps, noise_type, variant, rrw, correlation_time;
   std::string records, methods, axis = "gyro", require;
   std::string estimators = "oadev", stride = "1", format, psd, window, gap, resample;
-  std::string trajectory, truth, attitude, flight_input, vibration, run;
+  std::string trajectory, truth, fixes, attitude, flight_input, vibration, run;
   std::string at, step, limit;
   std::vector<std::string> wishes, mask, logs;
 };
@@ -195,6 +195,10 @@ void add_flight(CLI::App& app, Texts& texts) {
       ->type_name("FILE|NAME[:...]|SCENE");
   group->add_option("--truth", texts.truth, "write position, velocity and attitude as CSV")
       ->type_name("FILE");
+  group
+      ->add_option("--fixes", texts.fixes,
+                   "write what the scene's aids measure, with their errors: DEVICE.csv there")
+      ->type_name("FOLDER");
   group->add_option("--attitude", texts.attitude, "form of the attitude in --truth [quaternion]")
       ->check(CLI::IsMember({"quaternion", "euler"}));
   group
@@ -303,6 +307,7 @@ void finish_extent(SimulateArguments& a, const Texts& texts) {
 void check_flight_options(const SimulateArguments& a, const Texts& texts) {
   if (texts.trajectory.empty()) {
     for (const auto& [option, value] : {std::pair{"--truth", texts.truth},
+                                        {"--fixes", texts.fixes},
                                         {"--attitude", texts.attitude},
                                         {"--input", texts.flight_input},
                                         {"--vibration", texts.vibration},
@@ -322,7 +327,7 @@ void check_flight_options(const SimulateArguments& a, const Texts& texts) {
 }
 
 void finish_flight(SimulateArguments& a, const Texts& texts) {
-  FlightArguments flight{.trajectory = texts.trajectory, .truth = texts.truth};
+  FlightArguments flight{.trajectory = texts.trajectory, .truth = texts.truth, .fixes = texts.fixes};
   if (texts.attitude == "euler") flight.attitude = io::AttitudeForm::euler;
   if (texts.flight_input == "increment") flight.input = io::Input::increment;
   if (!texts.vibration.empty()) {

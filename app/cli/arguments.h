@@ -36,6 +36,7 @@ struct Pictures {
 struct FlightArguments {
   std::string trajectory;  ///< as io::read_trajectory has it
   std::string truth;       ///< path of the truth; empty: none
+  std::string fixes;       ///< folder for those of the scene's aids; empty: none
   io::AttitudeForm attitude = io::AttitudeForm::quaternion;
   io::Input input = io::Input::rate;  ///< what the log holds, or increments
   double vibration = 0;               ///< [m/s^2 rms]

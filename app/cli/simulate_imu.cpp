@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: MIT
 // simulate --trajectory: sensor file and trajectory -> log of a whole IMU, and the truth.
+#include "gyrobudget/io/fixes_file.h"
 #include "gyrobudget/io/log_writer.h"
+#include "gyrobudget/io/output.h"
 #include "gyrobudget/io/scene_file.h"
 #include "gyrobudget/io/sensor_file.h"
 #include "gyrobudget/io/trajectory_file.h"
+#include "gyrobudget/navigation/simulated_fixes.h"
 #include "gyrobudget/noise/imu.h"
 
 #include <fmt/format.h>
@@ -135,15 +138,45 @@ void say_what_is_special(const SimulateArguments& a, const noise::SensorModel& s
     say(a.common, "note: the sensor file has no accelerometer; an ideal one is written");
 }
 
+bool is_scene(const std::string& text) { return text.ends_with(".yaml") || text.ends_with(".yml"); }
+
 void check_paths(const SimulateArguments& a) {
+  if (!a.flight->fixes.empty() && !is_scene(a.flight->trajectory))
+    throw std::invalid_argument("--fixes: the aids stand in a scene; give one (.yaml) as --trajectory");
+  if (!a.flight->fixes.empty() && !std::filesystem::is_directory(a.flight->fixes))
+    throw io::OutputError(fmt::format("{}: no such folder for --fixes", a.flight->fixes));
   const std::vector<Output> outputs{{"-o", a.output == "-" ? "" : a.output}, {"--truth", a.flight->truth}};
   check_outputs(a.sensor, outputs);
   if (std::filesystem::exists(a.flight->trajectory)) check_outputs(a.flight->trajectory, outputs);
 }
 
+// What each device of the scene measures, in the order of its aids.
+std::vector<io::DeviceFixes> devices(const SimulateArguments& a, const earth::Trajectory& trajectory) {
+  const navigation::Scenario scenario = io::read_scene(a.flight->trajectory).scenario;
+  std::vector<io::DeviceFixes> list;
+  for (std::size_t i = 0; i < scenario.aids.size(); ++i) {
+    const navigation::Aid& aid = scenario.aids[i];
+    if (!aid.used || aid.kind == navigation::Aid::Kind::rest) continue;
+    const std::string device = aid.name.substr(0, aid.name.rfind('.'));
+    if (list.empty() || list.back().device != device) list.push_back({device, {}, {}});
+    list.back().kinds.push_back(aid.kind);
+    list.back().fixes.push_back(simulated_fixes(aid, static_cast<int>(i), trajectory, a.seed, a.flight->run));
+  }
+  return list;
+}
+
+void write_fixes(const SimulateArguments& a, const earth::Trajectory& trajectory) {
+  if (a.flight->fixes.empty()) return;
+  for (const io::DeviceFixes& device : devices(a, trajectory)) {
+    const auto path = std::filesystem::path(a.flight->fixes) / (device.device + ".csv");
+    io::write_file(path.string(), io::fixes_csv(device));
+    say(a.common, "fixes: " + path.string());
+  }
+}
+
 // That of a scene, by its ending, or as read_trajectory has it.
 earth::Trajectory trajectory_of(const std::string& text) {
-  if (!text.ends_with(".yaml") && !text.ends_with(".yml")) return io::read_trajectory(text);
+  if (!is_scene(text)) return io::read_trajectory(text);
   const io::SceneFile scene = io::read_scene(text);
   if (scene.trajectory.empty())
     throw io::InputError(fmt::format("{}: found no \"trajectory:\", expected one: what moves", text));
@@ -170,6 +203,7 @@ int run_flight(const SimulateArguments& a) {
                           .comment = "gyrobudget simulate: truth of trajectory " + a.flight->trajectory,
                           .duration = flown(a, trajectory)});
   }
+  write_fixes(a, trajectory);
   say_what_is_special(a, sensor, imu);
   say(a.common, fmt::format("simulated {} samples of an IMU at {} Hz along {} (seed {}, run {}){}",
                             count - a.skipped, a.rate_hz, a.flight->trajectory, a.seed, a.flight->run,

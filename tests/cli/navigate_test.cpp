@@ -169,6 +169,41 @@ TEST_F(Navigate, OneSceneIsSimulatedAndNavigated) {
             3);
 }
 
+// IMU, GNSS and barometer of one scene, simulated with the errors it names, then navigated: the innovations and the
+// errors are as large as the filter says.
+TEST_F(Navigate, SimulatedFixesAreConsistent) {
+  const std::string scene = scratch_.file(
+      "drone.yaml",
+      "trajectory: cruise:speed=25,duration=120,turn_acceleration=3,turn_period=20\nsensor: imu.yaml\n"
+      "imu: {file: drone.csv}\nreference: {file: truth.csv}\n"
+      "alignment: {position: gnss, velocity: gnss, attitude: {heading: 110.8 deg, pitch: 0 deg, roll: 0 "
+      "deg}, "
+      "level_sigma: 1 deg, heading_sigma: 3 deg}\n"
+      "aids:\n  gnss: {file: gnss.csv, lever_arm: [0.2 m, 0 m, -0.3 m], time_tag_sigma: 5 ms, "
+      "outages: [[60 s, 80 s]], position: [1.5 m, 1.5 m, 3 m], velocity: 5 cm/s}\n"
+      "  baro: {file: baro.csv, rate: 5 Hz, height: {sigma: 0.3 m, bias_sigma: 2 m}}\n");
+  const std::string sensor = scratch_.file(
+      "imu.yaml",
+      "gyro: {arw: 0.15 deg/sqrt(h), turn_on_bias: 100 deg/h}\naccelerometer: {vrw: 0.05 m/s/sqrt(h), "
+      "turn_on_bias: 3000 ug}\n");
+  const Outcome simulated = gyrobudget_run("simulate " + sensor + " --trajectory " + scene + " --truth " +
+                                           scratch_.path("truth.csv") + " -o " + scratch_.path("drone.csv") +
+                                           " --fixes " + scratch_.path("."));
+  ASSERT_EQ(simulated.exit_code, 0) << simulated.err;
+  const json found = json_of(gyrobudget_run("navigate " + scene + " --json"));
+  for (const json& aid : found["nis"]["aids"]) {
+    EXPECT_EQ(aid["gated"], 0) << aid;
+    // Mean NIS beyond 5 standard errors of chi-square: false alarm 1e-6.
+    const double dof = aid["dof"], used = aid["used"];
+    EXPECT_NEAR(aid["mean"].get<double>() / dof, 1, 5 * std::sqrt(2 / (dof * used))) << aid;
+  }
+  EXPECT_LT(found["reference"]["nees"].get<double>(), 45);  // as above
+  EXPECT_LT(found["reference"]["position_rms_m"].get<double>(), 5);
+  EXPECT_EQ(gyrobudget_run("simulate " + sensor + " -q --trajectory ascent --fixes " + scratch_.path("."))
+                .exit_code,
+            2);
+}
+
 TEST_F(Navigate, NumbersOfThreadsChangeNothing) {
   const std::string scene = scene_ + "aids: {gnss: {file: gnss.csv, position: 1 m}}\n";
   const auto body = [](const std::string& text) { return text.substr(text.find("\"scene\"")); };

@@ -94,3 +94,14 @@ TEST(MonteCarlo, PutsTimesOnSamplesWithTheTruthOfThatInstant) {
   EXPECT_THROW((void)monte_carlo(Timeline(path, {}, options), {}, {}, pad_axes(), {}, {}, mc),
                std::invalid_argument);
 }
+
+// A start in motion is a start in motion: a cruise, errors of the sensors alone.
+TEST(MonteCarloOfACruise, StartsAtTheTrajectorysSpeed) {
+  const auto path = earth::cruise({.speed = 250, .duration = 20});
+  const Timeline timeline(path, {}, {});
+  MonteCarlo::Options options;
+  options.runs = 1;
+  const auto flown = monte_carlo(timeline, {}, {}, pad_axes(), {}, {}, options);
+  EXPECT_LT(flown.errors[0].back().head<3>().norm(), 1e-3);
+  EXPECT_NEAR(timeline.at(0).state.v_eb_e.norm(), 250, 3);
+}
