@@ -118,9 +118,20 @@ class Builder {
       case Aid::Kind::attitude:
         return AttitudeFix{truth.q_eb, aid.sigma, number};
       default:
+        if (aid.kind == Aid::Kind::rest) check_rest(aid, truth.v_eb_e.norm(), t);
         return VelocityFix{truth.v_eb_e + C * w_eb_b.cross(aid.lever_arm), aid.sigma, axes, aid.lever_arm,
                            number};
     }
+  }
+
+  // Zero velocity in flight would aid as no device can.
+  static void check_rest(const Aid& aid, double speed, double t) {
+    constexpr double kSigmas = 5;
+    if (speed > kSigmas * aid.sigma.maxCoeff())
+      throw std::invalid_argument(
+          fmt::format("{}: at {:g} s, where it says rest, the trajectory moves with {:.3g} m/s; end it "
+                      "before, as in until: 8 s",
+                      aid.name, t, speed));
   }
 
   // --- Start ---

@@ -50,7 +50,8 @@ struct BudgetQuestion {
   bool earth_rate_compensated = true;
 };
 
-/// @throws std::invalid_argument for what Timeline, sensor_states and check(Aid) refuse.
+/// @throws std::invalid_argument for what Timeline, sensor_states and check(Aid) refuse, and a rest where the
+/// trajectory moves.
 [[nodiscard]] BudgetScene budget_scene(const Scenario&, const earth::Trajectory&, const BudgetQuestion&);
 
 /// A source that may be left out before the long computation, and what that changes.

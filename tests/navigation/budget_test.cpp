@@ -7,6 +7,7 @@
 #include "gyrobudget/earth/paths.h"
 #include "gyrobudget/navigation/adjoint.h"
 #include "gyrobudget/navigation/budget_sources.h"
+#include "gyrobudget/navigation/scene_budget.h"
 #include "gyrobudget/navigation/sensor_states.h"
 #include "gyrobudget/navigation/strapdown.h"
 
@@ -409,4 +410,34 @@ TEST(Budget, RefusesWhatDoesNotFit) {
   EXPECT_THROW(Timeline(climb(10), {}, options), std::invalid_argument);
   const auto gains = frozen_gains(scene.timeline, scene.design);
   EXPECT_THROW((void)adjoint(scene.timeline, gains, 0.1), std::invalid_argument);
+}
+
+// Zero velocity of a body that flies is no aid but a mistake.
+TEST(BudgetScene, RefusesRestInFlight) {
+  navigation::Scenario scene;
+  navigation::Aid pad;
+  pad.name = "pad.rest";
+  pad.kind = navigation::Aid::Kind::rest;
+  pad.sigma = Vector3d::Constant(1e-3);
+  scene.aids = {pad};
+  const auto path = earth::climb({.acceleration = 5, .duration = 10});
+  EXPECT_THROW((void)budget_scene(scene, path, {}), std::invalid_argument);
+  EXPECT_EQ(budget_scene(scene, earth::stand({.duration = 10}), {}).timeline.fixes().size(), 11U);
+  scene.aids[0].valid.to = 0;
+  EXPECT_EQ(budget_scene(scene, path, {}).timeline.fixes().size(), 1U);
+}
+
+// As in a run: an outage has both its ends, and a start from an aid has all of the aid's errors.
+TEST(BudgetScene, TakesAidsAsARunDoes) {
+  navigation::Scenario scene;
+  navigation::Aid gnss;
+  gnss.name = "gnss.position";
+  gnss.sigma = Vector3d::Constant(3);
+  gnss.bias_sigma = Vector3d::Constant(4);
+  gnss.outages = {{2, 5}};
+  scene.aids = {gnss};
+  scene.alignment.position = navigation::FromAid{0};
+  const auto made = budget_scene(scene, earth::stand({.duration = 10}), {});
+  EXPECT_EQ(made.timeline.fixes().size(), 7U);  // 0, 1, 6 ... 10 s
+  EXPECT_DOUBLE_EQ(made.initial.position[0], 5);
 }
