@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/navigation/alignment.h"
 
+#include "gyrobudget/navigation/detail/gauss_markov.h"
+
 #include <fmt/core.h>
 
 #include <array>
@@ -35,12 +37,6 @@ struct Variances {
   Vector3d bias, calibration, noise;
 };
 
-double gauss_markov_mean(const noise::GaussMarkov& process, double T) {
-  const double a = T / process.correlation_time;
-  const double mean = a < 1e-4 ? 1 - a / 3 : 2 * (a + std::expm1(-a)) / (a * a);
-  return process.sigma * process.sigma * mean;
-}
-
 double squared(double x) { return x * x; }
 
 Vector3d squares(const std::optional<noise::PerAxis>& sigma) {
@@ -52,7 +48,8 @@ Vector3d squares(const std::optional<noise::PerAxis>& sigma) {
 Variances variances(const noise::ErrorModel& model, const Vector3d& signal, const Vector3d& force, double T) {
   double moved = kFlat * squared(model.bias_instability) + squared(model.rate_random_walk) * T / 3 +
                  squared(model.rate_ramp * T) / 2;
-  for (const noise::GaussMarkov& process : model.gauss_markov) moved += gauss_markov_mean(process, T);
+  for (const noise::GaussMarkov& process : model.gauss_markov)
+    moved += squared(process.sigma) * detail::mean_variance(T / process.correlation_time);
   const Vector3d constant = model.calibrated_over
                                 ? Vector3d(Vector3d::Constant(squared(model.white) / *model.calibrated_over))
                                 : squares(model.turn_on_bias);

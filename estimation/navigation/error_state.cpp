@@ -4,6 +4,7 @@
 #include "gyrobudget/earth/attitude.h"
 #include "gyrobudget/earth/ellipsoid.h"
 #include "gyrobudget/earth/gravity.h"
+#include "gyrobudget/navigation/detail/gauss_markov.h"
 
 #include <fmt/format.h>
 
@@ -14,6 +15,7 @@
 namespace gyrobudget::inline v0::navigation {
 namespace {
 
+using detail::mean_exponential;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
@@ -30,9 +32,6 @@ double integral_0_1(Function f) {
     sum += kWeights[i] / 2 * (f((1 - kNodes[i]) / 2) + f((1 + kNodes[i]) / 2));
   return sum;
 }
-
-// (1 - exp(-x))/x
-double mean_exponential(double x) { return x == 0 ? 1 : -std::expm1(-x) / x; }
 
 // Variance of a step's mean that the state at its end does not share, over walk^2 dt; a = dt/Tc. The mean is
 // the integral of w(u) (1 - e^(-a u))/a and the state that of w(u) e^(-a u), u back from the step's end.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "flicker_states.h"
 
+#include "gyrobudget/navigation/detail/gauss_markov.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,14 +23,6 @@ constexpr double kFlat = 2 * std::numbers::ln2 / std::numbers::pi;  // Allan var
 constexpr int kPointsPerDecade = 16;
 constexpr int kLawsonRounds = 60;
 
-// Allan variance over sigma^2 of a Gauss-Markov process at x = tau/Tc, averages: (2/x) [1 - (3 - 4 e^-x + e^-2x)/(2x)].
-// Its series, 2x/3 - x^2/2 + 7 x^3/30 - ..., where that cancels.
-double allan_shape(double x) {
-  if (x < 1e-3) return x * (2.0 / 3 - x * (0.5 - 7 * x / 30));
-  const double e = std::expm1(-x);  // 3 - 4 (1 + e) + (1 + e)^2 = e^2 - 2e
-  return 2 / x * (1 - (e * e - 2 * e) / (2 * x));
-}
-
 // ln sigma^2 and ln Tc of each state; residual: weighted relative error of the variance.
 struct Misfit {
   using Scalar = double;
@@ -46,7 +40,7 @@ struct Misfit {
   [[nodiscard]] double relative_error(const VectorXd& x, Index i) const {
     double sum = 0;
     for (Index k = 0; k < states; ++k)
-      sum += std::exp(x[2 * k]) * allan_shape(taus[i] * std::exp(-x[2 * k + 1]));
+      sum += std::exp(x[2 * k]) * detail::allan_variance(taus[i] * std::exp(-x[2 * k + 1]));
     return sum / kFlat - 1;
   }
   int operator()(const VectorXd& x, VectorXd& residual) const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "sensor_states.h"
 
+#include "gyrobudget/navigation/detail/gauss_markov.h"
 #include "gyrobudget/navigation/flicker_states.h"
 
 #include <fmt/format.h>
@@ -13,6 +14,9 @@
 namespace gyrobudget::inline v0::navigation {
 namespace {
 
+using detail::mean_exponential;
+using detail::mean_variance;
+
 constexpr double kBandDecades = 2;
 constexpr double kFlatVariance = 2 * std::numbers::ln2 / std::numbers::pi;  // of flicker, over B^2
 
@@ -23,17 +27,8 @@ struct Triad {
   std::string name;
 };
 
-// (1 - exp(-x))/x
-double mean_exponential(double x) { return x == 0 ? 1 : -std::expm1(-x) / x; }
-
-// 2 (1 - h(a))/a, variance of the mean of a stationary unit Gauss-Markov process over a of its correlation times.
-double mean_variance(double a) {
-  return a < 1e-4 ? 1 - a / 3 + a * a / 12 : 2 * (1 - mean_exponential(a)) / a;
-}
-
 double allan_variance(const noise::GaussMarkov& process, double tau) {
-  const double x = tau / process.correlation_time, e = std::expm1(-x);
-  return process.sigma * process.sigma * (x < 1e-3 ? 2 * x / 3 : 2 / x * (1 - (e * e - 2 * e) / (2 * x)));
+  return process.sigma * process.sigma * detail::allan_variance(tau / process.correlation_time);
 }
 
 // Integral of f by midpoints in ln u.
