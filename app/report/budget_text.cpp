@@ -103,7 +103,8 @@ std::string monte_carlo_text(const BudgetResult& r) {
     out += fmt::format(" {} {}{}", component, number(ratio, 3), band.holds(ratio) ? "" : " (outside)");
   }
   const auto nees = navigation::chi_square_mean_band(navigation::kCoreStates, mc.runs, 0.99);
-  out += fmt::format("; 99 % of right ones lie in {} to {}\n", number(band.lower, 3), number(band.upper, 3));
+  out +=
+      fmt::format("\n  99 % of right ones lie in {} to {}\n", number(band.lower, 3), number(band.upper, 3));
   out += fmt::format("  NEES {} of 9, 99 % band {} to {}\n", number(mc.nees, 3), number(nees.lower, 3),
                      number(nees.upper, 3));
   if (mc.saturated > 0)

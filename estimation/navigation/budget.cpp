@@ -267,6 +267,12 @@ class Run {
       report_at(step.to);
     }
     budget_.steps = timeline_.steps().size();
+    if (!budget_.total.back().allFinite())
+      throw std::invalid_argument(
+          fmt::format("errors grow beyond all numbers within {} s, as the vertical channel does without a "
+                      "height (by e in 570 s): "
+                      "give the scene a height aid, or end it earlier",
+                      timeline_.end()));
     return std::move(budget_);
   }
 

@@ -129,7 +129,7 @@ struct Budget {
 };
 
 /// @throws std::invalid_argument for sources whose initial covariance does not fit their terms, more states than
-/// kMaxStates together with the filter's, and fixes without a design.
+/// kMaxStates together with the filter's, fixes without a design, and errors that grow beyond all numbers.
 [[nodiscard]] Budget error_budget(const Timeline&, std::span<const Source>, const FrozenGains&);
 [[nodiscard]] Budget error_budget(const Timeline&, std::span<const Source>,
                                   const std::optional<Design>& = {});

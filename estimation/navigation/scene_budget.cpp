@@ -30,9 +30,21 @@ const SelfAlignment* self_alignment(const Scenario& scenario) {
   return std::get_if<SelfAlignment>(&scenario.alignment.attitude);
 }
 
-double covariance_step(const BudgetQuestion& question, double length) {
+// Mid-step attitude is that of the step's mean to (turn of a step)^2/24: 1 %.
+constexpr double kTurnOfAStep = 0.5;  // [rad]
+
+double fastest_turn(const earth::Trajectory& trajectory) {
+  constexpr int kInstants = 1000;
+  double fastest = 0;
+  for (int i = 0; i <= kInstants; ++i)
+    fastest = std::max(fastest, trajectory.at(trajectory.duration() * i / kInstants).w_ib_b.norm());
+  return fastest;
+}
+
+double covariance_step(const BudgetQuestion& question, double length, const earth::Trajectory& trajectory) {
   if (question.step > 0) return question.step;
-  const double step = length / kStepsOfAScene;
+  const double step =
+      std::min(length / kStepsOfAScene, kTurnOfAStep / (fastest_turn(trajectory) + earth::wgs84::kEarthRate));
   return length <= 3600 ? std::min(step, 1.0) : step;
 }
 
@@ -176,7 +188,7 @@ class Builder {
 
   [[nodiscard]] Timeline timeline() const {
     Timeline::Options options;
-    options.step = covariance_step(question_, length_);
+    options.step = covariance_step(question_, length_, trajectory_);
     options.pad = pad_;
     options.report = question_.at;
     for (int i = 0; i < question_.growth_points; ++i)
@@ -313,6 +325,7 @@ std::vector<Negligible> leave_out(BudgetScene& scene, const FrozenGains& gains, 
       variance.block<1, 3>(static_cast<Eigen::Index>(s), static_cast<Eigen::Index>(3 * t)) =
           totals(state_response(back, scene.timeline, scene.sources[s])).transpose();
   }
+  if (!variance.allFinite()) return {};
   // Sigma falls by at most `tolerance` of itself where variance falls by 1 - (1 - tolerance)^2.
   const Eigen::RowVectorXd total = variance.colwise().sum();
   const Eigen::RowVectorXd allowed = tolerance * (2 - tolerance) * total;

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: MIT
+// Error against run time of an error budget: 83 s of ascent with a MEMS IMU of 12 sources and more.
+//
+//   budget_benchmark          covariance step, states of 1/f, exact integrals, Monte Carlo runs
+//   budget_benchmark quick    without Monte Carlo
+//
+// Errors are those of the position's root sum square at burn-out against the finest of each kind.
+#include "gyrobudget/earth/paths.h"
+#include "gyrobudget/navigation/scene_budget.h"
+
+#include <fmt/core.h>
+
+#include <chrono>
+#include <cmath>
+#include <string_view>
+
+namespace {
+
+using namespace gyrobudget;  // NOLINT
+using navigation::BudgetQuestion;
+using navigation::BudgetScene;
+using navigation::CoreMatrix;
+using navigation::Scenario;
+
+constexpr double kHour = 3600, kMicroG = 9.80665e-6;
+constexpr double kFinest = 0.01;  // [s]: 100 Hz
+
+Scenario ascent() {
+  Scenario scenario;
+  auto& gyro = scenario.sensor.gyro;
+  gyro.white = 0.15 * earth::kDegree / 60;
+  gyro.bias_instability = 0.7 * earth::kDegree / kHour;
+  gyro.rate_random_walk = 4.32 * earth::kDegree / kHour / 60;
+  gyro.turn_on_bias = 10 * earth::kDegree / kHour;
+  gyro.scale_factor = 5e-4;
+  gyro.misalignment = 1e-3;
+  gyro.powered_on_before = 600;
+  auto& accelerometer = scenario.sensor.accelerometer.emplace();
+  accelerometer.white = 1e-3;
+  accelerometer.bias_instability = 50 * kMicroG;
+  accelerometer.turn_on_bias = 1000 * kMicroG;
+  accelerometer.scale_factor = 5e-4;
+  scenario.alignment.level_sigma = 1e-3;
+  scenario.alignment.heading_sigma = 1e-3;
+  return scenario;
+}
+
+double seconds(const auto& work) {
+  const auto start = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+double position(const CoreMatrix& P) { return std::sqrt(P.block<3, 3>(0, 0).trace()); }
+
+BudgetScene scene_of(const Scenario& scenario, double step) {
+  BudgetQuestion question;
+  question.step = step;
+  question.growth_points = 0;
+  return budget_scene(scenario, earth::ascent({}), question);
+}
+
+double total(const Scenario& scenario, double step) {
+  const BudgetScene scene = scene_of(scenario, step);
+  return position(error_budget(scene.timeline, scene.sources).total.back());
+}
+
+void by_step(const Scenario& scenario) {
+  double finest = 0;
+  const double time = seconds([&] { finest = total(scenario, kFinest); });
+  fmt::print("{} sources, 83 s at 100 Hz: {:.2f} s\n\n", scene_of(scenario, 1).sources.size(), time);
+  fmt::print("covariance step   steps   error      run time\n");
+  const double length = earth::Ascent{}.duration;
+  for (const int steps : {10, 25, 50, 100, 200, 400, 800}) {
+    double found = 0;
+    const double cost = seconds([&] { found = total(scenario, length / steps); });
+    fmt::print("  {:7.3f} s       {:5}   {:8.1e}   {:6.1f} ms{}\n", length / steps, steps,
+               std::abs(found / finest - 1), 1e3 * cost, steps == 200 ? "   default" : "");
+  }
+}
+
+// Of gyro.bias_instability alone, against its structure function.
+void by_states(const Scenario& scenario) {
+  Scenario flicker;
+  flicker.sensor.gyro.bias_instability = scenario.sensor.gyro.bias_instability;
+  flicker.sensor.gyro.powered_on_before = 600;
+  fmt::print("\n1/f of the gyro alone          error      run time\n");
+  const double length = earth::Ascent{}.duration;
+  const auto exact = [&](double step, double* cost) {
+    const BudgetScene scene = scene_of(flicker, step);
+    double found = 0;
+    *cost = seconds([&] {
+      const auto back = adjoint(scene.timeline, {}, scene.timeline.end());
+      found = position(response(back, scene.timeline, scene.sources[0], kFinest));
+    });
+    return found;
+  };
+  double cost = 0;
+  const double truth = exact(length / 1600, &cost);
+  for (int states = 0; states <= 4; ++states) {
+    flicker.states.flicker_states = states;
+    double found = 0;
+    cost = seconds([&] { found = total(flicker, length / 800); });
+    fmt::print("  {} states, 800 steps           {:8.1e}   {:6.1f} ms\n", states, std::abs(found / truth - 1),
+               1e3 * cost);
+  }
+  flicker.states.flicker_states.reset();
+  for (const int steps : {50, 100, 200, 400, 800}) {
+    const double found = exact(length / steps, &cost);
+    fmt::print("  exact integrals, {:4} steps    {:8.1e}   {:6.1f} ms\n", steps, std::abs(found / truth - 1),
+               1e3 * cost);
+  }
+}
+
+void by_runs(const Scenario& scenario) {
+  const BudgetScene scene = scene_of(scenario, 0.4);
+  const double linear = position(error_budget(scene.timeline, scene.sources).total.back());
+  fmt::print("\nMonte Carlo, 100 Hz   found/linear   99 % band of an axis   run time\n");
+  for (const int runs : {50, 200, 1000}) {
+    navigation::MonteCarlo::Options options;
+    options.runs = runs;
+    double found = 0;
+    const double cost = seconds([&] {
+      found = position(monte_carlo(scene.timeline, scenario.sensor, scene.initial, scene.C_enu, scene.design,
+                                   scene.aids, options)
+                           .covariance(0));
+    });
+    const auto band = navigation::sigma_ratio_band(runs, 0.99);
+    fmt::print("  {:5} runs            {:5.3f}       {:5.3f} to {:5.3f}         {:5.2f} s\n", runs,
+               found / linear, band.lower, band.upper, cost);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const Scenario scenario = ascent();
+  by_step(scenario);
+  by_states(scenario);
+  if (argc < 2 || std::string_view(argv[1]) != "quick") by_runs(scenario);
+}
