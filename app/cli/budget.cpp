@@ -79,6 +79,10 @@ void add_monte_carlo(BudgetResult& r, const BudgetArguments& a, const BudgetScen
   };
   const auto flown = monte_carlo(scene.timeline, scenario.sensor, scene.initial, scene.C_enu, scene.design,
                                  scene.aids, options);
+  if (flown.unaligned > 0)
+    r.notes.push_back(fmt::format(
+        "{} runs of Monte Carlo found no heading on the pad and do not count: give the alignment one",
+        flown.unaligned));
   if (flown.runs == 0) return;
   const std::size_t i = index_of(flown.times, r.at);
   BudgetResult::MonteCarlo mc{

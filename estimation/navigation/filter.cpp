@@ -162,7 +162,8 @@ Innovation Filter::update(const Measurement& measurement) {
   innovation.residual = measurement.residual;
   bool finite = measurement.residual.head(measurement.rows).allFinite();
   for (int i = 0; i < measurement.rows; ++i)
-    finite &= measurement.row[static_cast<std::size_t>(i)].h.allFinite();
+    finite &= measurement.row[static_cast<std::size_t>(i)].h.allFinite() &&
+              std::isfinite(measurement.row[static_cast<std::size_t>(i)].variance);
   if (!finite) {
     innovation.status = Innovation::Status::not_finite;
     return innovation;

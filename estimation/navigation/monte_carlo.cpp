@@ -124,7 +124,11 @@ class OneRun {
         imu_(scene.sensor, scene.options.imu_interval, {scene.options.seed, run}, scene.options.imu) {
     NavigationState start = wrong_start();
     for (std::size_t v = 0; v < scene.world.size(); ++v) world_.push_back(start_());
-    if (scene.options.self_alignment) start.q_eb = aligned();
+    if (scene.options.self_alignment) {
+      const auto found = aligned();
+      unaligned_ = !found;
+      start.q_eb = found.value_or(start.q_eb);
+    }
     if (scene.design)
       filter_.emplace(start, scene.design->model, scene.design->initial, scene.options.filter);
     else
@@ -136,6 +140,7 @@ class OneRun {
   }
 
   std::vector<CoreVector> operator()() {
+    if (unaligned_) return {};
     const double dt = scene_.options.imu_interval;
     for (std::size_t k = 0; k <= scene_.increments.size(); ++k) {
       at_sample(k);
@@ -147,6 +152,7 @@ class OneRun {
     return std::move(errors_);
   }
 
+  [[nodiscard]] bool unaligned() const { return unaligned_; }
   [[nodiscard]] std::uint64_t saturated() const {
     std::uint64_t sum = 0;
     for (std::size_t i = 0; i < 3; ++i) sum += imu_.gyro_saturated()[i] + imu_.accelerometer_saturated()[i];
@@ -165,7 +171,8 @@ class OneRun {
   }
 
   // Coarse alignment on what is read on the pad, which is kept for the filter.
-  Eigen::Quaterniond aligned() {
+  // None where heading is neither observable nor given.
+  std::optional<Eigen::Quaterniond> aligned() {
     const std::size_t samples = scene_.sample(0);
     pad_.reserve(samples);
     for (std::size_t k = 0; k < samples; ++k) pad_.push_back(measure_imu(k));
@@ -186,7 +193,8 @@ class OneRun {
                          Vector3d::Unit(axis)};
     }
     const Alignment found = align(pad_, scene_.options.imu_interval, options);
-    return found.q_nb ? Eigen::Quaterniond(C_en) * *found.q_nb : truth.q_eb;
+    if (!found.q_nb) return std::nullopt;
+    return Eigen::Quaterniond(C_en) * *found.q_nb;
   }
 
   NavigationState wrong_start() {
@@ -255,6 +263,7 @@ class OneRun {
   std::optional<Strapdown> strapdown_;
   Eigen::VectorXd aid_terms_;
   std::vector<double> world_;  ///< sizes of the scene's vectors
+  bool unaligned_ = false;
   std::size_t next_fix_ = 0;
   std::vector<CoreVector> errors_;
 };
@@ -295,6 +304,7 @@ MonteCarlo monte_carlo(const Timeline& timeline, const noise::SensorModel& senso
   result.times = timeline.report();
   std::vector<std::vector<CoreVector>> errors(static_cast<std::size_t>(options.runs));
   std::atomic<std::uint64_t> saturated = 0;
+  std::atomic<int> unaligned = 0;
   std::atomic<bool> stopped = false;
   std::mutex mutex;
   int done = 0;
@@ -303,6 +313,7 @@ MonteCarlo monte_carlo(const Timeline& timeline, const noise::SensorModel& senso
     OneRun one(scene, static_cast<std::uint64_t>(run));
     errors[static_cast<std::size_t>(run)] = one();
     saturated += one.saturated();
+    unaligned += one.unaligned() ? 1 : 0;
     const std::lock_guard lock(mutex);
     ++done;
     if (options.progress && !options.progress(done)) stopped = true;
@@ -311,6 +322,7 @@ MonteCarlo monte_carlo(const Timeline& timeline, const noise::SensorModel& senso
   result.errors = std::move(errors);
   result.runs = static_cast<int>(result.errors.size());
   result.saturated = saturated;
+  result.unaligned = unaligned;
   return result;
 }
 

@@ -42,7 +42,8 @@ struct MonteCarlo {
   };
 
   std::vector<double> times;
-  int runs = 0;  ///< done; fewer than asked where progress stopped it
+  int runs = 0;       ///< done; fewer than asked where progress stopped it, or some found no heading
+  int unaligned = 0;  ///< runs whose alignment on the pad found no heading: they have no errors
   /// [run][time] truth minus estimate of position, velocity and attitude, axes of e.
   std::vector<std::vector<Eigen::Matrix<double, kCoreStates, 1>>> errors;
   std::uint64_t saturated = 0;  ///< samples out of an axis' range, all runs

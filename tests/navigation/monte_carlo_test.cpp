@@ -105,3 +105,22 @@ TEST(MonteCarloOfACruise, StartsAtTheTrajectorysSpeed) {
   EXPECT_LT(flown.errors[0].back().head<3>().norm(), 1e-3);
   EXPECT_NEAR(timeline.at(0).state.v_eb_e.norm(), 250, 3);
 }
+
+// Gyros that cannot see Earth's rate find no heading: such runs are counted, not flown from the truth.
+TEST(MonteCarloOnThePad, CountsRunsThatFoundNoHeading) {
+  noise::SensorModel blind;
+  blind.gyro.turn_on_bias = 1000 * kDegreePerHour;
+  Timeline::Options options;
+  options.pad = 20;
+  options.step = 1;
+  const auto path = earth::ascent({});
+  const Timeline timeline(path, {}, options);
+  MonteCarlo::Options mc;
+  mc.runs = 4;
+  mc.self_alignment = true;
+  const auto flown = monte_carlo(timeline, blind, {}, pad_axes(), {}, {}, mc);
+  EXPECT_EQ(flown.unaligned, 4);
+  EXPECT_EQ(flown.runs, 0);
+  mc.heading_sigma = 0.01;
+  EXPECT_EQ(monte_carlo(timeline, blind, {}, pad_axes(), {}, {}, mc).runs, 4);
+}
