@@ -39,12 +39,23 @@ std::vector<std::size_t> order(const BudgetResult& r, const std::vector<double>&
   return by_share;
 }
 
+// Position columns. In a launch to the east downrange and crossrange are east and north: they are not said twice.
+std::vector<std::string> components(const BudgetResult& r) {
+  if (r.C_launch.isApprox(r.C_enu, 1e-9)) return {"east", "north", "up", "rss"};
+  return {"east", "north", "up", "downrange", "crossrange", "rss"};
+}
+
+// A source that may grow a thousandfold decides nothing.
+std::string factor_text(double factor) {
+  constexpr double kAny = 1000;
+  return factor > kAny ? "any" : fmt::format("x {}", number(factor, 3));
+}
+
 std::vector<std::string> cells(const BudgetResult& r, std::string_view name, const CoreMatrix& P,
                                std::string share) {
   const navigation::LocalSigmas s = navigation::local_sigmas(P, r.C_enu);
   std::vector<std::string> row{fmt::format("  {}", name)};
-  for (const auto* component : {"east", "north", "up", "downrange", "crossrange", "rss"})
-    row.push_back(number(position_sigma(r, P, component), 3));
+  for (const auto& component : components(r)) row.push_back(number(position_sigma(r, P, component), 3));
   row.push_back(number(s.velocity.norm(), 3));
   row.push_back(number(s.attitude.norm() / kDegree, 3));
   row.push_back(std::move(share));
@@ -53,21 +64,19 @@ std::vector<std::string> cells(const BudgetResult& r, std::string_view name, con
 
 std::string table(const BudgetResult& r) {
   const std::vector<double> share = navigation::shares(r.budget, r.at_index);
-  std::vector<Align> columns(r.exact ? 12 : 11, Align::right);
-  columns[0] = Align::left;
-  if (!r.limit) columns.pop_back();
-  Table out(columns);
-  std::vector<std::string> heads{"  source",   "east m", "north",   "up",      "downrange",
-                                 "crossrange", "rss",    "vel m/s", "att deg", "share"};
+  std::vector<std::string> heads{"  source"};
+  for (const auto& component : components(r)) heads.push_back(component == "east" ? "east m" : component);
+  for (const auto* head : {"vel m/s", "att deg", "share"}) heads.emplace_back(head);
   if (r.exact) heads.emplace_back("exact");
   if (r.limit) heads.emplace_back("may grow");
+  std::vector<Align> columns(heads.size(), Align::right);
+  columns[0] = Align::left;
+  Table out(columns);
   out.row(heads);
   for (const std::size_t i : order(r, share)) {
     auto row = cells(r, r.budget.lines[i].name, r.budget.lines[i].covariance[r.at_index], percent(share[i]));
     if (r.exact) row.push_back(number(position_sigma(r, (*r.exact)[i], "rss"), 3));
-    if (r.limit)
-      row.push_back(std::isinf(r.limit->factors[i]) ? "any"
-                                                    : fmt::format("x {}", number(r.limit->factors[i], 3)));
+    if (r.limit) row.push_back(factor_text(r.limit->factors[i]));
     out.row(row);
   }
   const auto sum = [&](const char* name, const CoreMatrix& P) {

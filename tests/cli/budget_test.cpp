@@ -168,7 +168,7 @@ TEST(BudgetVerb, TheTableFitsAPageAndHasNoHoles) {
       EXPECT_FALSE(std::regex_search(run.out, std::regex("\\b(nan|inf)\\b"))) << run.out;
       std::istringstream lines(run.out);
       for (std::string line; std::getline(lines, line);)
-        EXPECT_LE(line.size(), options.empty() ? 115u : 150u) << line;
+        EXPECT_LE(line.size(), options.empty() ? 110u : 130u) << line;
     }
   }
 }
