@@ -22,6 +22,8 @@ using Eigen::VectorXd;
 constexpr double kFlat = 2 * std::numbers::ln2 / std::numbers::pi;  // Allan variance of flicker over B^2
 constexpr int kPointsPerDecade = 16;
 constexpr int kLawsonRounds = 60;
+constexpr int kRoundsWithoutGain = 8;  // of a per cent
+constexpr double kGain = 0.99;
 
 // ln sigma^2 and ln Tc of each state; residual: weighted relative error of the variance.
 struct Misfit {
@@ -71,11 +73,13 @@ double worst(const Misfit& misfit, const VectorXd& x) {
 VectorXd fit(Misfit& misfit, VectorXd x) {
   VectorXd best = x;
   double least = worst(misfit, x);
-  for (int round = 0; round < kLawsonRounds; ++round) {
+  int last_gain = 0;
+  for (int round = 0; round < kLawsonRounds && round - last_gain < kRoundsWithoutGain; ++round) {
     Eigen::NumericalDiff<Misfit, Eigen::Central> derivative(misfit);
     Eigen::LevenbergMarquardt solver(derivative);
     solver.minimize(x);
     if (const double error = worst(misfit, x); error < least) {
+      if (error < kGain * least) last_gain = round;
       least = error;
       best = x;
     }

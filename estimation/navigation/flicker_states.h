@@ -14,7 +14,7 @@ namespace gyrobudget::inline v0::navigation {
 ///     decades of band   1 state   2        3        4        5        6
 ///     2                 37 %      4.6 %    0.62 %   0.08 %   0.01 %
 ///     3                 55 %      15 %     3.1 %    0.73 %   0.16 %   0.04 %
-///     4                 79 %      27 %     9.3 %    2.6 %    0.79 %   0.26 %
+///     4                 79 %      28 %     9.3 %    2.6 %    0.79 %   0.26 %
 ///
 /// of the Allan deviation. noise::flicker_approximation takes more poles and needs no fit.
 struct FlickerStates {

@@ -147,7 +147,7 @@ class RandomScene {
  private:
   void errors(noise::ErrorModel& e, double size) {
     e.white = any(size, 6);
-    if (between(0, 1) < 0.05) e.bias_instability = any(size, 6);  // its states take 40 ms to fit
+    if (between(0, 1) < 0.3) e.bias_instability = any(size, 6);  // its states take 2 ms to fit
     e.rate_random_walk = any(size / 100, 6);
     e.turn_on_bias = any(size, 6);
     e.scale_factor = any(1e-4, 6);
