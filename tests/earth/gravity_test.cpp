@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <GeographicLib/NormalGravity.hpp>
+#include <stdlib.h>
 
 #include <cmath>
 #include <cstdint>
@@ -110,8 +111,9 @@ TEST(Gravity, RefusesTheCentre) {
 /// degree 0 is the mass.
 class ModelFile {
  public:
-  ModelFile() : folder_(std::filesystem::path(::testing::TempDir()) / "gyrobudget_gravity") {
-    std::filesystem::create_directories(folder_);
+  ModelFile() {
+    std::string name = (std::filesystem::temp_directory_path() / "gyrobudget-gravity-XXXXXX").string();
+    folder_ = ::mkdtemp(name.data());  // tests run beside each other: each has a folder of its own
     constexpr int kDegreeOfFile = 20;
     std::ofstream meta(path());
     meta.precision(17);
