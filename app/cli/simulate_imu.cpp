@@ -67,15 +67,27 @@ io::LogHead log_head(const SimulateArguments& a, const noise::SensorModel& senso
   return head;
 }
 
+/// What an IMU at `r` from the trajectory's point [m, body axes] senses more, w' x r + w x (w x r), over an interval:
+/// the first in closed form, the second by Simpson's rule.
+Eigen::Vector3d of_lever_arm(const earth::Trajectory& trajectory, const Eigen::Vector3d& r, double from,
+                             double to) {
+  const auto rate = [&](double t) -> Eigen::Vector3d { return trajectory.at(t).w_ib_b; };
+  const Eigen::Vector3d start = rate(from), middle = rate((from + to) / 2), end = rate(to);
+  const auto inwards = [&](const Eigen::Vector3d& w) -> Eigen::Vector3d { return w.cross(w.cross(r)); };
+  return (end - start).cross(r) + (to - from) / 6 * (inwards(start) + 4 * inwards(middle) + inwards(end));
+}
+
 /// What an ideal IMU delivers over `count` intervals from the one numbered `first` on.
-std::vector<noise::ImuReading> truth(const earth::Trajectory& trajectory, double rate_hz, std::uint64_t first,
-                                     std::size_t count) {
+std::vector<noise::ImuReading> truth(const earth::Trajectory& trajectory, const Eigen::Vector3d& imu_at,
+                                     double rate_hz, std::uint64_t first, std::size_t count) {
   std::vector<noise::ImuReading> result(count);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     const auto time = [&](std::uint64_t k) {
       return std::min(static_cast<double>(k) / rate_hz, trajectory.duration());
     };
-    const earth::ImuIncrement ideal = trajectory.increment(time(first + i), time(first + i + 1));
+    earth::ImuIncrement ideal = trajectory.increment(time(first + i), time(first + i + 1));
+    if (!imu_at.isZero(0))
+      ideal.velocity += of_lever_arm(trajectory, imu_at, time(first + i), time(first + i + 1));
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
       result[i].angle[static_cast<std::size_t>(axis)] = ideal.angle[axis];
       result[i].velocity[static_cast<std::size_t>(axis)] = ideal.velocity[axis];
@@ -87,8 +99,13 @@ std::vector<noise::ImuReading> truth(const earth::Trajectory& trajectory, double
 /// The IMU fed along the trajectory, block by block.
 class Feed {
  public:
-  Feed(const SimulateArguments& a, const earth::Trajectory& trajectory, noise::Imu& imu)
-      : trajectory_(trajectory), imu_(imu), rate_hz_(a.rate_hz), factor_(increments(a) ? 1 : a.rate_hz) {}
+  Feed(const SimulateArguments& a, const earth::Trajectory& trajectory, const noise::SensorModel& sensor,
+       noise::Imu& imu)
+      : trajectory_(trajectory),
+        imu_at_(-sensor.lever_arm[0], -sensor.lever_arm[1], -sensor.lever_arm[2]),
+        imu_(imu),
+        rate_hz_(a.rate_hz),
+        factor_(increments(a) ? 1 : a.rate_hz) {}
 
   void skip(std::uint64_t samples) {
     constexpr std::uint64_t kBlock = 1 << 14;
@@ -111,12 +128,13 @@ class Feed {
 
  private:
   std::vector<noise::ImuReading> block(std::size_t count) {
-    auto result = truth(trajectory_, rate_hz_, at_, count);
+    auto result = truth(trajectory_, imu_at_, rate_hz_, at_, count);
     at_ += count;
     return result;
   }
 
   const earth::Trajectory& trajectory_;
+  Eigen::Vector3d imu_at_;  ///< from the centre of mass, which flies the trajectory
   noise::Imu& imu_;
   double rate_hz_, factor_;
   std::uint64_t at_ = 0;
@@ -132,7 +150,9 @@ void say_what_is_special(const SimulateArguments& a, const noise::SensorModel& s
   say_saturated("gyro", imu.gyro_saturated());
   say_saturated("accelerometer", imu.accelerometer_saturated());
   if (sensor.lever_arm != std::array<double, 3>{}) {
-    say(a.common, "note: the trajectory is that of the IMU; its lever_arm is not applied");
+    say(a.common,
+        "note: the trajectory and --truth are of the centre of mass; the IMU is at minus its lever_arm from "
+        "there");
   }
   if (!sensor.accelerometer)
     say(a.common, "note: the sensor file has no accelerometer; an ideal one is written");
@@ -192,7 +212,7 @@ int run_flight(const SimulateArguments& a) {
   const std::uint64_t count = interval_count(a, trajectory);
   noise::Imu imu(sensor, 1 / a.rate_hz, {a.seed, a.flight->run},
                  {.vibration = a.flight->vibration, .duration = trajectory.duration()});
-  Feed feed(a, trajectory, imu);
+  Feed feed(a, trajectory, sensor, imu);
   feed.skip(a.skipped);
   io::write_log(a.output, log_head(a, sensor), count - a.skipped,
                 [&](std::span<const std::span<double>> columns) { feed.fill(columns); });

@@ -2,6 +2,7 @@
 // simulate --trajectory: logs of a whole IMU in motion, and the truth beside them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <string>
@@ -99,13 +100,40 @@ TEST_F(SimulateImu, TruthIsATrajectoryAgain) {
   }
 }
 
+// An IMU off the centre of mass senses w' x r + w x (w x r) more, by the differences of its own gyros; a spin of 1 rad/s
+// at 2 m is 2 m/s^2.
+TEST_F(SimulateImu, AnIMUOffTheCentreOfMassSensesItsTurning) {
+  const std::string spin = "static:latitude=0,duration=1,spin_z=57.29577951308232 --rate 100";
+  const auto at_centre = rows(simulate(kIdeal, spin));
+  const auto forward = rows(simulate(std::string("lever_arm: [-2 m, 0 m, 0 m]\n") + kIdeal, spin));
+  constexpr double kEarth = 1e-7;  // squares of Earth's rate
+  for (std::size_t k = 0; k < forward.size(); ++k) EXPECT_NEAR(forward[k][4] - at_centre[k][4], -2, kEarth);
+
+  const std::string turns = "cruise:duration=10,turn_acceleration=4,turn_period=8 --rate 200";
+  const auto centre = rows(simulate(kIdeal, turns));
+  const auto right = rows(simulate(std::string("lever_arm: [0 m, -1 m, 0 m]\n") + kIdeal, turns));
+  constexpr double kDifference = 1e-5;  // of gyro samples 5 ms apart
+  double largest = 0;
+  for (std::size_t k = 1; k + 1 < right.size(); ++k) {
+    const double wx = centre[k][1], wy = centre[k][2], wz = centre[k][3];
+    const double ax = (centre[k + 1][1] - centre[k - 1][1]) * 100,
+                 az = (centre[k + 1][3] - centre[k - 1][3]) * 100;
+    const double expected[3] = {-az + wx * wy, -wx * wx - wz * wz, ax + wy * wz};
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_NEAR(right[k][4 + i] - centre[k][4 + i], expected[i], kDifference) << k;
+      largest = std::max(largest, std::abs(expected[i]));
+    }
+  }
+  EXPECT_GT(largest, 100 * kDifference);
+}
+
 TEST_F(SimulateImu, SaysWhatIsSpecial) {
   const std::string sensor =
       scratch_.file("s.yaml", std::string("lever_arm: [1 m, 0 m, 0 m]\ngyro: {range: 1 deg/h}\n"));
   const Outcome run =
       gyrobudget_run("simulate " + sensor + " --trajectory static:duration=1 -o " + scratch_.path("log.csv"));
   EXPECT_EQ(run.exit_code, 0);
-  for (const char* part : {"gyro out of range in 100, 0 and 0 samples", "lever_arm is not applied",
+  for (const char* part : {"gyro out of range in 100, 0 and 0 samples", "the IMU is at minus its lever_arm",
                            "an ideal one", "simulated 100 samples of an IMU at 100 Hz"}) {
     EXPECT_NE(run.err.find(part), std::string::npos) << run.err;
   }
