@@ -52,7 +52,7 @@ Adjoint adjoint(const Timeline& timeline, const FrozenGains& gains, double time)
       std::count_if(fixes.begin(), fixes.end(), [&](const auto& f) { return f.time <= time + kSameTime; }));
   result.fix.resize(fix);
 
-  ErrorModel estimates = gains.model;  // they act as errors of the other sign and nothing drives them
+  ErrorStateModel estimates = gains.model;  // they act as errors of the other sign and nothing drives them
   Lineariser lineariser(estimates);
   const int n = static_cast<int>(estimates.terms.size());
   Rows lambda = Rows::Zero(kCoreStates, kCoreStates + n);

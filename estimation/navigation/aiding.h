@@ -23,7 +23,7 @@ struct Estimate {
   NavigationState state;
   Eigen::Vector3d w_eb_b = Eigen::Vector3d::Zero();  ///< [rad/s]
   Eigen::Vector3d a_eb_e = Eigen::Vector3d::Zero();  ///< dv_eb_e/dt [m/s^2]
-  const ErrorModel* model = nullptr;
+  const ErrorStateModel* model = nullptr;
   const double* terms = nullptr;  ///< estimates of model->terms
 };
 

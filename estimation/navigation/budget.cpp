@@ -108,7 +108,7 @@ int aid_of(const PlannedFix& planned) {
   return std::visit([](const auto& fix) { return fix.aid; }, planned.fix);
 }
 
-Measurement linearise(const PlannedFix& planned, const Timeline::Instant& at, const ErrorModel& model) {
+Measurement linearise(const PlannedFix& planned, const Timeline::Instant& at, const ErrorStateModel& model) {
   constexpr std::array<double, kMaxErrorTerms> zeros{};
   const Estimate estimate{at.state, at.w_eb_b, at.a_eb_e, &model, zeros.data()};
   return std::visit([&](const auto& fix) { return measure(fix, estimate); }, planned.fix);
@@ -176,7 +176,7 @@ namespace {
 // themselves for the second: they act on the navigator as a sensor's error does, with the other sign.
 class Passage {
  public:
-  Passage(const Source& source, const ErrorModel& filter)
+  Passage(const Source& source, const ErrorStateModel& filter)
       : source_(source),
         estimates_(filter.terms.size()),
         lineariser_(joint(source, filter)),
@@ -210,8 +210,8 @@ class Passage {
   }
 
  private:
-  static ErrorModel joint(const Source& source, const ErrorModel& filter) {
-    ErrorModel model = source.model;
+  static ErrorStateModel joint(const Source& source, const ErrorStateModel& filter) {
+    ErrorStateModel model = source.model;
     model.terms = filter.terms;
     for (auto& term : model.terms) term.walk = 0;  // what drives the true error does not drive its estimate
     model.terms.insert(model.terms.end(), source.model.terms.begin(), source.model.terms.end());

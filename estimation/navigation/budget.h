@@ -79,7 +79,7 @@ class Timeline {
 /// One line of the budget: something that is wrong, with its true size, and nothing else.
 struct Source {
   std::string name;                      ///< "gyro.arw", "initial.heading", "aid.gnss.position"
-  ErrorModel model;                      ///< white noise and terms of this source
+  ErrorStateModel model;                 ///< white noise and terms of this source
   StateMatrix initial;                   ///< covariance of model.terms at the scene's start
   CoreMatrix core = CoreMatrix::Zero();  ///< covariance of position, velocity, attitude there, axes of e
   int aid = -1;                          ///< the white noise of this aid's fixes is the source
@@ -97,14 +97,14 @@ struct Source {
 
 /// The filter as it is designed: it sets the gains.
 struct Design {
-  ErrorModel model;
+  ErrorStateModel model;
   StateMatrix initial;  ///< its P0, core and terms
   Form form = Form::joseph;
 };
 
 /// Gains of every row of every fix, from the design alone.
 struct FrozenGains {
-  ErrorModel model;                                  ///< of the design; empty: no filter
+  ErrorStateModel model;                             ///< of the design; empty: no filter
   std::vector<std::vector<Eigen::VectorXd>> of_fix;  ///< [fix][row], core and model.terms
   std::vector<CoreMatrix> claimed;                   ///< the design's own covariance at the times of interest
 };
@@ -112,7 +112,7 @@ struct FrozenGains {
 [[nodiscard]] FrozenGains frozen_gains(const Timeline&, const std::optional<Design>&);
 
 /// Rows of a planned fix for a model's terms; the residual is zero.
-[[nodiscard]] Measurement linearise(const PlannedFix&, const Timeline::Instant&, const ErrorModel&);
+[[nodiscard]] Measurement linearise(const PlannedFix&, const Timeline::Instant&, const ErrorStateModel&);
 /// Number of the aid that takes it.
 [[nodiscard]] int aid_of(const PlannedFix&);
 

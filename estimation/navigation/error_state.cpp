@@ -89,7 +89,7 @@ double sensitivity(const ErrorTerm& term, const Vector3d& w_ib_b, const Vector3d
 
 }  // namespace
 
-void ErrorModel::check() const {
+void ErrorStateModel::check() const {
   const auto check_white = [](const Vector3d& n, std::string_view what) {
     if (!(n.array() >= 0).all() || !n.allFinite())
       throw std::invalid_argument(
@@ -154,7 +154,7 @@ StateMatrix Transition::noise() const {
   return q;
 }
 
-Lineariser::Lineariser(ErrorModel model) : model_(std::move(model)) {
+Lineariser::Lineariser(ErrorStateModel model) : model_(std::move(model)) {
   model_.check();
   transition_.size = model_.states();
   for (std::size_t k = 0; k < model_.terms.size(); ++k) {

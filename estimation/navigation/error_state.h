@@ -73,7 +73,7 @@ struct ErrorTerm {
 [[nodiscard]] double mean_decay(const ErrorTerm&, double dt);
 
 /// White noise of the sensors and the states beyond the core.
-struct ErrorModel {
+struct ErrorStateModel {
   Eigen::Vector3d gyro_white = Eigen::Vector3d::Zero();           ///< N of each axis [rad/sqrt(s)]
   Eigen::Vector3d accelerometer_white = Eigen::Vector3d::Zero();  ///< [m/s/sqrt(s)]
   std::vector<ErrorTerm> terms;
@@ -129,10 +129,10 @@ struct StepInput {
 /// Makes the transitions of one model. What depends on dt alone is kept from step to step.
 class Lineariser {
  public:
-  /// @throws std::invalid_argument for what ErrorModel::check refuses.
-  explicit Lineariser(ErrorModel);
+  /// @throws std::invalid_argument for what ErrorStateModel::check refuses.
+  explicit Lineariser(ErrorStateModel);
 
-  [[nodiscard]] const ErrorModel& model() const { return model_; }
+  [[nodiscard]] const ErrorStateModel& model() const { return model_; }
   [[nodiscard]] int states() const { return model_.states(); }
 
   /// Phi of the core is exp(F dt), to rounding for dt above kSecondOrder and to second order in dt up to it.
@@ -146,7 +146,7 @@ class Lineariser {
  private:
   void set_interval(double dt);
 
-  ErrorModel model_;
+  ErrorStateModel model_;
   Transition transition_;
   std::array<double, kMaxErrorTerms> mean_decay_{};  ///< mean of exp(-t/Tc) over the step
   std::array<double, kMaxErrorTerms> mean_noise_{};  ///< spill of a unit sensitivity

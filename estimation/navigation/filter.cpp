@@ -45,10 +45,11 @@ bool multiplies(const ErrorTerm& term) { return term.carrier != Carrier::aid && 
 
 }  // namespace
 
-Filter::Filter(const NavigationState& start, ErrorModel model, const StateMatrix& P0)
+Filter::Filter(const NavigationState& start, ErrorStateModel model, const StateMatrix& P0)
     : Filter(start, std::move(model), P0, Options{}) {}
 
-Filter::Filter(const NavigationState& start, ErrorModel model, const StateMatrix& P0, const Options& options)
+Filter::Filter(const NavigationState& start, ErrorStateModel model, const StateMatrix& P0,
+               const Options& options)
     : options_(options),
       lineariser_(std::move(model)),
       covariance_(P0, options.form),

@@ -50,10 +50,10 @@ class Filter {
   };
 
   /// Terms start at zero; P0 is that of error_state.h in its order.
-  /// @throws std::invalid_argument for what ErrorModel::check and Covariance refuse, P0 of another size, a
+  /// @throws std::invalid_argument for what ErrorStateModel::check and Covariance refuse, P0 of another size, a
   /// gate outside 0 to 1 or a negative interval.
-  Filter(const NavigationState& start, ErrorModel model, const StateMatrix& P0, const Options& options);
-  Filter(const NavigationState& start, ErrorModel model, const StateMatrix& P0);
+  Filter(const NavigationState& start, ErrorStateModel model, const StateMatrix& P0, const Options& options);
+  Filter(const NavigationState& start, ErrorStateModel model, const StateMatrix& P0);
 
   /// One IMU interval. dt = 0 changes nothing.
   /// @throws std::invalid_argument for dt < 0 (time runs backwards), dt or increments not finite.
@@ -65,7 +65,7 @@ class Filter {
 
   [[nodiscard]] double time() const { return time_; }  ///< since the start [s]
   [[nodiscard]] const NavigationState& state() const { return strapdown_.state(); }
-  [[nodiscard]] const ErrorModel& model() const { return lineariser_.model(); }
+  [[nodiscard]] const ErrorStateModel& model() const { return lineariser_.model(); }
   /// Estimate of model().terms[k].
   [[nodiscard]] double term(int k) const { return terms_[k]; }
   /// What aids are compared with; valid until the filter changes.

@@ -37,7 +37,7 @@ struct MonteCarlo {
   };
   /// What is wrong with aids beyond white noise: terms of Carrier::aid.
   struct AidErrors {
-    ErrorModel model;
+    ErrorStateModel model;
     StateMatrix initial;
   };
 

@@ -89,7 +89,7 @@ struct Run {
   Status status = Status::navigated;
   std::string why;  ///< in words, unless navigated
 
-  ErrorModel model;             ///< of sensors and aids
+  ErrorStateModel model;        ///< of sensors and aids
   std::vector<double> initial;  ///< sigma of each term where the alignment ends
   std::vector<SensorStates::LeftOut> left_out;
   AlignmentResult alignment;

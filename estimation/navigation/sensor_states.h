@@ -65,7 +65,7 @@ struct SensorStates {
     std::string why;
   };
 
-  ErrorModel model;
+  ErrorStateModel model;
   StateMatrix initial;  ///< covariance of model.terms at the scene's start
   std::vector<LeftOut> left_out;
 };

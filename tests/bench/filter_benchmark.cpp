@@ -70,8 +70,8 @@ std::vector<navigation::ErrorTerm> all_terms() {
   return terms;
 }
 
-navigation::ErrorModel model_of(int states) {
-  navigation::ErrorModel model;
+navigation::ErrorStateModel model_of(int states) {
+  navigation::ErrorStateModel model;
   model.gyro_white.setConstant(1e-6);
   model.accelerometer_white.setConstant(1e-4);
   model.terms = all_terms();
@@ -79,7 +79,7 @@ navigation::ErrorModel model_of(int states) {
   return model;
 }
 
-navigation::StateMatrix covariance_of(const navigation::ErrorModel& model) {
+navigation::StateMatrix covariance_of(const navigation::ErrorStateModel& model) {
   navigation::StateVector sigma(model.states());
   sigma.segment<3>(navigation::kPosition).setConstant(10);
   sigma.segment<3>(navigation::kVelocity).setConstant(0.1);

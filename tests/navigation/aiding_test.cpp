@@ -35,8 +35,8 @@ struct World {
   StateVector terms;
 };
 
-navigation::ErrorModel model() {
-  navigation::ErrorModel m;
+navigation::ErrorStateModel model() {
+  navigation::ErrorStateModel m;
   const auto add = [&](Carrier carrier, Effect effect, int axis, int aid) {
     navigation::ErrorTerm t;
     t.carrier = carrier;

@@ -58,7 +58,7 @@ TEST(Allocation, TheLoopOfTheFilterAllocatesNothing) {
   for (const int states : {9, 21, 45, 72})
     for (const auto form : {navigation::Form::plain, navigation::Form::joseph, navigation::Form::square_root})
       for (const bool considered : {false, true}) {
-        navigation::ErrorModel model;
+        navigation::ErrorStateModel model;
         for (int k = 0; k < states - navigation::kCoreStates; ++k) {
           navigation::ErrorTerm term;
           term.carrier = k % 2 == 0 ? navigation::Carrier::gyro : navigation::Carrier::accelerometer;

@@ -50,7 +50,7 @@ earth::Trajectory turns(double duration) {
 noise::Vector3 array(const Vector3d& v) { return {v[0], v[1], v[2]}; }
 
 // Row of a unit on every bias term of one gyro.
-navigation::StateVector total_bias(const navigation::ErrorModel& model, int axis) {
+navigation::StateVector total_bias(const navigation::ErrorStateModel& model, int axis) {
   navigation::StateVector h = navigation::StateVector::Zero(model.states());
   for (std::size_t k = 0; k < model.terms.size(); ++k)
     if (model.terms[k].carrier == navigation::Carrier::gyro &&

@@ -143,7 +143,7 @@ TEST(ErrorState, CoreIsTheDerivativeOfTheStrapdown) {
   for (const double rate : {0.0, 0.5})
     for (const double dt : {0.001, 0.01, 0.05, 0.1, 1.0}) {
       const Scene s = scene(rate);
-      navigation::Lineariser lineariser{navigation::ErrorModel{}};
+      navigation::Lineariser lineariser{navigation::ErrorStateModel{}};
       const auto& step = lineariser(input_of(s, dt));
       for (int j = 0; j < kCoreStates; ++j) {
         const CoreVector x = perturbation(j) * CoreVector::Unit(j);
@@ -164,7 +164,7 @@ TEST(ErrorState, InputIsTheDerivativeByIncrements) {
   for (const double rate : {0.0, 0.5})
     for (const double dt : {0.001, 0.01, 0.1, 1.0}) {
       const Scene s = scene(rate);
-      navigation::Lineariser lineariser{navigation::ErrorModel{}};
+      navigation::Lineariser lineariser{navigation::ErrorStateModel{}};
       const auto& step = lineariser(input_of(s, dt));
       const double turn = s.w_ib_b.norm() * dt + kRate * dt, f = s.f_ib_b.norm();
       for (int j = 0; j < 6; ++j) {
@@ -195,7 +195,7 @@ TEST(ErrorState, InputIsTheDerivativeByIncrements) {
 TEST(ErrorState, CouplingIsTheDerivativeByEveryTerm) {
   const double dt = 0.01;
   const Scene s = scene(0.5);
-  navigation::ErrorModel model;
+  navigation::ErrorStateModel model;
   model.terms = every_sensor_term();
   navigation::Lineariser lineariser(model);
   const auto Phi = lineariser(input_of(s, dt)).matrix();
@@ -243,7 +243,7 @@ TEST(ErrorState, SensorErrorsAreThoseOfTheCoupling) {
     std::vector<double> values(terms.size(), 0);
     values[k] = 2;
     const auto errors = navigation::sensor_errors(terms, values.data(), s.w_ib_b, s.f_ib_b);
-    navigation::ErrorModel model;
+    navigation::ErrorStateModel model;
     model.terms.push_back(terms[k]);
     model.terms[0].correlation_time = std::numeric_limits<double>::infinity();
     navigation::Lineariser lineariser(model);
@@ -257,7 +257,7 @@ TEST(ErrorState, SensorErrorsAreThoseOfTheCoupling) {
 
 // Terms of aids touch no navigation state, but decay.
 TEST(ErrorState, TermsOfAidsOnlyDecay) {
-  navigation::ErrorModel model;
+  navigation::ErrorStateModel model;
   for (const auto effect : {Effect::bias, Effect::lever_arm, Effect::time_tag})
     model.terms.push_back(term(Carrier::aid, effect, 1, 0, 5));
   navigation::Lineariser lineariser(model);
@@ -279,7 +279,7 @@ TEST(ErrorState, NoiseFactorsAreThoseOfTheContinuousModel) {
     for (const double part : {1.0, 2.7}) {
       const double dt = 0.01, time = dt / (part * std::pow(10, decade));
       const int doublings = std::max(4, static_cast<int>(std::ceil(std::log2(dt / time))) + 16);
-      navigation::ErrorModel model;
+      navigation::ErrorStateModel model;
       model.terms.push_back(term(Carrier::gyro, Effect::bias, 0, 0, time));
       model.terms[0].walk = kWalk;
       navigation::Lineariser lineariser(model);
@@ -314,7 +314,7 @@ TEST(ErrorState, NoiseFactorsAreThoseOfTheContinuousModel) {
 }
 
 TEST(ErrorState, WhiteNoiseIsThatOfTheMean) {
-  navigation::ErrorModel model;
+  navigation::ErrorStateModel model;
   model.gyro_white = {1e-5, 2e-5, 3e-5};
   model.accelerometer_white = {1e-3, 0, 3e-3};
   navigation::Lineariser lineariser(model);
@@ -332,7 +332,7 @@ TEST(ErrorState, WhiteNoiseIsThatOfTheMean) {
 TEST(ErrorState, TwoHalfStepsAreAStep) {
   const Scene s = scene(0);
   for (const double dt : {0.01, 0.04, 0.2, 4.0}) {
-    navigation::ErrorModel model;
+    navigation::ErrorStateModel model;
     model.gyro_white.setConstant(1e-4);
     model.accelerometer_white.setConstant(1e-3);
     model.terms = every_sensor_term();
@@ -379,7 +379,7 @@ TEST(ErrorState, TwoHalfStepsAreAStep) {
 
 TEST(ErrorState, RefusesWhatIsNotAModel) {
   const auto refused = [](auto change) {
-    navigation::ErrorModel model;
+    navigation::ErrorStateModel model;
     model.terms.push_back(term(Carrier::gyro, Effect::misalignment, 0, 1));
     change(model);
     EXPECT_THROW(model.check(), std::invalid_argument);
@@ -399,7 +399,7 @@ TEST(ErrorState, RefusesWhatIsNotAModel) {
   refused([&](auto& m) { m.terms[0] = term(Carrier::accelerometer, Effect::g_sensitivity, 0); });
   refused(
       [&](auto& m) { m.terms.assign(navigation::kMaxErrorTerms + 1, term(Carrier::gyro, Effect::bias, 0)); });
-  navigation::Lineariser lineariser{navigation::ErrorModel{}};
+  navigation::Lineariser lineariser{navigation::ErrorStateModel{}};
   for (const double dt : {0.0, -1.0, nan, std::numeric_limits<double>::infinity()})
     EXPECT_THROW((void)lineariser(input_of(scene(0), dt)), std::invalid_argument);
 }

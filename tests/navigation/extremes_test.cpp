@@ -45,8 +45,8 @@ navigation::ErrorTerm bias(Carrier carrier, int axis, double correlation_time = 
   return t;
 }
 
-navigation::ErrorModel with_biases(double correlation_time = kInfinity, double gyro_walk = 1e-9) {
-  navigation::ErrorModel model;
+navigation::ErrorStateModel with_biases(double correlation_time = kInfinity, double gyro_walk = 1e-9) {
+  navigation::ErrorStateModel model;
   model.gyro_white.setConstant(1e-6);
   model.accelerometer_white.setConstant(1e-4);
   for (int i = 0; i < 3; ++i) model.terms.push_back(bias(Carrier::gyro, i, correlation_time, gyro_walk));
@@ -62,7 +62,7 @@ struct Place {
 /// The factors and a hundred digits, side by side.
 class Pair {
  public:
-  Pair(const navigation::ErrorModel& model, const StateVector& variance, const Place& place = {},
+  Pair(const navigation::ErrorStateModel& model, const StateVector& variance, const Place& place = {},
        Form form = Form::square_root)
       : place_(place),
         lineariser_(model),
@@ -192,7 +192,7 @@ TEST(Extremes, TenHoursFreeInertial) {
 }
 
 TEST(Extremes, CorrelationTimesOfAMicrosecondAndAMillionSeconds) {
-  navigation::ErrorModel model = with_biases();
+  navigation::ErrorStateModel model = with_biases();
   for (const double time : {1e-6, 1e-3, 1.0, 1e6})
     for (int i = 0; i < 2; ++i) {
       model.terms.push_back(

@@ -26,8 +26,8 @@ navigation::ErrorTerm term(navigation::Carrier carrier, navigation::Effect effec
   return t;
 }
 
-navigation::ErrorModel biases_and_scale_factors() {
-  navigation::ErrorModel model;
+navigation::ErrorStateModel biases_and_scale_factors() {
+  navigation::ErrorStateModel model;
   model.gyro_white.setConstant(1e-5);
   model.accelerometer_white.setConstant(1e-4);
   for (const auto carrier : {navigation::Carrier::gyro, navigation::Carrier::accelerometer})
@@ -41,7 +41,7 @@ navigation::NavigationState start_of(const earth::Trajectory& path) {
   return {p.p_eb_e, p.v_eb_e, p.q_eb};
 }
 
-navigation::StateMatrix diagonal(const navigation::ErrorModel& model, double p, double v, double psi,
+navigation::StateMatrix diagonal(const navigation::ErrorStateModel& model, double p, double v, double psi,
                                  double bias, double scale) {
   navigation::StateVector s(model.states());
   s.segment<3>(0).setConstant(p);

@@ -150,7 +150,7 @@ TEST(Smoother, ErrorsAreThoseClaimed) {
   cruise.duration = kDuration;
   const auto path = earth::cruise(cruise);
   const auto imu = path.increments(kDt);
-  navigation::ErrorModel model;
+  navigation::ErrorStateModel model;
   model.gyro_white.setConstant(1e-5);
   model.accelerometer_white.setConstant(1e-3);
   for (const auto carrier : {Carrier::gyro, Carrier::accelerometer})
@@ -235,7 +235,7 @@ TEST(Smoother, RefusesWhatItCannotSmooth) {
                std::invalid_argument);
   EXPECT_TRUE(smooth(record).empty());
 
-  navigation::ErrorModel model;
+  navigation::ErrorStateModel model;
   model.terms.resize(3);
   const navigation::NavigationState start{
       earth::to_ecef({0, 0, 0}), {0, 0, 0}, Eigen::Quaterniond::Identity()};

@@ -76,8 +76,8 @@ Piece piece_of(const Recording& recording, const Span& span) {
 // psi of the alignment is J times the biases it assumed, plus the rest. The model's terms are these biases where the
 // alignment ends, with a variance that may differ: psi then moves with them by the same J. What the alignment assumed
 // beyond them, how the bias moved in its course, stays.
-void correlate(const Alignment& alignment, Carrier carrier, const ErrorModel& model, const StateMatrix& terms,
-               AtRest& result) {
+void correlate(const Alignment& alignment, Carrier carrier, const ErrorStateModel& model,
+               const StateMatrix& terms, AtRest& result) {
   const bool gyro = carrier == Carrier::gyro;
   const Matrix3d& with = gyro ? alignment.gyro_bias_covariance : alignment.accelerometer_bias_covariance;
   const Vector3d& assumed = gyro ? alignment.gyro_bias_variance : alignment.accelerometer_bias_variance;
@@ -107,8 +107,8 @@ double sigma_of_force(const noise::SensorModel& sensor, double gravity) {
 }
 
 std::variant<NoStart, AtRest> align_at_rest(const Scenario& scenario, const Recording& recording,
-                                            const Span& span, const Vector3d& p_eb_e, const ErrorModel& model,
-                                            const StateMatrix& terms) {
+                                            const Span& span, const Vector3d& p_eb_e,
+                                            const ErrorStateModel& model, const StateMatrix& terms) {
   const auto& self = std::get<SelfAlignment>(scenario.alignment.attitude);
   const Piece piece = piece_of(recording, span);
   constexpr std::size_t kFewest = 12;
@@ -230,7 +230,7 @@ std::variant<NoStart, Span> start_span(const Scenario& scenario, const ImuLog& i
 
 std::variant<NoStart, Start> start(const Scenario& scenario, const Recording& recording,
                                    const std::vector<FixTrack>& tracks, const Span& span,
-                                   const ErrorModel& model, const StateMatrix& terms) {
+                                   const ErrorStateModel& model, const StateMatrix& terms) {
   const AlignmentPlan& a = scenario.alignment;
   Start result;
   AlignmentResult& r = result.result;

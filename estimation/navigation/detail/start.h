@@ -29,7 +29,7 @@ struct Start {
 /// aligned themselves it is correlated with the attitude: levelled by an accelerometer of bias b, the body is
 /// off level by b/g just so that this accelerometer sees none of it.
 [[nodiscard]] std::variant<NoStart, Start> start(const Scenario&, const Recording&,
-                                                 const std::vector<FixTrack>&, const Span&, const ErrorModel&,
-                                                 const StateMatrix& terms);
+                                                 const std::vector<FixTrack>&, const Span&,
+                                                 const ErrorStateModel&, const StateMatrix& terms);
 
 }  // namespace gyrobudget::inline v0::navigation::detail
