@@ -1,0 +1,266 @@
+// SPDX-License-Identifier: MIT
+#include "simulated_navigator.h"
+
+#include "gyrobudget/earth/attitude.h"
+#include "gyrobudget/earth/ellipsoid.h"
+#include "gyrobudget/earth/frames.h"
+#include "gyrobudget/earth/gravity.h"
+#include "gyrobudget/navigation/alignment.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <variant>
+
+#include <Eigen/Cholesky>
+
+namespace gyrobudget::inline v0::navigation {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+// Streams of random numbers beside the IMU's own: 'M', what it is for, the run.
+constexpr std::uint64_t kStart = 1, kAids = 2;
+constexpr double kAnyHeading = 1e3;  // [rad] limit that no alignment reaches: the filter judges
+noise::StreamKey key(std::uint64_t seed, std::uint64_t what, std::uint64_t run) {
+  return {seed, (std::uint64_t{'M'} << 56) | (what << 48) | run};
+}
+
+noise::Vector3 array(const Vector3d& v) { return {v[0], v[1], v[2]}; }
+Vector3d vector(const noise::Vector3& v) { return {v[0], v[1], v[2]}; }
+
+std::vector<earth::ImuIncrement> exact_increments(const Timeline& timeline, double interval) {
+  const NavigationState start = timeline.at(timeline.start()).state;
+  const Matrix3d C_be = start.q_eb.toRotationMatrix().transpose();
+  const earth::ImuIncrement rest{-interval * (C_be * earth::normal_gravity(start.p_eb_e)),
+                                 interval * (C_be * Vector3d(0, 0, earth::wgs84::kEarthRate))};
+  const auto pad = static_cast<std::size_t>(std::llround(-timeline.start() / interval));
+  std::vector<earth::ImuIncrement> all(pad, rest);
+  const auto flown = timeline.trajectory().increments(interval);
+  all.insert(all.end(), flown.begin(), flown.end());
+  return all;
+}
+
+// The same fix with the true values of another instant.
+struct AtTruth {
+  const Timeline::Instant& at;
+
+  PositionFix operator()(PositionFix fix) const {
+    fix.p_eb_e = at.state.p_eb_e + at.state.q_eb * fix.lever_arm;
+    return fix;
+  }
+  VelocityFix operator()(VelocityFix fix) const {
+    fix.v_eb_e = at.state.v_eb_e + at.state.q_eb * at.w_eb_b.cross(fix.lever_arm);
+    return fix;
+  }
+  HeightFix operator()(HeightFix fix) const {
+    fix.height = earth::to_geodetic(at.state.p_eb_e).height;
+    return fix;
+  }
+  AttitudeFix operator()(AttitudeFix fix) const {
+    fix.q_eb = at.state.q_eb;
+    return fix;
+  }
+};
+
+void check(const Timeline& timeline, const MonteCarlo::Options& options) {
+  if (options.runs < 1) throw std::invalid_argument(fmt::format("{} runs, expected 1 or more", options.runs));
+  if (!(options.imu_interval > 0))
+    throw std::invalid_argument(fmt::format("IMU interval of {} s, expected above 0", options.imu_interval));
+  if (!(options.imu_interval <= timeline.end()))
+    throw std::invalid_argument(
+        fmt::format("IMU interval of {} s, expected at most the {} s of the trajectory", options.imu_interval,
+                    timeline.end()));
+}
+
+}  // namespace
+
+SimulatedScene::SimulatedScene(const Timeline& timeline, const noise::SensorModel& sensor,
+                               const InitialErrors& initial, const Matrix3d& C_el,
+                               const std::optional<Design>& design, const MonteCarlo::AidErrors& aids,
+                               const MonteCarlo::Options& options)
+    : timeline_(timeline),
+      sensor_(sensor),
+      initial_(initial),
+      C_el_(C_el),
+      design_(design),
+      aids_(aids),
+      options_(options) {
+  check(timeline, options);
+  increments_ = exact_increments(timeline, options.imu_interval);
+  for (const Source& source : options.world) add_world(source);
+  const Eigen::LDLT<Eigen::MatrixXd> factors{Eigen::MatrixXd(aids.initial)};
+  aid_root_ = factors.transpositionsP().transpose() * Eigen::MatrixXd(factors.matrixL()) *
+              factors.vectorD().cwiseMax(0).cwiseSqrt().asDiagonal().toDenseMatrix();
+}
+
+std::size_t SimulatedScene::sample(double time) const {
+  const auto nearest = std::llround((time - timeline_.start()) / options_.imu_interval);
+  return std::min(static_cast<std::size_t>(nearest), increments_.size());
+}
+
+double SimulatedScene::time(std::size_t sample) const {
+  const auto pad = std::llround(-timeline_.start() / options_.imu_interval);
+  const double t = static_cast<double>(static_cast<std::int64_t>(sample) - pad) * options_.imu_interval;
+  return std::min(t, timeline_.end());
+}
+
+// The vectors of a source of the world along all samples.
+void SimulatedScene::add_world(const Source& source) {
+  const double dt = options_.imu_interval;
+  const std::size_t vectors = source.model.terms.size() / 3;
+  for (std::size_t v = 0; v < vectors; ++v) world_.push_back({source.model.terms[3 * v].carrier, {}});
+  for (std::size_t k = 0; k < increments_.size(); ++k) {
+    const double t = timeline_.start() + (static_cast<double>(k) + 0.5) * dt;
+    const Timeline::Instant at = timeline_.at(std::min(t, timeline_.end()));
+    StepInput input;
+    input.p_eb_e = at.state.p_eb_e;
+    input.C_eb = at.state.q_eb.toRotationMatrix();
+    for (std::size_t v = 0; v < vectors; ++v)
+      world_[world_.size() - vectors + v].unit.emplace_back(dt * Vector3d(source.shape(input, 3 * v),
+                                                                          source.shape(input, 3 * v + 1),
+                                                                          source.shape(input, 3 * v + 2)));
+  }
+}
+
+SimulatedNavigator::SimulatedNavigator(const SimulatedScene& scene, std::uint64_t run)
+    : scene_(scene),
+      start_(key(scene.options_.seed, kStart, run)),
+      aids_(key(scene.options_.seed, kAids, run)),
+      imu_(scene.sensor_, scene.options_.imu_interval, {scene.options_.seed, run}, scene.options_.imu) {
+  NavigationState start = wrong_start();
+  for (std::size_t v = 0; v < scene.world_.size(); ++v) world_.push_back(start_());
+  if (scene.options_.self_alignment) {
+    const auto found = coarse_alignment();
+    aligned_ = found.has_value();
+    start.q_eb = found.value_or(start.q_eb);
+  }
+  if (scene.design_)
+    filter_.emplace(start, scene.design_->model, scene.design_->initial, scene.options_.filter);
+  else
+    strapdown_.emplace(start, scene.options_.filter.strapdown);
+  Eigen::VectorXd draw(scene.aid_root_.rows());
+  for (auto& x : draw) x = aids_();
+  aid_terms_ = scene.aid_root_ * draw;
+}
+
+double SimulatedNavigator::Normals::operator()() {
+  if (next_ == buffer_.size()) {
+    noise::fill_normal(stream_, drawn_, buffer_);
+    drawn_ += buffer_.size();
+    next_ = 0;
+  }
+  return buffer_[next_++];
+}
+
+earth::ImuIncrement SimulatedNavigator::measure_imu(const earth::ImuIncrement& truth, std::size_t sample) {
+  const noise::ImuReading read = imu_.next({array(truth.angle), array(truth.velocity)});
+  earth::ImuIncrement measured{vector(read.velocity), vector(read.angle)};
+  for (std::size_t v = 0; v < scene_.world_.size(); ++v)
+    (scene_.world_[v].carrier == Carrier::gyro ? measured.angle : measured.velocity) +=
+        world_[v] * scene_.world_[v].unit[sample];
+  return measured;
+}
+
+// Coarse alignment on what is read on the pad, which is kept for the filter.
+// None where heading is neither observable nor given.
+std::optional<Eigen::Quaterniond> SimulatedNavigator::coarse_alignment() {
+  const std::size_t samples = scene_.pad_samples();
+  pad_.reserve(samples);
+  for (std::size_t k = 0; k < samples; ++k) pad_.push_back(measure_imu(scene_.increments_[k], k));
+  const NavigationState truth = scene_.timeline_.at(scene_.timeline_.start()).state;
+  const earth::Geodetic at = earth::to_geodetic(truth.p_eb_e);
+  const Eigen::Matrix3d C_en = earth::C_e_ned(at.latitude, at.longitude);
+  AlignmentOptions options;
+  options.sensor = scene_.sensor_;
+  options.latitude = at.latitude;
+  options.heading_limit = kAnyHeading;
+  if (scene_.options_.heading_sigma) {
+    // The body axis that lies most nearly level.
+    const Eigen::Matrix3d C_nb = C_en.transpose() * truth.q_eb.toRotationMatrix();
+    Eigen::Index axis = 0;
+    C_nb.row(2).cwiseAbs().minCoeff(&axis);
+    const double azimuth = std::atan2(C_nb(1, axis), C_nb(0, axis));
+    options.heading = {azimuth + *scene_.options_.heading_sigma * start_(), *scene_.options_.heading_sigma,
+                       Vector3d::Unit(axis)};
+  }
+  const Alignment found = align(pad_, scene_.options_.imu_interval, options);
+  if (!found.q_nb) return std::nullopt;
+  return Eigen::Quaterniond(C_en) * *found.q_nb;
+}
+
+NavigationState SimulatedNavigator::wrong_start() {
+  NavigationState state = scene_.timeline_.at(scene_.timeline_.start()).state;
+  const auto draw = [&](const Vector3d& sigma) -> Vector3d {
+    Vector3d v;
+    for (int i = 0; i < 3; ++i) v[i] = sigma[i] * start_();
+    return scene_.C_el_ * v;
+  };
+  const InitialErrors& e = scene_.initial_;
+  const Vector3d p = draw(e.position), v = draw(e.velocity), psi = draw({e.level, e.level, e.heading});
+  if (!scene_.options_.initial_errors) return state;
+  state.p_eb_e -= p;  // errors are truth minus estimate
+  state.v_eb_e -= v;
+  state.q_eb = earth::exp_rotation(-psi) * state.q_eb;
+  return state;
+}
+
+void SimulatedNavigator::step(const earth::ImuIncrement& exact) {
+  sensed_ = samples_ < pad_.size() ? pad_[samples_] : measure_imu(exact, samples_);
+  const double dt = scene_.options_.imu_interval;
+  filter_ ? filter_->propagate(sensed_, dt) : strapdown_->step(sensed_, dt);
+  move_aids();
+  ++samples_;
+}
+
+void SimulatedNavigator::pass_pad() {
+  const auto rest = scene_.timeline_.at(scene_.timeline_.start());
+  for (; samples_ < scene_.pad_samples(); step(scene_.increments_[samples_]))
+    if (fix_due()) use_fixes(rest);
+  if (fix_due()) use_fixes(rest);
+}
+
+bool SimulatedNavigator::fix_due() const {
+  const auto& fixes = scene_.timeline_.fixes();
+  return next_fix_ < fixes.size() && scene_.sample(fixes[next_fix_].time) <= samples_;
+}
+
+void SimulatedNavigator::use_fixes(const Timeline::Instant& truth) {
+  for (; fix_due(); ++next_fix_)
+    if (filter_) use(scene_.timeline_.fixes()[next_fix_], truth);
+}
+
+// The fix as the aid gives it: truth, its own errors by what they do to it, and white noise.
+void SimulatedNavigator::use(const PlannedFix& planned, const Timeline::Instant& truth) {
+  Measurement measurement = std::visit(
+      [&](const auto& fix) { return measure(AtTruth{truth}(fix), filter_->estimate()); }, planned.fix);
+  const Measurement of_errors = linearise(planned, truth, scene_.aids_.model);
+  for (int i = 0; i < measurement.rows; ++i) {
+    const auto& row = of_errors.row[static_cast<std::size_t>(i)];
+    const double white = std::sqrt(row.variance) * aids_();
+    if (scene_.options_.fix_noise)
+      measurement.residual[i] += white + row.h.tail(aid_terms_.size()).dot(aid_terms_);
+  }
+  filter_->update(measurement);
+}
+
+void SimulatedNavigator::move_aids() {
+  const double dt = scene_.options_.imu_interval;
+  for (Eigen::Index k = 0; k < aid_terms_.size(); ++k) {
+    const ErrorTerm& term = scene_.aids_.model.terms[static_cast<std::size_t>(k)];
+    if (term.walk == 0) continue;
+    const double phi = decay(term, dt), h2 = mean_decay(term, 2 * dt);
+    aid_terms_[k] = phi * aid_terms_[k] + term.walk * std::sqrt(dt * h2) * aids_();
+  }
+}
+
+std::uint64_t SimulatedNavigator::saturated() const {
+  std::uint64_t sum = 0;
+  for (std::size_t i = 0; i < 3; ++i) sum += imu_.gyro_saturated()[i] + imu_.accelerometer_saturated()[i];
+  return sum;
+}
+
+}  // namespace gyrobudget::inline v0::navigation
