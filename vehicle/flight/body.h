@@ -54,6 +54,8 @@ struct Faults {
   double nozzle_stuck_at = std::numeric_limits<double>::infinity();
   /// ... plus this [rad], pitch and yaw.
   Eigen::Vector2d nozzle_stuck_offset = Eigen::Vector2d::Zero();
+  /// Throughout, thrust points off the nozzle's deflection by this [rad], pitch and yaw.
+  Eigen::Vector2d thrust_misalignment = Eigen::Vector2d::Zero();
 };
 
 /// How the equations of motion are integrated. Steps end at control instants, at the points of the thrust's

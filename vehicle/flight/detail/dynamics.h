@@ -118,7 +118,8 @@ inline Motion motion(const Plant& plant, const Segment& segment, double t, const
     *seen = stream(plant, standard_atmosphere::kLayers, t, s, C_ib);
   }
   m.thrust = net_thrust(plant, now.thrust, pressure);
-  const double down = std::sin(deflection[0]), left = std::sin(deflection[1]);
+  const Vector2d& off = plant.faults.thrust_misalignment;
+  const double down = std::sin(deflection[0] + off[0]), left = std::sin(deflection[1] + off[1]);
   const double along = std::sqrt(std::max(0.0, 1 - down * down - left * left));
   force += m.thrust * Vector3d(along, -left, down);
   moment += m.thrust * now.centre_of_mass * Vector3d(0, down, left);

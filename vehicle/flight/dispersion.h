@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: MIT
+// What differs from one vehicle of a kind to the next, and from day to day.
+#pragma once
+
+#include "gyrobudget/flight/fly.h"
+
+#include <cstdint>
+
+namespace gyrobudget::inline v0::flight {
+
+/// One sigma of each; all normal and independent. 0 leaves it out.
+struct Dispersion {
+  double impulse = 0;              ///< of the motor's total impulse at the same burn, relative
+  double burn_time = 0;            ///< at the same total impulse, relative
+  double mass = 0;                 ///< at lift-off, with the same propellant, relative
+  double inertia = 0;              ///< all three moments together, relative
+  double axial_drag = 0;           ///< relative
+  double normal_force = 0;         ///< slope, relative
+  double pressure_ahead = 0;       ///< centre of pressure [m]
+  double thrust_misalignment = 0;  ///< of the nozzle's zero, in pitch and in yaw [rad]
+  double wind = 0;                 ///< steady, east and north, beside the flight's own wind [m/s]
+  double gust = 0;                 ///< peak of the flight's gust, relative
+
+  [[nodiscard]] bool none() const;
+  /// Draws reach 8.57 sigma. @throws std::invalid_argument for a number that is negative or not finite, and where a draw
+  /// could leave a quantity that is to be positive, or a mass below the propellant's, naming it.
+  void check(const Vehicle&) const;
+};
+
+/// The flight as run number `run` has it. Each quantity has a stream of its own, keyed by (seed, run): leaving one out
+/// does not change the others. Without dispersion it is the flight given, to the last bit.
+/// @throws std::invalid_argument as check().
+[[nodiscard]] Flight disperse(const Flight&, const Dispersion&, std::uint64_t seed, std::uint64_t run);
+
+}  // namespace gyrobudget::inline v0::flight

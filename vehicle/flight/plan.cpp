@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: MIT
+#include "gyrobudget/flight/plan.h"
+
+#include "gyrobudget/earth/sampled.h"
+
+#include <vector>
+
+namespace gyrobudget::inline v0::flight {
+
+FlightRecord fly_nominal(const Plan& plan) {
+  Plan nominal = plan;
+  nominal.guidance.reset();
+  nominal.navigator_faults = {};
+  PerfectNavigator navigator;
+  return fly(nominal, nominal.flight, {}, navigator);
+}
+
+earth::Trajectory trajectory(const FlightRecord& record) {
+  std::vector<double> times;
+  std::vector<Eigen::Vector3d> positions;
+  std::vector<Eigen::Quaterniond> attitudes;
+  for (const FlightPoint& p : record.points) {
+    if (!times.empty() && p.t <= times.back()) continue;
+    times.push_back(p.t);
+    positions.push_back(p.truth.p_eb_e);
+    attitudes.push_back(p.truth.q_eb);
+  }
+  return earth::through_samples(times, positions, attitudes);
+}
+
+}  // namespace gyrobudget::inline v0::flight
