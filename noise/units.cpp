@@ -21,7 +21,7 @@ namespace {
 /// A unit while it is worked out: long double, so that the factor rounds once, at the end.
 struct Scale {
   long double factor = 1;
-  int angle = 0, length = 0, time = 0;  ///< doubled exponents, as in Dimension
+  int angle = 0, length = 0, time = 0, mass = 0;  ///< doubled exponents, as in Dimension
 };
 
 Scale power(const Scale& base, int halves) {
@@ -33,11 +33,12 @@ Scale power(const Scale& base, int halves) {
   result.angle = base.angle * halves / 2;
   result.length = base.length * halves / 2;
   result.time = base.time * halves / 2;
+  result.mass = base.mass * halves / 2;
   return result;
 }
 
 Scale product(const Scale& a, const Scale& b) {
-  return {a.factor * b.factor, a.angle + b.angle, a.length + b.length, a.time + b.time};
+  return {a.factor * b.factor, a.angle + b.angle, a.length + b.length, a.time + b.time, a.mass + b.mass};
 }
 
 // --- Names -------------------------------------------------------------------------------------------------
@@ -109,6 +110,11 @@ constexpr Name kNames[] = {
     {"dph", {kDegree / kHour, 2, 0, -2}},
     {"rpm", {kRevolution / kMinute, 2, 0, -2}},
     {"meru", {kEarthRate / 1000, 2, 0, -2}},  // milli Earth rate unit
+    {"kg", {1, 0, 0, 0, 2}},
+    {"t", {1000, 0, 0, 0, 2}},
+    {"N", {1, 0, 2, -4, 2}, true},
+    {"Nm", {1, 0, 4, -4, 2}, true},
+    {"Pa", {1, 0, -2, -4, 2}, true},
     {"%", {0.01L, 0, 0, 0}},
     {"percent", {0.01L, 0, 0, 0}},
     {"ppm", {1e-6L, 0, 0, 0}},
@@ -256,7 +262,7 @@ class Parser {
     if (!rest().empty()) fail(fmt::format("found '{}' behind a complete unit", excerpt(rest())));
     return {static_cast<double>(scale.factor),
             {static_cast<std::int8_t>(scale.angle), static_cast<std::int8_t>(scale.length),
-             static_cast<std::int8_t>(scale.time)}};
+             static_cast<std::int8_t>(scale.time), static_cast<std::int8_t>(scale.mass)}};
   }
 
  private:
@@ -270,7 +276,7 @@ class Parser {
       return std::abs(exponent) <= std::numeric_limits<std::int8_t>::max();
     };
     if (!std::isnormal(static_cast<double>(scale.factor)) || !fits(scale.angle) || !fits(scale.length) ||
-        !fits(scale.time)) {
+        !fits(scale.time) || !fits(scale.mass)) {
       fail("its size or powers are beyond reason");
     }
     return scale;
@@ -329,7 +335,7 @@ class Parser {
     at_ -= unread;
     accept("-");
     const Scale radicand = factor();
-    if (radicand.angle % 2 != 0 || radicand.length % 2 != 0 || radicand.time % 2 != 0) {
+    if (radicand.angle % 2 != 0 || radicand.length % 2 != 0 || radicand.time % 2 != 0 || radicand.mass % 2 != 0) {
       fail("a fourth root is in no unit of a sensor");
     }
     return power(radicand, 1);
@@ -367,7 +373,7 @@ class Parser {
     const int halves = exponent();
     if (parenthesis && !accept(")")) fail("a parenthesis is not closed");
     const auto whole = [&](int doubled) { return doubled * halves % 2 == 0; };
-    if (!whole(base.angle) || !whole(base.length) || !whole(base.time))
+    if (!whole(base.angle) || !whole(base.length) || !whole(base.time) || !whole(base.mass))
       fail("a fourth root is in no unit of a sensor");
     return bounded(power(base, halves));
   }
@@ -442,6 +448,15 @@ constexpr Example kExamples[] = {
     {{0, 2, -3}, "m/s/sqrt(h), ug/sqrt(Hz), m/s^2/sqrt(Hz)"},
     {{0, 2, -5}, "ug/sqrt(h), m/s^2/sqrt(s), m/s^3/sqrt(Hz)"},
     {{0, 2, -6}, "ug/h, m/s^3"},
+    {dimension::kLength, "m, cm, ft"},
+    {dimension::kArea, "m^2"},
+    {dimension::kMass, "kg, t"},
+    {dimension::kForce, "N, kN"},
+    {dimension::kMoment, "N m, kN m"},
+    {dimension::kInertia, "kg m^2"},
+    {{0, -2, -4, 2}, "Pa, kPa"},
+    {{-2, 0, 0}, "1/rad, 1/deg"},
+    {{2, -2, 0}, "rad/m, deg/m"},
     {{0, 0, 1}, "1/sqrt(Hz)"},
     {{0, 0, -1}, "1/sqrt(s)"},
 };
@@ -489,7 +504,10 @@ double parse_quantity(std::string_view text, const Dimension& expected) {
         fmt::format("'{}' has a unit of the wrong kind (the kind of {}); expected one like {}", excerpt(text),
                     example_units(unit.dimension), example_units(expected)));
   }
-  return number * unit.to_si;
+  const double si = number * unit.to_si;
+  if (!std::isfinite(si))
+    throw std::invalid_argument(fmt::format("'{}' is beyond the range of numbers", excerpt(text)));
+  return si;
 }
 
 std::string example_units(const Dimension& d) {
@@ -497,7 +515,7 @@ std::string example_units(const Dimension& d) {
     if (example.dimension == d) return std::string(example.units);
   }
   std::string result;
-  for (const auto& [name, doubled] : {std::pair{"rad", d.angle}, {"m", d.length}, {"s", d.time}}) {
+  for (const auto& [name, doubled] : {std::pair{"rad", d.angle}, {"m", d.length}, {"s", d.time}, {"kg", d.mass}}) {
     if (doubled == 0) continue;
     result += fmt::format("{}{}^{}", result.empty() ? "" : " ", name, doubled / 2.0);
   }

@@ -186,6 +186,24 @@ const std::vector<Spelling> kSpellings = {
     {"ft/s", 0.3048L, dimension::kVelocity},
     {"deg/h/g", kDeg / 3600 / kG, {2, -2, 2}},
     {"(deg/h)/g", kDeg / 3600 / kG, {2, -2, 2}},
+    // masses, forces, moments
+    {"kg", 1, dimension::kMass},
+    {"t", 1000, dimension::kMass},
+    {"N", 1, dimension::kForce},
+    {"kN", 1000, dimension::kForce},
+    {"kg m/s^2", 1, dimension::kForce},
+    {"kg g", kG, dimension::kForce},
+    {"N m", 1, dimension::kMoment},
+    {"N*m", 1, dimension::kMoment},
+    {"kNm", 1000, dimension::kMoment},
+    {"kg m^2", 1, dimension::kInertia},
+    {"kg·m²", 1, dimension::kInertia},
+    {"m^2", 1, dimension::kArea},
+    {"cm^2", 1e-4L, dimension::kArea},
+    {"kPa", 1000, {0, -2, -4, 2}},
+    {"N/m^2", 1, {0, -2, -4, 2}},
+    {"1/rad", 1, {-2, 0, 0}},
+    {"rad/m", 1, {2, -2, 0}},
     // numbers, times, frequencies
     {"1", 1, dimension::kNumber},
     {"dimensionless", 1, dimension::kNumber},
@@ -361,7 +379,7 @@ TEST(Units, RefusesQuantitiesWithWhatWouldDo) {
       refusal_of_quantity("abc deg/h", dimension::kAngularRate),
       "'abc deg/h' does not start with a finite number; expected a number and a unit (deg/h, deg/s, rad/s)");
   for (const char* bad :
-       {"", " ", "nan deg/h", "inf deg/h", "1e999 deg/h", "--1 deg/h", "+-1 deg/h", "1,5 deg/h"}) {
+       {"", " ", "nan deg/h", "inf deg/h", "1e999 deg/h", "1e307 dps s/us", "--1 deg/h", "+-1 deg/h", "1,5 deg/h"}) {
     EXPECT_NE(refusal_of_quantity(bad, dimension::kAngularRate), "accepted") << bad;
   }
   EXPECT_EQ(example_units({4, 0, -2}), "rad^2 s^-1");
