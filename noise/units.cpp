@@ -335,7 +335,8 @@ class Parser {
     at_ -= unread;
     accept("-");
     const Scale radicand = factor();
-    if (radicand.angle % 2 != 0 || radicand.length % 2 != 0 || radicand.time % 2 != 0 || radicand.mass % 2 != 0) {
+    if (radicand.angle % 2 != 0 || radicand.length % 2 != 0 || radicand.time % 2 != 0 ||
+        radicand.mass % 2 != 0) {
       fail("a fourth root is in no unit of a sensor");
     }
     return power(radicand, 1);
@@ -515,7 +516,8 @@ std::string example_units(const Dimension& d) {
     if (example.dimension == d) return std::string(example.units);
   }
   std::string result;
-  for (const auto& [name, doubled] : {std::pair{"rad", d.angle}, {"m", d.length}, {"s", d.time}, {"kg", d.mass}}) {
+  for (const auto& [name, doubled] :
+       {std::pair{"rad", d.angle}, {"m", d.length}, {"s", d.time}, {"kg", d.mass}}) {
     if (doubled == 0) continue;
     result += fmt::format("{}{}^{}", result.empty() ? "" : " ", name, doubled / 2.0);
   }

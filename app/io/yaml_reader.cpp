@@ -65,6 +65,18 @@ void YamlReader::for_each(const Node& map, std::string_view what,
   }
 }
 
+void YamlReader::section(const Node& map, std::string_view what, const std::vector<YamlKey>& keys) const {
+  for_each(map, what, [&](const Node& key, const Node& value) {
+    const auto at = std::ranges::find(keys, key.Scalar(), &YamlKey::name);
+    if (at == keys.end()) {
+      std::vector<std::string> known;
+      for (const YamlKey& k : keys) known.push_back(k.name);
+      fail_unknown_key(key, what, known);
+    }
+    at->read(value);
+  });
+}
+
 std::string YamlReader::text(std::string_view key, const Node& value) const {
   if (!value.IsScalar()) fail_here(value, fmt::format("{}: found {}, expected text", key, kind(value)));
   return value.Scalar();

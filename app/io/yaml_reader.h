@@ -17,6 +17,12 @@ namespace gyrobudget::inline v0::io {
 /// What a number may be.
 enum class Sign { any, not_negative, above_zero };
 
+/// A key and what reads its value.
+struct YamlKey {
+  std::string name;
+  std::function<void(const YAML::Node& value)> read;
+};
+
 /// A YAML file whose root is a map. What it hands out refers to it.
 class YamlReader {
  public:
@@ -40,6 +46,9 @@ class YamlReader {
   /// Calls visit(key, value) for each entry of a map, each key once.
   void for_each(const YAML::Node& map, std::string_view what,
                 const std::function<void(const YAML::Node& key, const YAML::Node& value)>& visit) const;
+
+  /// Reads each entry of a map with the one of `keys` that has its name; others are refused, with the nearest.
+  void section(const YAML::Node& map, std::string_view what, const std::vector<YamlKey>& keys) const;
 
   /// The value of a key as text.
   [[nodiscard]] std::string text(std::string_view key, const YAML::Node& value) const;

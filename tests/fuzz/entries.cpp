@@ -5,6 +5,7 @@
 #include "gyrobudget/io/log.h"
 #include "gyrobudget/io/scene_file.h"
 #include "gyrobudget/io/sensor_file.h"
+#include "gyrobudget/io/vehicle_file.h"
 #include "gyrobudget/noise/units.h"
 
 #include <sys/mman.h>
@@ -186,6 +187,19 @@ void read_scene(std::string_view bytes) {
   }
 }
 
+// Alone: what it is based on is not there.
+void read_vehicle(std::string_view bytes) {
+  const MemoryFile file(bytes);
+  try {
+    const io::VehicleFile read = io::read_vehicle(file.path());
+    read.vehicle.check();
+    promise(!read.numbers.empty(), "a vehicle without numbers");
+    for (const io::VehicleNumber& n : read.numbers)
+      promise(n.origin.has_value() == !n.reason.empty(), "an origin without its reason");
+  } catch (const io::InputError&) {
+  }
+}
+
 void parse_unit(std::string_view bytes) {
   try {
     const noise::Unit unit = noise::parse_unit(bytes);
@@ -283,6 +297,13 @@ const std::vector<Entry>& entries() {
         "heading_sigma: 1 deg, velocity_sigma: 1 m/s}\naids: {ins: {file: a, position: 1 m, attitude: "
         "{sigma: 1 deg, "
         "bias_sigma: 1 deg}}}\n"}},
+      {"vehicle",
+       read_vehicle,
+       {std::string(io::vehicle_help()),
+        "lift_off_mass: {value: 28 t, origin: sourced, reason: published}\npropellant: 12 t\nburn_time: 83 "
+        "s\nspecific_impulse: 277 s\ncentre_of_mass: [[0, 7 m], [1, 10 m]]\nroll_inertia: 7e3 kg "
+        "m^2\npitch_inertia: {points: [[0, 4e5 kg m^2], [0.5, 3e5 kg m^2], [1, 2e5 kg m^2]], interpolation: "
+        "smooth}\nbending: none\n"}},
       {"unit",
        parse_unit,
        {"deg/sqrt(h)", "rad s^-1", "m/s^2/sqrt(Hz)", "\xc2\xb0/h/\xe2\x88\x9ah", "ug*s^(1/2)",

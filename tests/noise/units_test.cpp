@@ -378,8 +378,8 @@ TEST(Units, RefusesQuantitiesWithWhatWouldDo) {
   EXPECT_EQ(
       refusal_of_quantity("abc deg/h", dimension::kAngularRate),
       "'abc deg/h' does not start with a finite number; expected a number and a unit (deg/h, deg/s, rad/s)");
-  for (const char* bad :
-       {"", " ", "nan deg/h", "inf deg/h", "1e999 deg/h", "1e307 dps s/us", "--1 deg/h", "+-1 deg/h", "1,5 deg/h"}) {
+  for (const char* bad : {"", " ", "nan deg/h", "inf deg/h", "1e999 deg/h", "1e307 dps s/us", "--1 deg/h",
+                          "+-1 deg/h", "1,5 deg/h"}) {
     EXPECT_NE(refusal_of_quantity(bad, dimension::kAngularRate), "accepted") << bad;
   }
   EXPECT_EQ(example_units({4, 0, -2}), "rad^2 s^-1");

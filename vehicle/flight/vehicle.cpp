@@ -7,61 +7,77 @@
 
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
 namespace gyrobudget::inline v0::flight {
 namespace {
 
-void require(bool holds, const char* what, double value, const char* limit, const char* unit) {
+// `number` is the member's name, a literal.
+void require(bool holds, std::string_view number, const char* what, double value, const char* limit,
+             const char* unit) {
   if (!holds || !std::isfinite(value))
-    throw std::invalid_argument(fmt::format("{} is {} {}, but must be {}", what, value, unit, limit));
+    throw VehicleError(number, fmt::format("{} is {} {}, but must be {}", what, value, unit, limit));
 }
-void positive(double value, const char* what, const char* unit) {
-  require(value > 0, what, value, "positive", unit);
+void positive(double value, std::string_view number, const char* what, const char* unit) {
+  require(value > 0, number, what, value, "positive", unit);
 }
-void not_negative(double value, const char* what, const char* unit) {
-  require(value >= 0, what, value, "zero or more", unit);
+void not_negative(double value, std::string_view number, const char* what, const char* unit) {
+  require(value >= 0, number, what, value, "zero or more", unit);
 }
-void positive(const Table& table, const char* what, const char* unit) {
-  positive(table.range().first, what, unit);
+void positive(const Table& table, std::string_view number, const char* what, const char* unit) {
+  positive(table.range().first, number, what, unit);
+}
+void finite(double value, std::string_view number, const char* what, const char* unit) {
+  require(true, number, what, value, "finite", unit);
+}
+
+void check_thrust_shape(const Table& shape) {
+  constexpr std::string_view kNumber = "thrust_shape";
+  not_negative(shape.range().first, kNumber, "least value of the thrust shape", "");
+  const double first = shape.points().front().first;
+  require(first == 0, kNumber, "first point of the thrust shape", first, "0", "of burn fraction");
+  positive(shape.integral(1), kNumber, "mean of the thrust shape", "");
 }
 
 void check_actuator(const Actuator& a) {
-  positive(a.frequency, "frequency of the actuator", "Hz");
-  positive(a.damping, "damping of the actuator", "");
-  require(a.deflection_limit >= 0 && a.deflection_limit < std::numbers::pi / 4, "deflection limit",
-          a.deflection_limit, "from 0 to pi/4", "rad");
-  not_negative(a.rate_limit, "rate limit of the nozzle", "rad/s");
-  require(a.delay >= 0 && a.delay <= 1, "delay of the actuator", a.delay, "from 0 to 1", "s");
+  positive(a.frequency, "actuator.frequency", "frequency of the actuator", "Hz");
+  positive(a.damping, "actuator.damping", "damping of the actuator", "");
+  require(a.deflection_limit >= 0 && a.deflection_limit < std::numbers::pi / 4, "actuator.deflection_limit",
+          "deflection limit", a.deflection_limit, "from 0 to pi/4", "rad");
+  not_negative(a.rate_limit, "actuator.rate_limit", "rate limit of the nozzle", "rad/s");
+  require(a.delay >= 0 && a.delay <= 1, "actuator.delay", "delay of the actuator", a.delay, "from 0 to 1",
+          "s");
+}
+
+void check_bending(const Bending& b) {
+  positive(b.frequency, "bending.frequency", "frequency of the bending mode", "Hz");
+  not_negative(b.damping, "bending.damping", "damping of the bending mode", "");
+  finite(b.gimbal_deflection, "bending.gimbal_deflection", "deflection of the bending mode at the gimbal",
+         "");
+  finite(b.slope_at_imu, "bending.slope_at_imu", "slope of the bending mode at the IMU", "rad/m");
 }
 
 }  // namespace
 
 void Vehicle::check() const {
-  positive(lift_off_mass, "lift-off mass", "kg");
-  require(propellant >= 0 && propellant < lift_off_mass, "propellant", propellant,
+  positive(lift_off_mass, "lift_off_mass", "lift-off mass", "kg");
+  require(propellant >= 0 && propellant < lift_off_mass, "propellant", "propellant", propellant,
           "zero or more and less than the lift-off mass", "kg");
-  positive(burn_time, "burn time", "s");
-  not_negative(specific_impulse, "specific impulse", "s");
-  not_negative(thrust_shape.range().first, "least value of the thrust shape", "");
-  require(thrust_shape.points().front().first == 0, "first point of the thrust shape",
-          thrust_shape.points().front().first, "0", "of burn fraction");
-  positive(thrust_shape.integral(1), "mean of the thrust shape", "");
-  not_negative(exit_area, "exit area", "m^2");
-  not_negative(reference_area, "reference area", "m^2");
-  require(true, "normal-force slope", normal_force_slope, "finite", "1/rad");
-  require(true, "distance of the centre of pressure", pressure_ahead, "finite", "m");
-  positive(roll_inertia, "roll inertia", "kg m^2");
-  positive(pitch_inertia, "pitch inertia", "kg m^2");
-  positive(yaw_inertia, "yaw inertia", "kg m^2");
-  require(true, "station of the IMU", imu_station, "finite", "m");
-  not_negative(roll_moment_limit, "limit of the roll moment", "N m");
+  positive(burn_time, "burn_time", "burn time", "s");
+  not_negative(specific_impulse, "specific_impulse", "specific impulse", "s");
+  check_thrust_shape(thrust_shape);
+  not_negative(exit_area, "exit_area", "exit area", "m^2");
+  not_negative(reference_area, "reference_area", "reference area", "m^2");
+  finite(normal_force_slope, "normal_force_slope", "normal-force slope", "1/rad");
+  finite(pressure_ahead, "pressure_ahead", "distance of the centre of pressure", "m");
+  positive(roll_inertia, "roll_inertia", "roll inertia", "kg m^2");
+  positive(pitch_inertia, "pitch_inertia", "pitch inertia", "kg m^2");
+  positive(yaw_inertia, "yaw_inertia", "yaw inertia", "kg m^2");
+  finite(imu_station, "imu_station", "station of the IMU", "m");
+  not_negative(roll_moment_limit, "roll_moment_limit", "limit of the roll moment", "N m");
   check_actuator(actuator);
-  if (!bending) return;
-  positive(bending->frequency, "frequency of the bending mode", "Hz");
-  not_negative(bending->damping, "damping of the bending mode", "");
-  require(true, "deflection of the bending mode at the gimbal", bending->gimbal_deflection, "finite", "");
-  require(true, "slope of the bending mode at the IMU", bending->slope_at_imu, "finite", "rad/m");
+  if (bending) check_bending(*bending);
 }
 
 BurnState burn_state(const Vehicle& vehicle, double t) {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "gyrobudget/earth/ellipsoid.h"
 #include "gyrobudget/flight/table.h"
 
-#include <numbers>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
@@ -17,11 +18,11 @@ inline constexpr double kStandardGravity = 9.80665;  ///< g0 of specific impulse
 /// its way to it, in size and in change per control period, so that the actuator itself stays linear and can
 /// be integrated exactly; d overshoots the limit as its damping has it (4.6 % at 0.7).
 struct Actuator {
-  double frequency = 4;                                  ///< w/(2 pi) [Hz]
-  double damping = 0.7;                                  ///< z
-  double deflection_limit = 3 * std::numbers::pi / 180;  ///< [rad]
-  double rate_limit = 15 * std::numbers::pi / 180;       ///< [rad/s]
-  double delay = 0;                                      ///< from the control's word to the actuator [s]
+  double frequency = 4;                          ///< w/(2 pi) [Hz]
+  double damping = 0.7;                          ///< z
+  double deflection_limit = 3 * earth::kDegree;  ///< [rad]
+  double rate_limit = 15 * earth::kDegree;       ///< [rad/s]
+  double delay = 0;                              ///< from the control's word to the actuator [s]
 };
 
 /// First bending mode, alike in both planes: e'' + 2 z w e' + w^2 e = F_gimbal gimbal_deflection/m, where
@@ -34,6 +35,13 @@ struct Bending {
   /// [rad/m]; positive where a force that pitches the body up turns the IMU up with the mode, as near the
   /// gimbal; ahead of the belly of the mode it turns it down.
   double slope_at_imu = -0.47;
+};
+
+/// What Vehicle::check found.
+struct VehicleError : std::invalid_argument {
+  VehicleError(std::string_view member, const std::string& message)
+      : std::invalid_argument(message), number(member) {}
+  std::string_view number;  ///< name of the member, "propellant" or "actuator.delay"
 };
 
 /// A stage in powered flight. Stations are along the body's x axis, forward from the gimbal. Burn fraction is
@@ -63,7 +71,7 @@ struct Vehicle {
   [[nodiscard]] double mean_thrust() const {
     return specific_impulse * kStandardGravity * propellant / burn_time;
   }
-  /// @throws std::invalid_argument naming the first number that cannot be, with its limit and unit.
+  /// @throws VehicleError naming the first number that cannot be, with its limit and unit.
   void check() const;
 };
 
