@@ -11,6 +11,7 @@
 #include <array>
 #include <filesystem>
 #include <map>
+#include <stdexcept>
 #include <utility>
 #include <variant>
 
@@ -280,7 +281,11 @@ class VehicleReader : private YamlReader {
       take(node);
     }
     if (smooth) written += ", smooth";
-    out = smooth ? Table::smooth(std::move(points)) : Table::linear(std::move(points));
+    try {
+      out = smooth ? Table::smooth(std::move(points)) : Table::linear(std::move(points));
+    } catch (const std::invalid_argument& error) {
+      fail_here(node, fmt::format("{}: {}", entry.key, error.what()));
+    }
     return written;
   }
 

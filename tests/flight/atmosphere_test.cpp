@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -52,7 +53,38 @@ TEST(Table, SmoothReproducesACubicWithHorizontalEnds) {
   EXPECT_NEAR(table.integral(1), 0.5, 8 * kEpsilon);
 }
 
+TEST(Table, RangeIsThatOfAllValues) {
+  EXPECT_EQ(Table::linear({{0, 1}, {1, 3}, {2, -1}}).range(), std::pair(-1.0, 3.0));
+  EXPECT_EQ(Table(4).range(), std::pair(4.0, 4.0));
+  // By symmetry the slopes at 1 and 2 are s and -s, with 4 s - s = 3 (1 + 0): between them 1 + x (1 - x).
+  const Table humped = Table::smooth({{0, 0}, {1, 1}, {2, 1}, {3, 0}});
+  EXPECT_EQ(humped.range().first, 0);
+  EXPECT_NEAR(humped.range().second, 1.25, 8 * kEpsilon);
+  const Table table = Table::smooth({{0, 0.3}, {0.8, -0.33}, {0.95, 0.42}, {1.05, 0.55}, {1.2, 0.1}, {5, 2}});
+  double least = table(0), greatest = table(0);
+  constexpr double kStep = 1e-4;
+  for (double x = 0; x < 5; x += kStep) {
+    least = std::min(least, table(x));
+    greatest = std::max(greatest, table(x));
+  }
+  constexpr double kMissed = 1e-5;  // second derivatives below 1e3, times the step squared
+  EXPECT_NEAR(table.range().first, least, kMissed);
+  EXPECT_NEAR(table.range().second, greatest, kMissed);
+  EXPECT_LE(table.range().first, least + 8 * kEpsilon);
+  EXPECT_GE(table.range().second, greatest - 8 * kEpsilon);
+}
+
+TEST(Table, ScalesAndShiftsAtEveryAbscissa) {
+  const Table table = Table::smooth({{0, 0.3}, {0.8, 0.33}, {0.95, 0.42}, {5, 0.25}});
+  for (double x = -1; x < 6; x += 0.1) {
+    EXPECT_NEAR(table.scaled(3)(x), 3 * table(x), 16 * kEpsilon) << x;
+    EXPECT_NEAR(table.shifted(2)(x), 2 + table(x), 16 * kEpsilon) << x;
+  }
+}
+
 TEST(Table, RefusesWhatIsNoFunction) {
+  EXPECT_THROW((void)Table::linear({{0, 1}, {1e-320, 2}}), std::invalid_argument);
+  EXPECT_THROW((void)Table::smooth({{0, 1}, {1e-320, 2}, {1, 2}}), std::invalid_argument);
   EXPECT_THROW((void)Table::linear({{1, 0}, {1, 2}}), std::invalid_argument);
   EXPECT_THROW((void)Table::smooth({{0, 0}, {1, NAN}}), std::invalid_argument);
   EXPECT_THROW((void)Table::linear(std::vector<Table::Point>()), std::invalid_argument);
@@ -158,8 +190,21 @@ TEST(Vehicle, RefusesWhatCannotFly) {
   refused([](Vehicle& v) { v.pitch_inertia = 0; });
   refused([](Vehicle& v) { v.thrust_shape = 0; });
   refused([](Vehicle& v) { v.thrust_shape = Table::linear({{0.1, 1}, {1, 1}}); });
+  refused([](Vehicle& v) { v.pitch_inertia = Table::smooth({{0, 4}, {0.1, 0.1}, {0.2, 0.1}, {1, 4}}); });
   refused([](Vehicle& v) { v.actuator.delay = -1; });
   refused([](Vehicle& v) { v.bending = Bending{.frequency = 0}; });
+}
+
+TEST(Vehicle, TellsWhichNumberItRefuses) {
+  Vehicle v = vlm1();
+  v.actuator.delay = 2;
+  try {
+    v.check();
+    FAIL() << "expected a refusal";
+  } catch (const VehicleError& error) {
+    EXPECT_EQ(error.number, "actuator.delay");
+    EXPECT_STREQ(error.what(), "delay of the actuator is 2 s, but must be from 0 to 1");
+  }
 }
 
 }  // namespace

@@ -4,8 +4,6 @@
 #include "gyrobudget/earth/ellipsoid.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 #include "temporary.h"
 
@@ -283,6 +281,8 @@ TEST_F(VehicleFile, TablesAscendWithinTheirRange) {
                   "value, as in [[0, 1 m], [1, 1 m]]");
   EXPECT_CONTAINS(message("centre_of_mass: [0, 7 m]\n"), "1:18: centre_of_mass: found '0', expected points");
   EXPECT_CONTAINS(message("centre_of_mass: []\n"), "found an empty list, expected points as in [[0, 1 m]");
+  EXPECT_CONTAINS(message("axial_drag: [[0, 1], [1e-320, 2]]\n"),
+                  "1:13: axial_drag: the table is too steep from 0");
   EXPECT_CONTAINS(message("centre_of_mass: {points: 7 m}\n"),
                   "centre_of_mass, points: found '7 m', expected a list like [[0, 1 m], [1, 1 m]]");
   EXPECT_CONTAINS(message("centre_of_mass: {points: [[0, 7 m]], value: 7 m}\n"),
@@ -315,6 +315,9 @@ TEST_F(VehicleFile, WhatAVehicleCannotBeHasThePlaceOfTheNumber) {
   EXPECT_CONTAINS(message_with("actuator: {deflection_limit: {value: 50 deg}}\n"), "8:30: deflection limit");
   EXPECT_CONTAINS(message_with("thrust_shape: [[0.1, 1], [1, 1]]\n"),
                   "8:15: first point of the thrust shape is 0.1 of burn fraction, but must be 0");
+  EXPECT_CONTAINS(message_with("thrust_shape: {points: [[0, 1], [0.4, 0], [0.6, 0], [1, 1]], interpolation: "
+                               "smooth}\n"),
+                  "8:15: least value of the thrust shape is -0.");  // between its points
   EXPECT_CONTAINS(message_with("thrust_shape: 0\n"), "8:15: mean of the thrust shape is 0");
   std::string heavy = kLeast;
   heavy.replace(heavy.find("1500 kg"), 7, "3 t    ");

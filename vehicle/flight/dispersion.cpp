@@ -27,7 +27,8 @@ enum class Quantity : std::uint64_t {
   misalignment_yaw,
   wind_east,
   wind_north,
-  gust
+  gust,
+  centre_of_mass
 };
 
 struct Named {
@@ -42,6 +43,7 @@ constexpr std::array kAll{Named{"impulse", &Dispersion::impulse, true},
                           Named{"axial drag", &Dispersion::axial_drag, true},
                           Named{"normal force", &Dispersion::normal_force, true},
                           Named{"centre of pressure", &Dispersion::pressure_ahead, false},
+                          Named{"centre of mass", &Dispersion::centre_of_mass, false},
                           Named{"thrust misalignment", &Dispersion::thrust_misalignment, false},
                           Named{"wind", &Dispersion::wind, false},
                           Named{"gust", &Dispersion::gust, false}};
@@ -101,6 +103,8 @@ Flight disperse(const Flight& flight, const Dispersion& d, std::uint64_t seed, s
     v.axial_drag = v.axial_drag.scaled(f);
   v.normal_force_slope *= factor(d.normal_force, Quantity::normal_force);
   v.pressure_ahead += offset(d.pressure_ahead, Quantity::pressure_ahead);
+  if (const double shift = offset(d.centre_of_mass, Quantity::centre_of_mass); shift != 0)
+    v.centre_of_mass = v.centre_of_mass.shifted(shift);
   result.faults.thrust_misalignment +=
       Eigen::Vector2d(offset(d.thrust_misalignment, Quantity::misalignment_pitch),
                       offset(d.thrust_misalignment, Quantity::misalignment_yaw));

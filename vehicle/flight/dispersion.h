@@ -17,18 +17,20 @@ struct Dispersion {
   double axial_drag = 0;           ///< relative
   double normal_force = 0;         ///< slope, relative
   double pressure_ahead = 0;       ///< centre of pressure [m]
+  double centre_of_mass = 0;       ///< along the body, and with it the centre of pressure [m]
   double thrust_misalignment = 0;  ///< of the nozzle's zero, in pitch and in yaw [rad]
   double wind = 0;                 ///< steady, east and north, beside the flight's own wind [m/s]
   double gust = 0;                 ///< peak of the flight's gust, relative
 
   [[nodiscard]] bool none() const;
-  /// Draws reach 8.57 sigma. @throws std::invalid_argument for a number that is negative or not finite, and where a draw
-  /// could leave a quantity that is to be positive, or a mass below the propellant's, naming it.
+  /// Draws reach 8.57 sigma, and none is clamped: where one could leave a quantity that is to be positive, or
+  /// a mass not above the propellant's, the dispersion is refused.
+  /// @throws std::invalid_argument naming the quantity, also for one that is negative or not finite.
   void check(const Vehicle&) const;
 };
 
-/// The flight as run number `run` has it. Each quantity has a stream of its own, keyed by (seed, run): leaving one out
-/// does not change the others. Without dispersion it is the flight given, to the last bit.
+/// The flight as run number `run`, below 2^48, has it. Each quantity has a stream of its own, keyed by (seed,
+/// run): leaving one out does not change the others. Without dispersion it is the flight given, to the last bit.
 /// @throws std::invalid_argument as check().
 [[nodiscard]] Flight disperse(const Flight&, const Dispersion&, std::uint64_t seed, std::uint64_t run);
 

@@ -58,6 +58,9 @@ void Table::join(const std::vector<double>& slopes) {
       piece.d = (slopes[k] + slopes[k + 1] - 2 * chord) / (h * h);
     }
     piece.sum = integral(x, k);
+    if (!std::isfinite(piece.b + piece.c + piece.d + piece.sum))
+      throw std::invalid_argument(
+          fmt::format("the table is too steep from {} to {}", x, points_[k + 1].first));
     pieces_.push_back(piece);
   }
   const double end = points_.back().first;
@@ -71,10 +74,29 @@ Table Table::scaled(double factor) const {
   return {std::move(points), smooth_};
 }
 
+Table Table::shifted(double offset) const {
+  std::vector<Point> points = points_;
+  for (Point& point : points) point.second += offset;
+  return {std::move(points), smooth_};
+}
+
 std::pair<double, double> Table::range() const {
   const auto by_value = [](const Point& a, const Point& b) { return a.second < b.second; };
-  const auto [least, greatest] = std::minmax_element(points_.begin(), points_.end(), by_value);
-  return {least->second, greatest->second};
+  const auto at_points = std::minmax_element(points_.begin(), points_.end(), by_value);
+  std::pair<double, double> range{at_points.first->second, at_points.second->second};
+  if (!smooth_) return range;
+  for (std::size_t k = 1; k < points_.size(); ++k) {
+    const Piece& p = pieces_[k];  // its slope, b + 2 c x + 3 d x^2, has two zeros or none
+    const double discriminant = p.c * p.c - 3 * p.b * p.d;
+    if (!(discriminant >= 0)) continue;
+    const double q = -p.c - std::copysign(std::sqrt(discriminant), p.c);
+    for (const double x : {q / (3 * p.d), p.b / q}) {
+      if (!(x > 0 && x < points_[k].first - p.from)) continue;
+      const double value = at(p.from + x, k).value;
+      range = {std::min(range.first, value), std::max(range.second, value)};
+    }
+  }
+  return range;
 }
 
 }  // namespace gyrobudget::inline v0::flight

@@ -22,7 +22,8 @@ class Table {
 
   /// The same value everywhere.
   Table(double constant = 0) : Table(linear({{0, constant}})) {}
-  /// @throws std::invalid_argument for no points, abscissae not ascending, numbers that are not finite.
+  /// @throws std::invalid_argument for no points, abscissae not ascending or too near each other, numbers that
+  /// are not finite.
   [[nodiscard]] static Table linear(std::initializer_list<Point> points);
   [[nodiscard]] static Table linear(std::vector<Point> points);
   [[nodiscard]] static Table smooth(std::initializer_list<Point> points);
@@ -61,7 +62,9 @@ class Table {
   [[nodiscard]] const std::vector<Point>& points() const { return points_; }
   /// Every value times this.
   [[nodiscard]] Table scaled(double factor) const;
-  /// Least and greatest value at the points.
+  /// Every value plus this.
+  [[nodiscard]] Table shifted(double offset) const;
+  /// Least and greatest value, of a smooth table also between its points.
   [[nodiscard]] std::pair<double, double> range() const;
 
  private:
