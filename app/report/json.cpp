@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/noise/units.h"
 #include "gyrobudget/report/curves.h"
+#include "gyrobudget/report/json_text.h"
 #include "gyrobudget/report/page_parts.h"
 #include "gyrobudget/report/report.h"
 #include "gyrobudget/report/words.h"
@@ -25,7 +26,6 @@ using fit::Verdict;
 using noise::Signal;
 using noise::Term;
 
-constexpr std::size_t kLineWidth = 200;
 constexpr std::size_t kPagePoints = 300;
 
 std::string_view text(Status status) {
@@ -62,44 +62,6 @@ std::string_view text(Signal signal) {
       break;
   }
   return "dimensionless";
-}
-
-/// One value as text; invalid UTF-8 in names of columns and files is replaced, never an error.
-std::string compact(const Json& value) { return value.dump(-1, ' ', false, Json::error_handler_t::replace); }
-
-/// Readable and still dense: a list or object without lists or objects inside stands on one line where it fits.
-void write(const Json& value, std::size_t indent, std::string& out) {
-  const bool nested =
-      std::any_of(value.begin(), value.end(), [](const Json& v) { return v.is_structured(); });
-  if (!value.is_structured() || value.empty()) {
-    out += compact(value);
-    return;
-  }
-  if (!nested) {
-    const std::string line = compact(value);
-    if (indent + line.size() <= kLineWidth || (value.is_array() && value.front().is_number())) {
-      out += line;
-      return;
-    }
-  }
-  out += value.is_array() ? '[' : '{';
-  bool first = true;
-  for (const auto& [key, item] : value.items()) {
-    out += first ? "\n" : ",\n";
-    first = false;
-    out.append(indent + 2, ' ');
-    if (value.is_object()) out += compact(Json(key)) + ": ";
-    write(item, indent + 2, out);
-  }
-  out += '\n';
-  out.append(indent, ' ');
-  out += value.is_array() ? ']' : '}';
-}
-
-std::string document(const Json& value) {
-  std::string out;
-  write(value, 0, out);
-  return out + '\n';
 }
 
 /// Converts between SI and a datasheet unit.
@@ -575,15 +537,15 @@ std::string estimators_text(const LogResult& result) {
 
 }  // namespace
 
-std::string allan_json(const LogResult& result) { return document(allan_document(result)); }
+std::string allan_json(const LogResult& result) { return dense_json(allan_document(result)); }
 
-std::string calibration_json(const LogResult& result) { return document(calibration_document(result)); }
+std::string calibration_json(const LogResult& result) { return dense_json(calibration_document(result)); }
 
 std::string runs_json(const RunsResult& result) {
   Json out = {{"schema", "gyrobudget.runs/1"}, {"version", kVersion}, {"command", result.command}};
   out["combined"] = combined(result);
   for (const LogResult& run : result.runs) out["runs"].push_back(calibration_document(run));
-  return document(out);
+  return dense_json(out);
 }
 
 std::string page_data(const LogResult& result, const RunsResult* runs) {
@@ -608,7 +570,7 @@ std::string page_data(const LogResult& result, const RunsResult* runs) {
                     {"words", axis.fit ? words(axis, result.rate_hz) : Json(nullptr)}});
   }
   if (runs != nullptr) data["combined"] = combined_rows(*runs);
-  return without_markup(compact(data));
+  return without_markup(compact_json(data));
 }
 
 }  // namespace gyrobudget::inline v0::report

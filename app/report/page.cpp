@@ -128,6 +128,12 @@ std::string budget_page(const std::vector<BudgetResult>& results) {
                kBudgetJs);
 }
 
+std::string flight_page(std::span<const FlightResult> results) {
+  const std::string& name = results[0].name.empty() ? results[0].scene : results[0].name;
+  return whole("Flight: " + printable(name), kFlightHtml, flight_text(results), flight_data(results),
+               kFlightJs);
+}
+
 std::string sweep_page(const Sweep& sweep) {
   return whole("Error against run time: " + printable(sweep.sensor), kSweepHtml, sweep_table(sweep),
                sweep_data(sweep), kSweepJs);

@@ -3,10 +3,12 @@
 
 #include "gyrobudget/report/accuracy.h"
 #include "gyrobudget/report/budget.h"
+#include "gyrobudget/report/flight.h"
 #include "gyrobudget/report/navigation.h"
 #include "gyrobudget/report/paper.h"
 #include "gyrobudget/report/result.h"
 
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -33,6 +35,9 @@ namespace gyrobudget::inline v0::report {
 [[nodiscard]] std::string navigation_data(const NavigationResult&);
 /// What budget.js draws: budget_json of each sensor, ellipses, the cloud of Monte Carlo and what the filter claims.
 [[nodiscard]] std::string budget_data(const std::vector<BudgetResult>&);
+/// What flight.js draws: flight_json of each sensor with fewer points, the nominal flight, sigmas over time, and where the
+/// flights of Monte Carlo ended.
+[[nodiscard]] std::string flight_data(std::span<const FlightResult>);
 
 // The files of the pages, embedded by embed.cmake.
 extern const std::string_view kShellHtml, kPageCss, kPlotJs, kChartJs;
@@ -42,5 +47,6 @@ extern const std::string_view kAccuracyHtml, kAccuracyJs;      ///< accuracy
 extern const std::string_view kSweepHtml, kSweepJs;            ///< accuracy --sweep
 extern const std::string_view kNavigationHtml, kNavigationJs;  ///< navigate
 extern const std::string_view kBudgetHtml, kBudgetJs;          ///< budget
+extern const std::string_view kFlightHtml, kFlightJs;          ///< fly
 
 }  // namespace gyrobudget::inline v0::report
