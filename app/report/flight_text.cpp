@@ -148,8 +148,8 @@ std::string check_text(const Study& s) {
     const bool outside = ratio < check->low || ratio > check->high;
     out += fmt::format(" {} {}{}", axes[i], number(ratio, 3), outside ? " (outside)" : "");
   }
-  return out +
-         fmt::format("; 99 % of right ones lie in {} to {}\n", number(check->low, 3), number(check->high, 3));
+  return out + fmt::format("\n  99 % of right ones lie in {} to {}\n", number(check->low, 3),
+                           number(check->high, 3));
 }
 
 std::string navigation_error(const FlightResult& r, const std::string& name) {
