@@ -41,25 +41,26 @@ inline constexpr Dimension kInertia{0, 4, 0, 2};
 }  // namespace dimension
 
 /// Reads a unit as datasheets, ROS, Kalibr, MATLAB and CSV headers write it: `deg/sqrt(h)`, `°/√h`,
-/// `deg/rt-hr`,
-/// `(deg/h)/√Hz`, `rad s^-1`, `m s-2`, `mdps/rtHz`, `µg`, `deg per root hour`.
+/// `deg/rt-hr`, `(deg/h)/√Hz`, `rad s^-1`, `m s-2`, `mdps/rtHz`, `µg`, `deg per root hour`.
 ///
 /// Grammar, blanks free between tokens (UTF-8; unicode signs as their ASCII forms):
 ///
-///     unit     = factor { ("*" | "·" | "-" | "/" | "per" | blank) factor }     left to right: a/b c is (a/b)
-///     c factor   = ( name | "(" unit ")" | "1" ) [ power ]  |  root factor root     = ("sqrt" | "root" |
-///     "rt" | "√") [ "-" ]                         joined too: rtHz, sqrthr power    = ("^" | "**") exponent
-///     | "^(" exponent ")" | exponent directly behind (s-1, m/s2) | superscripts exponent = whole or half
-///     number: 2, -1, 0.5, 1.5, 1/2, -3/2, ½
+///     unit     = factor { ("*" | "·" | "-" | "/" | "per" | blank) factor }     left to right: a/b c is (a/b) c
+///     factor   = ( name | "(" unit ")" | "1" ) [ power ]  |  root factor
+///     root     = ("sqrt" | "root" | "rt" | "√") [ "-" ]                         joined too: rtHz, sqrthr
+///     power    = ("^" | "**") exponent | "^(" exponent ")"
+///              | exponent directly behind (s-1, m/s2) | superscripts
+///     exponent = whole or half number: 2, -1, 0.5, 1.5, 1/2, -3/2, ½
 ///
 /// Names: rad deg ° rev; arcmin ′ ', arcsec ″ " as; s sec min h hr day d; Hz; m ft in; g Gal; dps dph rpm
-/// meru; kg t N Nm Pa; % ppm ppb; 1, dimensionless; plurals and long forms. SI prefixes p n u µ m k M go before
-/// rad deg dps g s sec m Hz Gal as N Nm Pa (cm too). Prefixes and one-letter names are case-sensitive (mg is not Mg, G is not g);
-/// other names are not (DEG/HR).
+/// meru; kg t N Nm Pa; % ppm ppb; 1, dimensionless; plurals and long forms. SI prefixes p n u µ m k M go
+/// before rad deg dps g s sec m Hz Gal as N Nm Pa (cm too). Prefixes and one-letter names are case-sensitive
+/// (mg is not Mg, G is not g); other names are not (DEG/HR).
 ///
-/// Where a spelling has two readings: g is standard gravity 9.80665 m/s^2, never gram, but kg is kilogram; min and " are minute
-/// of time and second of arc; ms is millisecond, `m s` metre second; h is hour; `^1/2` is a square root, as
-/// no unit is halved. Counts, LSB and volts are refused: they have no size until a scale gives them one.
+/// Where a spelling has two readings: g is standard gravity 9.80665 m/s^2, never gram, but kg is kilogram;
+/// min and " are minute of time and second of arc; ms is millisecond, `m s` metre second; h is hour; `^1/2` is
+/// a square root, as no unit is halved. Counts, LSB and volts are refused: they have no size until a scale
+/// gives them one.
 ///
 /// to_si is the exact factor rounded to double.
 /// @throws std::invalid_argument naming what was not understood, and the nearest known spelling; also for

@@ -42,11 +42,11 @@ struct VehicleFile {
 ///     actuator: {frequency: 4 Hz, delay: 10 ms, origin: assumed, reason: usual of flexible nozzles}
 ///     burn_time: 83 s                      # for a quick try: its origin is not stated
 ///
-/// `based_on: other.yaml` takes over what this file does not give; paths start at the file's folder. Every key,
-/// with an example and what it is when left out, stands in vehicle_help().
+/// `based_on: other.yaml` takes over what this file does not give; paths start at the file's folder. Every
+/// key, with an example and what it is when left out, stands in vehicle_help().
 ///
-/// @throws InputError with file:line:column, what was found, what was expected; an unknown key gets the nearest
-/// name, and what Vehicle::check refuses the place of the number.
+/// @throws InputError with file:line:column, what was found, what was expected; an unknown key gets the
+/// nearest name, and what Vehicle::check refuses the place of the number.
 [[nodiscard]] VehicleFile read_vehicle(const std::string& path);
 
 /// All keys of a vehicle as one commented example, which read_vehicle reads.

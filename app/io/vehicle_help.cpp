@@ -4,12 +4,14 @@
 namespace gyrobudget::inline v0::io {
 
 std::string_view vehicle_help() {
-  return R"yaml(# A number is written {value: 28 t, origin: sourced, reason: where from}, a table {points: [[x, value], ...], origin: ..., reason: ...},
-# with an origin of sourced (published), derived (follows from published ones) or assumed. Just 28 t, or just the points,
-# is read too and counts as not stated. A reason with a comma needs quotes. Tables run straight between their points, or
-# with interpolation: smooth as a cubic spline, and keep their outermost values beyond; a value in place of points is
-# constant. Burn fraction is time over burn time, propellant fraction propellant used over propellant, both 0 to 1; stations
-# are ahead of the gimbal. [In brackets] is what leaving a key out means; those without brackets are needed.
+  return R"yaml(# A number is written {value: 28 t, origin: sourced, reason: where from}, a table
+# {points: [[x, value], ...], origin: assumed, reason: why}; origin is sourced (published), derived (follows
+# from published ones) or assumed. Just 28 t, or just the points, is read too and counts as not stated. A
+# reason with a comma or colon needs quotes. Tables run straight between their points, or with
+# interpolation: smooth as a cubic spline, and keep their outermost values beyond; a value in place of points
+# is constant. Burn fraction is time over burn time, propellant fraction propellant used over propellant, both
+# 0 to 1; stations are ahead of the gimbal. [In brackets] is what leaving a key out means; those without
+# brackets are needed.
 name: sounding rocket
 # based_on: other.yaml        # takes over from another vehicle what is not given here [nothing]
 lift_off_mass: {value: 1.2 t, origin: sourced, reason: maker's data sheet}
@@ -18,12 +20,13 @@ propellant:
   origin: derived
   reason: lift-off mass less what is left at burnout
 burn_time: 30 s
-specific_impulse: 260 s       # in vacuum; mean thrust is this times 9.80665 m/s^2 times propellant over burn time
+specific_impulse: 260 s       # in vacuum: mean thrust times burn time over (9.80665 m/s^2 propellant)
 thrust_shape: {points: [[0, 1.1], [0.8, 1], [1, 0.2]], origin: assumed, reason: a motor alike}
                               # over burn fraction, brought to a mean of 1 [constant thrust]
 exit_area: 0.05 m^2           # of the nozzle [0: no back-pressure]
 reference_area: 0.2 m^2       # of the coefficients; needed with the next two
-axial_drag: {points: [[0, 0.3], [0.9, 0.4], [1.1, 0.5], [4, 0.2]], interpolation: smooth}    # by Mach number [no drag]
+axial_drag: {points: [[0, 0.3], [0.9, 0.4], [1.1, 0.5], [4, 0.2]], interpolation: smooth}
+                              # by Mach number [no drag]
 normal_force_slope: 2.8 1/rad # of its coefficient by angle of attack [no normal force]
 pressure_ahead: 0.5 m         # centre of pressure ahead of centre of mass; behind it, below 0 [0: at it]
 centre_of_mass: [[0, 3 m], [1, 4 m]]         # station over propellant fraction: the gimbal's arm

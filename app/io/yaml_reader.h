@@ -47,7 +47,7 @@ class YamlReader {
   void for_each(const YAML::Node& map, std::string_view what,
                 const std::function<void(const YAML::Node& key, const YAML::Node& value)>& visit) const;
 
-  /// Reads each entry of a map with the one of `keys` that has its name; others are refused, with the nearest.
+  /// Reads each entry of a map with the one of `keys` that has its name; others are refused.
   void section(const YAML::Node& map, std::string_view what, const std::vector<YamlKey>& keys) const;
 
   /// The value of a key as text.

@@ -279,7 +279,6 @@ TEST(Units, NumberAndUnitMayTouch) {
 }
 
 // --- The three unit traps of the field ---------------------------------------------------------------------
-// --------------------------------------------------------------------------
 
 TEST(UnitTraps, RateRandomWalkIsReadAtThreeSecondsOrThreeHours) {
   // On the +1/2 line the deviation equals K at tau = 3 of the time unit under K's root: 3 s or 3 h, a factor
@@ -320,7 +319,6 @@ TEST(UnitTraps, RandomWalkUnitsTellAngleFromRate) {
 }
 
 // --- Refusals ----------------------------------------------------------------------------------------------
-// ----------------------------------------------------------------------------------------------------
 
 std::string refusal_of_unit(std::string_view text) {
   try {

@@ -30,7 +30,8 @@ struct Dispersion {
 };
 
 /// The flight as run number `run`, below 2^48, has it. Each quantity has a stream of its own, keyed by (seed,
-/// run): leaving one out does not change the others. Without dispersion it is the flight given, to the last bit.
+/// run): leaving one out does not change the others. Without dispersion it is the flight given, to the last
+/// bit.
 /// @throws std::invalid_argument as check().
 [[nodiscard]] Flight disperse(const Flight&, const Dispersion&, std::uint64_t seed, std::uint64_t run);
 

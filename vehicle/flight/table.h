@@ -22,8 +22,8 @@ class Table {
 
   /// The same value everywhere.
   Table(double constant = 0) : Table(linear({{0, constant}})) {}
-  /// @throws std::invalid_argument for no points, abscissae not ascending or too near each other, numbers that
-  /// are not finite.
+  /// @throws std::invalid_argument for no points, abscissae not ascending or too near each other, numbers
+  /// that are not finite.
   [[nodiscard]] static Table linear(std::initializer_list<Point> points);
   [[nodiscard]] static Table linear(std::vector<Point> points);
   [[nodiscard]] static Table smooth(std::initializer_list<Point> points);
