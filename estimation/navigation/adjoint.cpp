@@ -46,7 +46,11 @@ Adjoint adjoint(const Timeline& timeline, const FrozenGains& gains, double time)
   const double reached = result.steps == 0 ? timeline.start() : steps[result.steps - 1].to;
   if (!(std::abs(reached - time) <= kSameTime))
     throw std::invalid_argument(fmt::format("no step ends at {} s: make it a time of interest", time));
-  result.input.resize(result.steps);
+  const std::size_t ended = result.steps;
+  if (gains.alignment)  // of the mean over the whole pad, whenever it is asked
+    result.steps = std::max(result.steps, static_cast<std::size_t>(std::ranges::count_if(
+                                              steps, [](const auto& s) { return s.to <= kSameTime; })));
+  result.input.resize(result.steps, InputMatrix::Zero());
   const auto& fixes = timeline.fixes();
   auto fix = static_cast<std::size_t>(
       std::count_if(fixes.begin(), fixes.end(), [&](const auto& f) { return f.time <= time + kSameTime; }));
@@ -61,7 +65,7 @@ Adjoint adjoint(const Timeline& timeline, const FrozenGains& gains, double time)
     for (; fix > 0 && fixes[fix - 1].time > from + kSameTime; --fix)
       back_through_fix(gains, fix - 1, timeline, lambda, result.fix[fix - 1]);
   };
-  for (std::size_t k = result.steps; k-- > 0;) {
+  for (std::size_t k = ended; k-- > 0;) {
     fixes_from(steps[k].from);
     const Transition& step = lineariser(steps[k].input);
     const CoreMatrix core = lambda.leftCols<kCoreStates>();
@@ -75,7 +79,15 @@ Adjoint adjoint(const Timeline& timeline, const FrozenGains& gains, double time)
   }
   fixes_from(timeline.start() - 1);
   result.initial = lambda.leftCols<kCoreStates>();
+  if (gains.alignment && timeline.start() < 0)
+    result.through_start = result.initial.middleCols<3>(kAttitude) * *gains.alignment / -timeline.start();
   return result;
+}
+
+InputMatrix by_errors(const Adjoint& adjoint, const Timeline& timeline, std::size_t step, bool sensed) {
+  const Timeline::Step& at = timeline.steps()[step];
+  if (!sensed || at.to > kSameTime) return adjoint.input[step];
+  return adjoint.input[step] + (at.to - at.from) * adjoint.through_start;
 }
 
 // --- Processes ----------------------------------------------------------------------------------------------------
@@ -127,7 +139,7 @@ std::vector<Block> blocks_of(const Adjoint& adjoint, const Timeline& timeline, i
     const Timeline::Step& step = timeline.steps()[k];
     if (k % together == 0) blocks.push_back({step.from, step.to});
     blocks.back().to = step.to;
-    blocks.back().by += adjoint.input[k].middleCols<3>(first);
+    blocks.back().by += by_errors(adjoint, timeline, k).middleCols<3>(first);
   }
   return blocks;
 }
@@ -175,7 +187,7 @@ CoreMatrix of_white(const Adjoint& adjoint, const Timeline& timeline, int first,
   CoreMatrix covariance = CoreMatrix::Zero();
   Eigen::Matrix<double, kCoreStates, 3> sum = Eigen::Matrix<double, kCoreStates, 3>::Zero();
   for (std::size_t k = 0; k < adjoint.steps; ++k) {
-    const auto input = adjoint.input[k].middleCols<3>(first);
+    const Eigen::Matrix<double, kCoreStates, 3> input = by_errors(adjoint, timeline, k).middleCols<3>(first);
     covariance += n * n / timeline.steps()[k].input.dt * input * input.transpose();
     sum += input;
   }
@@ -246,7 +258,10 @@ class States {
       back_through_step(k);
     }
     fixes_after(timeline_.start() - 1);
-    return covariance_ + by_state_ * source_.initial * by_state_.transpose();
+    covariance_ += by_state_ * source_.initial * by_state_.transpose();
+    if (source_.cross.cols() == 0) return covariance_;
+    const CoreMatrix joint = adjoint_.initial * source_.cross * by_state_.transpose();
+    return covariance_ + joint + joint.transpose();
   }
 
  private:
@@ -257,11 +272,12 @@ class States {
   void back_through_step(std::size_t k) {
     const StepInput& input = timeline_.steps()[k].input;
     const Transition& step = lineariser_(input);
-    for (int signal = 0; signal < 6; ++signal) add(step.input_noise[signal], adjoint_.input[k].col(signal));
+    const InputMatrix by = by_errors(adjoint_, timeline_, k, source_.sensed);
+    for (int signal = 0; signal < 6; ++signal) add(step.input_noise[signal], by.col(signal));
     for (Eigen::Index j = 0; j < by_state_.cols(); ++j) {
       const Transition::Term& term = step.terms[static_cast<std::size_t>(j)];
       Eigen::Matrix<double, kCoreStates, 1> by_signal = Eigen::Matrix<double, kCoreStates, 1>::Zero();
-      if (term.signal >= 0) by_signal = adjoint_.input[k].col(term.signal);
+      if (term.signal >= 0) by_signal = by.col(term.signal);
       if (source_.shape) by_signal *= source_.shape(input, static_cast<std::size_t>(j));
       add(term.noise, by_signal * term.spill + by_state_.col(j));
       by_state_.col(j) = by_state_.col(j) * term.decay + by_signal * term.gain;

@@ -19,11 +19,16 @@ namespace gyrobudget::inline v0::navigation {
 /// Derivatives of [p, v, psi] at `time`. 600 bytes a step.
 struct Adjoint {
   double time = 0;
-  std::size_t steps = 0;           ///< those that end at or before `time`
+  std::size_t steps = 0;  ///< those that end at or before `time`, and all of a pad that aligned the start
   std::vector<InputMatrix> input;  ///< [step] by mean errors of gyro x y z, accelerometer x y z
+  InputMatrix through_start =
+      InputMatrix::Zero();  ///< by these for a second of the pad, through the alignment
   std::vector<Eigen::Matrix<double, kCoreStates, 3>> fix;  ///< [fix] by errors of its rows
   CoreMatrix initial = CoreMatrix::Identity();             ///< by the errors at the scene's start
 };
+
+/// By all of what a step's mean errors do. @param sensed Source::sensed
+[[nodiscard]] InputMatrix by_errors(const Adjoint&, const Timeline&, std::size_t step, bool sensed = true);
 
 /// @throws std::invalid_argument unless `time` is the end of a step (times of interest are) or the start.
 [[nodiscard]] Adjoint adjoint(const Timeline&, const FrozenGains&, double time);

@@ -182,6 +182,7 @@ class Aligner {
     a_.covariance.row(2).setZero();
     a_.covariance.col(2).setZero();
     a_.covariance(2, 2) = squared(kUnknownHeading);
+    a_.by_means.row(2).setZero();
     a_.gyro_bias_covariance.row(2).setZero();
     a_.accelerometer_bias_covariance.row(2).setZero();
   }
@@ -221,6 +222,7 @@ class Aligner {
                 .motion = motion.cwiseSqrt()};
     a_.covariance = bias + calibration + noise;
     a_.covariance.diagonal() += motion;
+    a_.by_means << rate, force;
     a_.gyro_bias_covariance = rate * gyro_.bias.asDiagonal();
     a_.accelerometer_bias_covariance = force * accelerometer_.bias.asDiagonal();
     a_.gyro_bias_variance = gyro_.bias;
@@ -274,6 +276,13 @@ StaticMeans means_of(std::span<const earth::ImuIncrement> imu, double dt) {
 }
 
 }  // namespace
+
+GivenHeading heading_of(const Eigen::Quaterniond& q_nb, double sigma) {
+  const Matrix3d C_nb = q_nb.toRotationMatrix();
+  Eigen::Index axis = 0;
+  C_nb.row(2).cwiseAbs().minCoeff(&axis);
+  return {std::atan2(C_nb(1, axis), C_nb(0, axis)), sigma, Vector3d::Unit(axis)};
+}
 
 Alignment align(std::span<const earth::ImuIncrement> imu, double dt, const AlignmentOptions& options) {
   if (imu.size() < 2 * kParts)

@@ -31,6 +31,8 @@ struct GivenHeading {
   /// A body axis that is not vertical: forward, or on a launch pad the belly (0, 0, 1).
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();
 };
+/// Of the body axis that lies most nearly level, for a body that stands like q_nb.
+[[nodiscard]] GivenHeading heading_of(const Eigen::Quaterniond& q_nb, double sigma);
 
 struct AlignmentOptions {
   noise::SensorModel sensor;            ///< one sigma of what the record cannot show
@@ -68,6 +70,10 @@ struct Alignment {
   std::string message;                     ///< for people: why not, what to do, what the sigmas leave out
   Parts parts;
   Eigen::Matrix3d covariance;  ///< of psi [rad^2]; the heading of one that is not known counts pi/sqrt(3)
+  /// psi by errors of the means, as in "reads true + b", of gyro x, y, z and accelerometer x, y, z in body axes
+  /// [rad per rad/s, rad per m/s^2]: to first order all of psi but for a given heading's own error. A heading that
+  /// is not known has a row of zeros.
+  Eigen::Matrix<double, 3, 6> by_means;
   /// E[psi b'] with the biases of the sensors in body axes, as in "reads true + b".
   Eigen::Matrix3d gyro_bias_covariance;           ///< [rad rad/s]
   Eigen::Matrix3d accelerometer_bias_covariance;  ///< [rad m/s^2]

@@ -123,6 +123,7 @@ class GainRun {
     for (std::size_t k = 0; k < design.model.terms.size(); ++k)
       considered_[kCoreStates + k] = design.model.terms[k].considered;
     result_.model = design.model;
+    result_.alignment = design.alignment;
   }
 
   FrozenGains operator()() {
@@ -172,21 +173,110 @@ FrozenGains frozen_gains(const Timeline& timeline, const std::optional<Design>& 
 
 namespace {
 
+using Columns = Eigen::Matrix<double, Eigen::Dynamic, 3, 0, kMaxStates, 3>;
+
+Columns moved(const Transition& step, const Columns& x) {
+  const int n = step.size - kCoreStates;
+  Eigen::Matrix<double, 6, 3> errors = Eigen::Matrix<double, 6, 3>::Zero();
+  Columns y(x.rows(), 3);
+  for (int k = 0; k < n; ++k) {
+    const Transition::Term& term = step.terms[static_cast<std::size_t>(k)];
+    if (term.signal >= 0) errors.row(term.signal) += term.gain * x.row(kCoreStates + k);
+    y.row(kCoreStates + k) = term.decay * x.row(kCoreStates + k);
+  }
+  y.topRows<kCoreStates>() = step.core * x.topRows<kCoreStates>() + step.input * errors;
+  return y;
+}
+
+// The coarse alignment's part of a source: psi_0 = sum of G/pad times the mean errors of each step times its length.
+class AlignedStart {
+ public:
+  AlignedStart(const AlignmentGain& gain, double pad, std::size_t first_term, int states)
+      : gain_(gain / pad),
+        first_term_(first_term),
+        with_(Columns::Zero(states, 3)),
+        by_start_(Columns::Zero(states, 3)) {
+    by_start_.middleRows<3>(kAttitude).setIdentity();
+  }
+
+  // Before x' itself is moved by the step.
+  void propagate(const Transition& step, const StateMatrix& P) {
+    const Columns noise = gather(step, P);
+    with_ = moved(step, with_) + noise;
+    by_start_ = moved(step, by_start_);
+  }
+
+  void update(const StateVector& h, const StateVector& gain) {
+    with_ -= gain * (h.transpose() * with_);
+    by_start_ -= gain * (h.transpose() * by_start_);
+  }
+
+  // What E[x x^T] of x = x' + M psi_0 has beyond E[x' x'^T], once all of the pad is behind.
+  [[nodiscard]] StateMatrix joining() const {
+    const StateMatrix cross = by_start_ * with_.transpose();
+    return cross + cross.transpose() + by_start_ * own_ * by_start_.transpose();
+  }
+  // Before: what the rest of the pad will add to psi_0, in one step of it.
+  [[nodiscard]] StateMatrix joining(const Transition& rest, const StateMatrix& P) const {
+    AlignedStart ahead = *this;
+    (void)ahead.gather(rest, P);
+    return ahead.joining();
+  }
+
+ private:
+  // Adds the step's part of psi_0 to E[x' psi_0^T], x' at its start, and to E[psi_0 psi_0^T]; the covariance of x' at
+  // its end with that part by the step's noise is returned. Estimates of a filter are not sensed.
+  Columns gather(const Transition& step, const StateMatrix& P) {
+    const AlignmentGain G = gain_ * step.dt;
+    Columns noise = Columns::Zero(P.rows(), 3);
+    Columns of_states = Columns::Zero(P.rows(), 3);  // psi_0's part by the states, transposed
+    Eigen::Matrix<double, 6, 1> variance = step.input_noise;
+    for (int signal = 0; signal < 6; ++signal)
+      noise.topRows<kCoreStates>() +=
+          step.input_noise[signal] * step.input.col(signal) * G.col(signal).transpose();
+    for (Eigen::Index i = kCoreStates + static_cast<Eigen::Index>(first_term_); i < P.rows(); ++i) {
+      const Transition::Term& term = step.terms[static_cast<std::size_t>(i - kCoreStates)];
+      if (term.signal < 0) continue;
+      const Eigen::RowVector3d by_noise = term.noise * term.spill * G.col(term.signal).transpose();
+      of_states.row(i) = term.gain * G.col(term.signal).transpose();
+      variance[term.signal] += term.noise * term.spill * term.spill;
+      noise.row(i) += by_noise;
+      noise.topRows<kCoreStates>() += term.spill * step.input.col(term.signal) * by_noise;
+    }
+    const Eigen::Matrix3d so_far = of_states.transpose() * with_;
+    const Columns by_states = P * of_states;
+    own_ += so_far + so_far.transpose() + of_states.transpose() * by_states +
+            G * variance.asDiagonal() * G.transpose();
+    with_ += by_states;
+    return noise;
+  }
+
+  AlignmentGain gain_;
+  std::size_t first_term_;
+  Columns with_, by_start_;  ///< E[x' psi_0^T] and M
+  Eigen::Matrix3d own_ = Eigen::Matrix3d::Zero();
+};
+
 // [p v psi | estimates of the filter | states of the source], truth minus estimate for the first, estimates
 // themselves for the second: they act on the navigator as a sensor's error does, with the other sign.
 class Passage {
  public:
-  Passage(const Source& source, const ErrorStateModel& filter)
+  Passage(const Source& source, const FrozenGains& gains, const Timeline& timeline)
       : source_(source),
-        estimates_(filter.terms.size()),
-        lineariser_(joint(source, filter)),
-        covariance_(initial()) {}
+        estimates_(gains.model.terms.size()),
+        lineariser_(joint(source, gains.model)),
+        covariance_(initial()) {
+    if (gains.alignment && source.sensed && timeline.start() < 0)
+      start_.emplace(*gains.alignment, -timeline.start(), estimates_, covariance_.size());
+  }
 
-  void propagate(const StepInput& input) {
-    Transition& step = transition_ = lineariser_(input);
-    for (std::size_t k = 0; k < estimates_; ++k) step.terms[k].gain = -step.terms[k].gain;
-    if (source_.shape) shape(input, step);
-    covariance_.propagate(step);
+  void propagate(const Timeline::Step& step) {
+    const Transition& transition = transition_of(step.input);
+    if (start_) start_->propagate(transition, covariance_.matrix());
+    covariance_.propagate(transition);
+    if (!start_ || step.to < -kSameTime) return;
+    covariance_.add(start_->joining());
+    start_.reset();
   }
 
   void update(const Timeline& timeline, std::size_t fix, std::span<const Eigen::VectorXd> filter_gains) {
@@ -202,11 +292,19 @@ class Passage {
       gain.head<kCoreStates>() = filter_gains[i].head<kCoreStates>();
       gain.segment(kCoreStates, n) = -filter_gains[i].tail(n);
       covariance_.update_with(row, gain);
+      if (start_) start_->update(row.h, gain);
     }
   }
 
-  [[nodiscard]] CoreMatrix core() const {
-    return covariance_.matrix().topLeftCorner<kCoreStates, kCoreStates>();
+  // @param next the step that follows; of interest on the pad
+  [[nodiscard]] CoreMatrix core(const Timeline::Step& next) {
+    StateMatrix P = covariance_.matrix();
+    if (start_) {
+      StepInput rest = next.input;
+      rest.dt = -next.from;
+      P += start_->joining(transition_of(rest), P);
+    }
+    return P.topLeftCorner<kCoreStates, kCoreStates>();
   }
 
  private:
@@ -224,11 +322,24 @@ class Passage {
       throw std::invalid_argument(fmt::format("source {}: initial covariance of {} x {} for {} terms",
                                               source_.name, source_.initial.rows(), source_.initial.cols(),
                                               m));
+    const Eigen::Index crossed = source_.cross.cols();
+    if (crossed != 0 && crossed != m)
+      throw std::invalid_argument(
+          fmt::format("source {}: covariance of the start with {} terms of {}", source_.name, crossed, m));
     const int size = lineariser_.states();
     StateMatrix P = StateMatrix::Zero(size, size);
     P.topLeftCorner<kCoreStates, kCoreStates>() = source_.core;
     P.bottomRightCorner(m, m) = source_.initial;
+    P.topRightCorner(kCoreStates, crossed) = source_.cross;
+    P.bottomLeftCorner(crossed, kCoreStates) = source_.cross.transpose();
     return {P, Form::joseph};
+  }
+
+  const Transition& transition_of(const StepInput& input) {
+    Transition& step = transition_ = lineariser_(input);
+    for (std::size_t k = 0; k < estimates_; ++k) step.terms[k].gain = -step.terms[k].gain;
+    if (source_.shape) shape(input, step);
+    return step;
   }
 
   void shape(const StepInput& input, Transition& step) const {
@@ -244,6 +355,7 @@ class Passage {
   Lineariser lineariser_;
   Transition transition_;
   Covariance covariance_;
+  std::optional<AlignedStart> start_;  ///< until the pad ends
 };
 
 class Run {
@@ -252,19 +364,20 @@ class Run {
       : timeline_(timeline), gains_(gains) {
     passages_.reserve(sources.size());
     for (const auto& source : sources) {
-      passages_.emplace_back(source, gains.model);
+      passages_.emplace_back(source, gains, timeline);
       budget_.lines.push_back({source.name, {}});
     }
     budget_.claimed = gains.claimed;
   }
 
   Budget operator()() {
-    report_at(timeline_.start());
+    const auto& steps = timeline_.steps();
+    report_at(timeline_.start(), steps.front());
     fixes_at(timeline_.start());
-    for (const auto& step : timeline_.steps()) {
-      for (auto& passage : passages_) passage.propagate(step.input);
-      fixes_at(step.to);
-      report_at(step.to);
+    for (std::size_t k = 0; k < steps.size(); ++k) {
+      for (auto& passage : passages_) passage.propagate(steps[k]);
+      fixes_at(steps[k].to);
+      report_at(steps[k].to, steps[std::min(k + 1, steps.size() - 1)]);
     }
     budget_.steps = timeline_.steps().size();
     if (!budget_.total.back().allFinite())
@@ -283,13 +396,13 @@ class Run {
       for (auto& passage : passages_) passage.update(timeline_, next_fix_, gains_.of_fix[next_fix_]);
   }
 
-  void report_at(double time) {
+  void report_at(double time, const Timeline::Step& next) {
     const auto& report = timeline_.report();
     if (next_report_ == report.size() || report[next_report_] > time + kSameTime) return;
     budget_.times.push_back(report[next_report_++]);
     CoreMatrix total = CoreMatrix::Zero();
     for (std::size_t i = 0; i < passages_.size(); ++i) {
-      budget_.lines[i].covariance.push_back(passages_[i].core());
+      budget_.lines[i].covariance.push_back(passages_[i].core(next));
       total += budget_.lines[i].covariance.back();
     }
     budget_.total.push_back(total);

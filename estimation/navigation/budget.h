@@ -7,6 +7,13 @@
 // x holding the errors of position, velocity and attitude, the filter's estimates and the source's own states.
 // So sources that are independent add up exactly, and the true sigma stands beside the one the filter claims.
 // Running the filter again for each source would tune it anew to that source and add up to nothing.
+//
+// A coarse alignment on the pad is one gain more. The attitude it starts the filter with is wrong by
+//   psi_0 = G mean(dw, df),
+// G the alignment's, the mean that of the source's own errors over the pad, which the filter then meets again in
+// the same data. With x = x' + M psi_0, x' the errors had the start been right and M what a start of psi_0 grows to,
+// E[x' psi_0^T] and E[psi_0 psi_0^T] are gathered beside E[x' x'^T] and put together where the pad ends: nothing is
+// left out, neither tilt that is a bias' own nor noise that is used twice.
 // Sources: Gelb (ed.), Applied Optimal Estimation (1974), section 7.2; Maybeck, Stochastic Models, Estimation and
 // Control, vol. 1 (1979), section 6.8.
 #pragma once
@@ -76,13 +83,19 @@ class Timeline {
   std::vector<Step> steps_;
 };
 
+/// psi_e at the scene's start by mean errors over the pad, true minus sensed, of gyro x, y, z and accelerometer
+/// x, y, z [rad per rad/s, rad per m/s^2]: a coarse alignment to first order (alignment.h).
+using AlignmentGain = Eigen::Matrix<double, 3, 6>;
+
 /// One line of the budget: something that is wrong, with its true size, and nothing else.
 struct Source {
   std::string name;                      ///< "gyro.arw", "initial.heading", "aid.gnss.position"
   ErrorStateModel model;                 ///< white noise and terms of this source
   StateMatrix initial;                   ///< covariance of model.terms at the scene's start
   CoreMatrix core = CoreMatrix::Zero();  ///< covariance of position, velocity, attitude there, axes of e
-  int aid = -1;                          ///< the white noise of this aid's fixes is the source
+  /// Covariance of these with the terms, where both are one error; empty: none.
+  Eigen::Matrix<double, kCoreStates, Eigen::Dynamic> cross;
+  int aid = -1;  ///< the white noise of this aid's fixes is the source
   /// What the terms that vary stand for, on each axis of a triad: for routes without states (adjoint.h).
   struct Slow {
     Carrier carrier = Carrier::gyro;
@@ -93,6 +106,8 @@ struct Source {
   /// Where given, each term's effect is multiplied by it [any unit]: errors that are fixed in other axes than
   /// the body's, such as Earth's rate left out or an error of gravity.
   std::function<double(const StepInput&, std::size_t term)> shape;
+  bool sensed =
+      true;  ///< false: the navigator makes it, no sensor: an alignment of what is sensed is free of it
 };
 
 /// The filter as it is designed: it sets the gains.
@@ -100,6 +115,7 @@ struct Design {
   ErrorStateModel model;
   StateMatrix initial;  ///< its P0, core and terms
   Form form = Form::joseph;
+  std::optional<AlignmentGain> alignment;  ///< of the attitude that it starts from
 };
 
 /// Gains of every row of every fix, from the design alone.
@@ -107,6 +123,7 @@ struct FrozenGains {
   ErrorStateModel model;                             ///< of the design; empty: no filter
   std::vector<std::vector<Eigen::VectorXd>> of_fix;  ///< [fix][row], core and model.terms
   std::vector<CoreMatrix> claimed;                   ///< the design's own covariance at the times of interest
+  std::optional<AlignmentGain> alignment;            ///< of the attitude at the start; none: by no sensor
 };
 /// @throws std::invalid_argument for fixes without a design, and what Covariance refuses.
 [[nodiscard]] FrozenGains frozen_gains(const Timeline&, const std::optional<Design>&);

@@ -135,9 +135,12 @@ CoreMatrix initial_core(const InitialErrors& errors, const Matrix3d& C_el) {
 }
 
 Source uncompensated_earth_rate() {
-  return vectors("earth_rate_uncompensated", Carrier::gyro, 1, [](const StepInput& input, int) -> Vector3d {
-    return input.C_eb.transpose() * Vector3d(0, 0, earth::wgs84::kEarthRate);
-  });
+  Source source =
+      vectors("earth_rate_uncompensated", Carrier::gyro, 1, [](const StepInput& input, int) -> Vector3d {
+        return input.C_eb.transpose() * Vector3d(0, 0, earth::wgs84::kEarthRate);
+      });
+  source.sensed = false;
+  return source;
 }
 
 Source gravity_error(double sigma) {

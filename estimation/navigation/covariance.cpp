@@ -250,6 +250,15 @@ void Covariance::update_with(const MeasurementRow& row, const StateVector& gain)
   joseph(row, g, gain);
 }
 
+void Covariance::add(const StateMatrix& more) {
+  if (form_ == Form::square_root || more.rows() != size_ || more.cols() != size_)
+    throw std::invalid_argument(
+        fmt::format("an addition of {} x {} needs the plain or Joseph form and {} states", more.rows(),
+                    more.cols(), size_));
+  p_.topRows(size_) += more;
+  symmetrise();
+}
+
 StateVector Covariance::update_factors(const MeasurementRow& row, std::span<const bool> considered) {
   StateVector gain = StateVector::Zero(size_);
   double alpha = row.variance;

@@ -70,6 +70,10 @@ class Covariance {
   /// differ.
   void update_with(const MeasurementRow&, const StateVector& gain);
 
+  /// P + more, symmetric, from one who knows that the sum is a covariance but for rounding.
+  /// @throws as update_with.
+  void add(const StateMatrix& more);
+
   /// P in full, symmetric.
   [[nodiscard]] StateMatrix matrix() const;
   /// P_ii.

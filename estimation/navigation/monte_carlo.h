@@ -25,7 +25,7 @@ struct MonteCarlo {
     noise::Imu::Options imu;     ///< epoch, vibration, and which sources are on
     bool initial_errors = true, fix_noise = true;
     /// The attitude at the start is that of a coarse alignment over the pad (alignment.h), after which the filter
-    /// goes through the pad from its P0; InitialErrors' level and heading are that P0's, not drawn.
+    /// goes through the pad from its P0; InitialErrors' level and heading do not count.
     bool self_alignment = false;
     std::optional<double> heading_sigma;  ///< of a heading from outside that the alignment is given [rad]
     Filter::Options filter;

@@ -62,7 +62,7 @@ class Builder {
   BudgetScene operator()() {
     plan_fixes();
     initial_errors();
-    BudgetScene scene{.timeline = timeline(), .C_enu = C_enu_, .C_launch = C_launch_, .initial = initial_};
+    BudgetScene scene{.timeline = timeline(), .C_enu = C_enu_, .C_launch = C_launch_, .initial = true_start_};
     if (!warning_.empty()) scene.warnings.push_back(warning_);
     check_range(scene, scenario_.sensor.gyro.range, Carrier::gyro);
     if (scenario_.sensor.accelerometer)
@@ -72,7 +72,7 @@ class Builder {
       if (self->heading) scene.heading_sigma = initial_.heading;
     }
     add_sources(scene);
-    if (!scene.timeline.fixes().empty()) design(scene);
+    if (!scene.timeline.fixes().empty() || scene.self_alignment) design(scene);
     return scene;
   }
 
@@ -156,10 +156,12 @@ class Builder {
     const double of_master = from ? total_sigma(scenario_.aids.at(from->aid)).maxCoeff() : 0;
     initial_.level = a.level_sigma.value_or(of_master);
     initial_.heading = a.heading_sigma.value_or(of_master);
+    true_start_ = initial_;
     if (self) coarse(*self);
   }
 
-  // What a coarse alignment of the true means leaves, and a filter that starts from it is told.
+  // A coarse alignment of the true means: what a filter that starts from it is told, and what of it errors of the
+  // sensors cause.
   void coarse(const SelfAlignment& self) {
     const earth::TrajectoryPoint start = trajectory_.at(0);
     const Matrix3d C_be = start.q_eb.toRotationMatrix().transpose();
@@ -167,6 +169,9 @@ class Builder {
     AlignmentOptions options;
     options.sensor = scenario_.sensor;
     options.latitude = at.latitude;
+    const Matrix3d C_en = earth::C_e_ned(at.latitude, at.longitude);
+    if (self.heading)
+      options.heading = heading_of(Eigen::Quaterniond(C_en).conjugate() * start.q_eb, initial_.heading);
     const Alignment found = align(StaticMeans{-(C_be * earth::normal_gravity(start.p_eb_e)),
                                               C_be * Vector3d(0, 0, earth::wgs84::kEarthRate), self.duration},
                                   options);
@@ -174,9 +179,13 @@ class Builder {
     const auto trusted_less = [](double one) {
       return std::clamp(BudgetScene::kCoarse * one, kFinest, std::max(one, kLinear));
     };
+    // As means are true minus sensed.
+    alignment_ = -(earth::C_e_enu(at.latitude, at.longitude) * found.by_means);
     if (!scenario_.alignment.level_sigma) initial_.level = trusted_less(sigma.head<2>().maxCoeff());
+    true_start_.level = 0;
     if (self.heading) return;
     initial_.heading = trusted_less(sigma.z());
+    true_start_.heading = found.heading_observable ? 0 : initial_.heading;
     if (!found.heading_observable) warning_ = found.message;
   }
 
@@ -217,7 +226,7 @@ class Builder {
     auto [sources, left_out] = sensor_sources(scenario_.sensor, state_options());
     scene.sources = std::move(sources);
     scene.left_out = std::move(left_out);
-    for (Source& source : initial_sources(initial_, C_enu_)) scene.sources.push_back(std::move(source));
+    for (Source& source : initial_sources(true_start_, C_enu_)) scene.sources.push_back(std::move(source));
     for (std::size_t i = 0; i < scenario_.aids.size(); ++i)
       if (scenario_.aids[i].used) add_aid(scene, scenario_.aids[i], static_cast<int>(i));
     if (rest_ == static_cast<int>(scenario_.aids.size())) scene.sources.push_back(white("aid.rest", rest_));
@@ -285,6 +294,7 @@ class Builder {
     terms.topLeftCorner(n, n) = states.initial;
     terms.bottomRightCorner(m, m) = scene.aids.initial;
     design.initial = initial_covariance(initial_core(initial_, C_enu_), terms);
+    design.alignment = alignment_;
     scene.design = std::move(design);
   }
 
@@ -295,7 +305,9 @@ class Builder {
   Matrix3d C_enu_, C_launch_;
   std::vector<PlannedFix> fixes_;
   int rest_ = -1;
-  InitialErrors initial_;
+  InitialErrors initial_;     ///< that a filter is told
+  InitialErrors true_start_;  ///< that no sensor and no aid causes
+  std::optional<AlignmentGain> alignment_;
   std::string warning_;
 };
 

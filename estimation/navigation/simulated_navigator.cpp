@@ -179,13 +179,9 @@ std::optional<Eigen::Quaterniond> SimulatedNavigator::coarse_alignment() {
   options.latitude = at.latitude;
   options.heading_limit = kAnyHeading;
   if (scene_.options_.heading_sigma) {
-    // The body axis that lies most nearly level.
-    const Eigen::Matrix3d C_nb = C_en.transpose() * truth.q_eb.toRotationMatrix();
-    Eigen::Index axis = 0;
-    C_nb.row(2).cwiseAbs().minCoeff(&axis);
-    const double azimuth = std::atan2(C_nb(1, axis), C_nb(0, axis));
-    options.heading = {azimuth + *scene_.options_.heading_sigma * start_(), *scene_.options_.heading_sigma,
-                       Vector3d::Unit(axis)};
+    GivenHeading& given = options.heading.emplace(
+        heading_of(Eigen::Quaterniond(C_en).conjugate() * truth.q_eb, *scene_.options_.heading_sigma));
+    given.azimuth += given.sigma * start_();
   }
   const Alignment found = align(pad_, scene_.options_.imu_interval, options);
   if (!found.q_nb) return std::nullopt;
