@@ -20,8 +20,11 @@ namespace gyrobudget::inline v0::navigation {
 /// - With aids: the filter of `navigate`, its gains frozen; aids give fixes at their rate but for outages.
 /// - Aligning itself on the pad (AlignmentPlan::attitude a SelfAlignment): the scene starts `duration` earlier at rest,
 ///   with zero-velocity updates (of a `rest` aid, else 1 mm/s of sway each second). The filter starts from a coarse
-///   alignment that it trusts kCoarse times less than that deserves, so that what it finds is its own; tilt and heading
-///   that are left are charged to what caused them.
+///   alignment over the same pad, by a P0 of kCoarse times its sigma, so that what it finds is its own. The true error
+///   of that start is a source's mean error over the pad by the alignment's gain (budget.h), in each source's own line:
+///   no line is for the alignment, but `initial.heading` where a heading is given or none is found. The filter itself
+///   takes start and sensors for independent: it claims up to 1/kCoarse^2 of a sigma too little. A wider P0 mends that
+///   but lets the heading of a short alignment wander beyond linear theory.
 struct BudgetScene {
   static constexpr double kCoarse = 5;
 
@@ -30,7 +33,7 @@ struct BudgetScene {
   Eigen::Matrix3d C_launch;  ///< downrange, crossrange (left), up
   std::vector<Source> sources;
   std::optional<Design> design;
-  InitialErrors initial;
+  InitialErrors initial;  ///< that no sensor causes: the filter's P0 may be wider
   MonteCarlo::AidErrors aids;
   bool self_alignment = false;
   std::optional<double> heading_sigma;  ///< of a heading that the alignment is given [rad]

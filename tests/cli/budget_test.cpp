@@ -111,7 +111,8 @@ TEST(BudgetScenes, AnAscentThatAlignsItself) {
   for (const json& found : {ifog, mems}) {
     expect_whole(found);
     EXPECT_FALSE(found["claimed"].is_null());
-    EXPECT_NEAR(found["claimed"]["position_m"]["rss"].get<double>() / total(found), 1, 0.02);
+    // The filter takes its start for independent of the sensors that made it: with a P0 of 5 sigma, 1/25 of a variance.
+    EXPECT_NEAR(found["claimed"]["position_m"]["rss"].get<double>() / total(found), 1, 0.06);
     // East is downrange, heading goes to crossrange.
     EXPECT_NEAR(total(found, "downrange") / total(found, "east"), 1, 1e-9);
     EXPECT_GT(total(found, "crossrange"), 2 * total(found, "downrange"));
