@@ -171,10 +171,7 @@ int run(const BudgetArguments& a) {
   io::SceneFile file = io::read_scene(a.scene);
   for (const std::string& input : {file.sensor, file.trajectory}) check_outputs(input, outputs);
   for (const std::string& input : a.sensors) check_outputs(input, outputs);
-  if (file.trajectory.empty())
-    throw io::InputError(fmt::format(
-        "{}: a budget needs a trajectory: write 'trajectory: ascent', or the path of a CSV", a.scene));
-  const earth::Trajectory trajectory = io::read_trajectory(file.trajectory);
+  const earth::Trajectory trajectory = io::planned_trajectory(file);
   std::vector<BudgetResult> results;
   if (a.sensors.empty()) results.push_back(budget(a, file, trajectory));
   for (const std::string& sensor : a.sensors) {

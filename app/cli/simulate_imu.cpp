@@ -196,11 +196,7 @@ void write_fixes(const SimulateArguments& a, const earth::Trajectory& trajectory
 
 // That of a scene, by its ending, or as read_trajectory has it.
 earth::Trajectory trajectory_of(const std::string& text) {
-  if (!is_scene(text)) return io::read_trajectory(text);
-  const io::SceneFile scene = io::read_scene(text);
-  if (scene.trajectory.empty())
-    throw io::InputError(fmt::format("{}: found no \"trajectory:\", expected one: what moves", text));
-  return io::read_trajectory(scene.trajectory);
+  return is_scene(text) ? io::planned_trajectory(io::read_scene(text)) : io::read_trajectory(text);
 }
 
 }  // namespace

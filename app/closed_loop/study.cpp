@@ -25,8 +25,6 @@ using flight::FlightRecord;
 using navigation::CoreMatrix;
 using navigation::kCoreStates;
 
-constexpr int kNominalEvery =
-    5;  // periods between the points that the spline of the nominal flight goes through
 constexpr double kShortest = 1;        // [s] of a flight that is worth navigating
 constexpr double kMarginsUntil = 0.2;  // of the mean thrust
 constexpr int kMarginPoints = 83;      // along the flight
@@ -217,9 +215,7 @@ Study study(const flight::Plan& asked, const flight::Dispersion& dispersion,
   result.azimuth = plan.control.azimuth;
   result.C_enu = earth::LocalFrame::east_north_up(plan.flight.world.site).C_el();
   result.C_launch = earth::LocalFrame::launch_plane(plan.flight.world.site, plan.control.azimuth).C_el();
-  flight::Plan dense = plan;
-  dense.flight.record_every = kNominalEvery;
-  result.nominal = fly_nominal(dense);
+  result.nominal = fly_nominal(plan);
   result.margins = margins_along(plan, result.nominal);
   if (result.nominal.end.t < kShortest) {
     result.notes.push_back(fmt::format("the flight is too short to navigate: it {}", result.nominal.account));

@@ -3,9 +3,11 @@
 #include "gyrobudget/io/scene_file.h"
 
 #include "gyrobudget/earth/site.h"
+#include "gyrobudget/io/flight_section.h"
 #include "gyrobudget/io/scene_columns.h"
 #include "gyrobudget/io/sensor_file.h"
 #include "gyrobudget/io/text.h"
+#include "gyrobudget/io/trajectory_file.h"
 #include "gyrobudget/io/trajectory_spec.h"
 #include "gyrobudget/io/yaml_reader.h"
 
@@ -31,11 +33,7 @@ namespace dimension = noise::dimension;
 
 using noise::dimension::kLength;
 
-/// A key and what reads its value.
-struct Key {
-  std::string name;
-  std::function<void(const Node& value)> read;
-};
+constexpr std::string_view kIdeal = "ideal";  // in place of a sensor file
 
 constexpr std::array kKinds{Aid::Kind::position, Aid::Kind::velocity, Aid::Kind::height, Aid::Kind::attitude,
                             Aid::Kind::rest};
@@ -72,29 +70,33 @@ class SceneReader {
   SceneFile read() {
     const Node& root = yaml_.root();
     recorded_ = root["imu"].IsDefined();
+    result_.path = yaml_.name();
     if (root["site"]) read_site(root["site"]);  // others refer to these two
     if (root["aids"]) read_aids(root["aids"]);
     const auto done = [](const Node&) {};
-    section(root, "a scene",
-            {{"name", [&](const Node& v) { scenario().name = yaml_.text("name", v); }},
-             {"site", done},
-             {"azimuth",
-              [&](const Node& v) {
-                scenario().azimuth = yaml_.quantity("azimuth", v, dimension::kAngle, Sign::any);
-              }},
-             {"trajectory", [&](const Node& v) { read_trajectory_key(v); }},
-             {"imu", [&](const Node& v) { read_imu(v); }},
-             {"sensor", [&](const Node& v) { read_sensor_key(v); }},
-             {"states", [&](const Node& v) { read_states(v); }},
-             {"alignment", [&](const Node& v) { read_alignment(v); }},
-             {"aids", done},
-             {"world", [&](const Node& v) { read_world(v); }},
-             {"filter", [&](const Node& v) { read_filter(v); }},
-             {"until", [&](const Node& v) { scenario().until = time("until", v, Sign::above_zero); }},
-             {"solution", [&](const Node& v) { read_solution(v); }},
-             {"reference", [&](const Node& v) { read_reference(v); }}});
-    if (!result_.imu && result_.trajectory.empty())
-      yaml_.fail_here(root, "found neither \"imu:\" nor \"trajectory:\", expected one of them: what moves");
+    yaml_.section(root, "a scene",
+                  {{"name", [&](const Node& v) { scenario().name = yaml_.text("name", v); }},
+                   {"site", done},
+                   {"azimuth",
+                    [&](const Node& v) {
+                      scenario().azimuth = yaml_.quantity("azimuth", v, dimension::kAngle, Sign::any);
+                    }},
+                   {"trajectory", [&](const Node& v) { read_trajectory_key(v); }},
+                   {"flight", [&](const Node& v) { result_.flight = read_flight(yaml_, v, folder_); }},
+                   {"imu", [&](const Node& v) { read_imu(v); }},
+                   {"sensor", [&](const Node& v) { read_sensor_key(v); }},
+                   {"states", [&](const Node& v) { read_states(v); }},
+                   {"alignment", [&](const Node& v) { read_alignment(v); }},
+                   {"aids", done},
+                   {"world", [&](const Node& v) { read_world(v); }},
+                   {"filter", [&](const Node& v) { read_filter(v); }},
+                   {"until", [&](const Node& v) { scenario().until = time("until", v, Sign::above_zero); }},
+                   {"solution", [&](const Node& v) { read_solution(v); }},
+                   {"reference", [&](const Node& v) { read_reference(v); }}});
+    if (!result_.imu && result_.trajectory.empty() && !result_.flight)
+      yaml_.fail_here(
+          root, "found none of \"imu:\", \"trajectory:\" and \"flight:\", expected one of them: what moves");
+    if (result_.flight) finish_flight(root["flight"]);
     if (result_.imu && !root["alignment"])
       yaml_.fail_here(root, "found no \"alignment:\", expected one: where navigation starts from");
     return std::move(result_);
@@ -102,18 +104,6 @@ class SceneReader {
 
  private:
   navigation::Scenario& scenario() { return result_.scenario; }
-
-  void section(const Node& node, std::string_view where, const std::vector<Key>& keys) const {
-    yaml_.for_each(node, where, [&](const Node& key, const Node& value) {
-      const auto at = std::ranges::find(keys, key.Scalar(), &Key::name);
-      if (at == keys.end()) {
-        std::vector<std::string> known;
-        for (const Key& k : keys) known.push_back(k.name);
-        yaml_.fail_unknown_key(key, where, known);
-      }
-      at->read(value);
-    });
-  }
 
   // --- Values ---
 
@@ -153,7 +143,7 @@ class SceneReader {
 
   [[nodiscard]] earth::Geodetic place(std::string_view where, const Node& node) const {
     std::optional<double> latitude, longitude, height;
-    section(
+    yaml_.section(
         node, where,
         {{"latitude",
           [&](const Node& v) {
@@ -198,22 +188,23 @@ class SceneReader {
 
   void read_imu(const Node& node) {
     ImuSource imu;
-    section(node, "imu",
-            {{"file", [&](const Node& v) { imu.path = data_path("file", v); }},
-             {"columns", [&](const Node& v) { imu.columns = columns(v, imu_column_names()); }},
-             {"axes", [&](const Node& v) { read_axes(v, imu); }},
-             {"rate",
-              [&](const Node& v) {
-                imu.rate_hz = yaml_.quantity("rate", v, dimension::kFrequency, Sign::above_zero);
-              }},
-             {"stamp",
-              [&](const Node& v) {
-                imu.stamp = yaml_.one_of("stamp", v, {"end", "start"}) == 0 ? navigation::StampAt::end
-                                                                            : navigation::StampAt::start;
-              }},
-             {"samples", [&](const Node& v) {
-                imu.instants = yaml_.one_of("samples", v, {"mean", "instant"}) == 1;
-              }}});
+    yaml_.section(node, "imu",
+                  {{"file", [&](const Node& v) { imu.path = data_path("file", v); }},
+                   {"columns", [&](const Node& v) { imu.columns = columns(v, imu_column_names()); }},
+                   {"axes", [&](const Node& v) { read_axes(v, imu); }},
+                   {"rate",
+                    [&](const Node& v) {
+                      imu.rate_hz = yaml_.quantity("rate", v, dimension::kFrequency, Sign::above_zero);
+                    }},
+                   {"stamp",
+                    [&](const Node& v) {
+                      imu.stamp = yaml_.one_of("stamp", v, {"end", "start"}) == 0
+                                      ? navigation::StampAt::end
+                                      : navigation::StampAt::start;
+                    }},
+                   {"samples", [&](const Node& v) {
+                      imu.instants = yaml_.one_of("samples", v, {"mean", "instant"}) == 1;
+                    }}});
     if (imu.path.empty()) yaml_.fail_here(node, "imu: found no \"file:\", expected the log's path");
     result_.imu = std::move(imu);
   }
@@ -240,6 +231,14 @@ class SceneReader {
     if (turn.determinant() < 0) refuse("a mirror (left-handed axes; a sign or an order is wrong)");
   }
 
+  void finish_flight(const Node& node) {
+    if (!result_.trajectory.empty())
+      yaml_.fail_here(node, "found \"flight:\" and \"trajectory:\", expected one of them: what moves");
+    if (!scenario().site)
+      yaml_.fail_here(node, "found no site, expected \"site:\" in the scene: where the flight begins");
+    place_flight(*result_.flight, scenario());
+  }
+
   // --- Sensor and states ---
 
   void read_sensor_key(const Node& node) {
@@ -248,29 +247,30 @@ class SceneReader {
       return;
     }
     bool file = false;
-    section(node, "sensor",
-            {{"file",
-              [&](const Node& v) {
-                load_sensor(v);
-                file = true;
-              }},
-             {"powered_on_before",
-              [&](const Node& v) {
-                result_.powered_on_before = time("powered_on_before", v, Sign::not_negative);
-              }},
-             {"calibrated_over",
-              [&](const Node& v) { result_.calibrated_over = time("calibrated_over", v, Sign::above_zero); }},
-             {"vibration", [&](const Node& v) {
-                scenario().states.vibration =
-                    yaml_.quantity("vibration", v, dimension::kSpecificForce, Sign::not_negative);
-              }}});
+    yaml_.section(
+        node, "sensor",
+        {{"file",
+          [&](const Node& v) {
+            load_sensor(v);
+            file = true;
+          }},
+         {"powered_on_before",
+          [&](const Node& v) {
+            result_.powered_on_before = time("powered_on_before", v, Sign::not_negative);
+          }},
+         {"calibrated_over",
+          [&](const Node& v) { result_.calibrated_over = time("calibrated_over", v, Sign::above_zero); }},
+         {"vibration", [&](const Node& v) {
+            scenario().states.vibration =
+                yaml_.quantity("vibration", v, dimension::kSpecificForce, Sign::not_negative);
+          }}});
     if (!file) yaml_.fail_here(node, "sensor: found no \"file:\", expected the sensor file's path");
     set_epoch(result_);
   }
 
   void load_sensor(const Node& node) {
     const std::string text = yaml_.text("sensor", node);
-    if (text == "ideal") return;
+    if (text == kIdeal) return;
     result_.sensor = path_from(folder_, text);
     try {
       scenario().sensor = read_sensor(result_.sensor);
@@ -287,7 +287,7 @@ class SceneReader {
       return kUses.at(yaml_.one_of(key, v, {"estimated", "considered", "left_out"}));
     };
     constexpr int kMostFlickerStates = 6;
-    section(
+    yaml_.section(
         node, "states",
         {{"flicker",
           [&](const Node& v) { states.flicker_states = yaml_.whole("flicker", v, 0, kMostFlickerStates); }},
@@ -301,16 +301,16 @@ class SceneReader {
   }
 
   void read_world(const Node& node) {
-    section(node, "world",
-            {{"gravity",
-              [&](const Node& v) {
-                scenario().gravity_sigma =
-                    yaml_.quantity("gravity", v, dimension::kSpecificForce, Sign::not_negative);
-              }},
-             {"deflection", [&](const Node& v) {
-                scenario().deflection_sigma =
-                    yaml_.quantity("deflection", v, dimension::kAngle, Sign::not_negative);
-              }}});
+    yaml_.section(node, "world",
+                  {{"gravity",
+                    [&](const Node& v) {
+                      scenario().gravity_sigma =
+                          yaml_.quantity("gravity", v, dimension::kSpecificForce, Sign::not_negative);
+                    }},
+                   {"deflection", [&](const Node& v) {
+                      scenario().deflection_sigma =
+                          yaml_.quantity("deflection", v, dimension::kAngle, Sign::not_negative);
+                    }}});
   }
 
   // --- Alignment ---
@@ -337,24 +337,25 @@ class SceneReader {
     };
     std::optional<double> duration, heading;
     bool self = false;
-    section(node, "alignment",
-            {{"start", [&](const Node& v) { a.start = time("start", v, Sign::any); }},
-             {"position", [&](const Node& v) { read_position(v); }},
-             {"position_sigma",
-              [&](const Node& v) {
-                a.position_sigma = triple("position_sigma", v, kLength, Sign::not_negative);
-              }},
-             {"velocity", [&](const Node& v) { read_velocity(v); }},
-             {"velocity_sigma",
-              [&](const Node& v) {
-                a.velocity_sigma = triple("velocity_sigma", v, dimension::kVelocity, Sign::not_negative);
-              }},
-             {"attitude", [&](const Node& v) { self = read_attitude(v); }},
-             {"duration", [&](const Node& v) { duration = time("duration", v, Sign::above_zero); }},
-             {"heading",
-              [&](const Node& v) { heading = yaml_.quantity("heading", v, dimension::kAngle, Sign::any); }},
-             {"level_sigma", [&](const Node& v) { a.level_sigma = sigma("level_sigma", v); }},
-             {"heading_sigma", [&](const Node& v) { a.heading_sigma = sigma("heading_sigma", v); }}});
+    yaml_.section(
+        node, "alignment",
+        {{"start", [&](const Node& v) { a.start = time("start", v, Sign::any); }},
+         {"position", [&](const Node& v) { read_position(v); }},
+         {"position_sigma",
+          [&](const Node& v) {
+            a.position_sigma = triple("position_sigma", v, kLength, Sign::not_negative);
+          }},
+         {"velocity", [&](const Node& v) { read_velocity(v); }},
+         {"velocity_sigma",
+          [&](const Node& v) {
+            a.velocity_sigma = triple("velocity_sigma", v, dimension::kVelocity, Sign::not_negative);
+          }},
+         {"attitude", [&](const Node& v) { self = read_attitude(v); }},
+         {"duration", [&](const Node& v) { duration = time("duration", v, Sign::above_zero); }},
+         {"heading",
+          [&](const Node& v) { heading = yaml_.quantity("heading", v, dimension::kAngle, Sign::any); }},
+         {"level_sigma", [&](const Node& v) { a.level_sigma = sigma("level_sigma", v); }},
+         {"heading_sigma", [&](const Node& v) { a.heading_sigma = sigma("heading_sigma", v); }}});
     if (!self && (duration || heading))
       yaml_.fail_here(node, "alignment: duration and heading belong to \"attitude: self\"");
     if (heading && !a.heading_sigma)
@@ -420,11 +421,11 @@ class SceneReader {
     }
     Vector3d v = Vector3d::Zero();
     const auto component = [&](const char* key, Eigen::Index i) {
-      return Key{key, [this, key, i, &v](const Node& value) {
-                   v[i] = yaml_.quantity(key, value, dimension::kVelocity, Sign::any);
-                 }};
+      return YamlKey{key, [this, key, i, &v](const Node& value) {
+                       v[i] = yaml_.quantity(key, value, dimension::kVelocity, Sign::any);
+                     }};
     };
-    section(node, "velocity", {component("north", 0), component("east", 1), component("down", 2)});
+    yaml_.section(node, "velocity", {component("north", 0), component("east", 1), component("down", 2)});
     velocity = v;
   }
 
@@ -438,12 +439,12 @@ class SceneReader {
     }
     earth::Euler euler;
     const auto angle = [&](const char* key, double& value) {
-      return Key{key, [this, key, &value](const Node& v) {
-                   value = yaml_.quantity(key, v, dimension::kAngle, Sign::any);
-                 }};
+      return YamlKey{key, [this, key, &value](const Node& v) {
+                       value = yaml_.quantity(key, v, dimension::kAngle, Sign::any);
+                     }};
     };
-    section(node, "attitude",
-            {angle("heading", euler.yaw), angle("pitch", euler.pitch), angle("roll", euler.roll)});
+    yaml_.section(node, "attitude",
+                  {angle("heading", euler.yaw), angle("pitch", euler.pitch), angle("roll", euler.roll)});
     attitude = euler;
     return false;
   }
@@ -457,7 +458,7 @@ class SceneReader {
     std::vector<std::pair<Aid::Kind, Node>> measures;
   };
 
-  std::vector<Key> use_keys(Aid& aid) const {
+  std::vector<YamlKey> use_keys(Aid& aid) const {
     return {{"from", [this, &aid](const Node& v) { aid.valid.from = time("from", v, Sign::any); }},
             {"until", [this, &aid](const Node& v) { aid.valid.to = time("until", v, Sign::any); }},
             {"outages", [this, &aid](const Node& v) { aid.outages = spans("outages", v); }},
@@ -488,7 +489,7 @@ class SceneReader {
       Device device;
       device.common.name = key.Scalar();
       Aid& common = device.common;
-      std::vector<Key> keys = use_keys(common);
+      std::vector<YamlKey> keys = use_keys(common);
       const auto add = [&](const char* name, std::function<void(const Node&)> read) {
         keys.push_back({name, std::move(read)});
       };
@@ -508,7 +509,7 @@ class SceneReader {
         keys.push_back({std::string(navigation::name(kind)),
                         [&device, kind](const Node& v) { device.measures.emplace_back(kind, v); }});
       }
-      section(value, where, keys);
+      yaml_.section(value, where, keys);
       if (device.measures.empty())
         yaml_.fail_here(value, fmt::format("{}: found nothing that it measures, expected position, velocity, "
                                            "height, attitude or rest",
@@ -538,13 +539,13 @@ class SceneReader {
     };
     if (node.IsMap()) {
       sigma = false;
-      std::vector<Key> keys = use_keys(aid);
+      std::vector<YamlKey> keys = use_keys(aid);
       keys.push_back({"sigma", read_sigma});
       keys.push_back({"bias_sigma", [&](const Node& v) {
                         aid.bias_sigma = triple("bias_sigma", v, d, Sign::not_negative);
                       }});
       keys.push_back({"correlated", [&](const Node& v) { read_correlated(v, d, aid); }});
-      section(node, "aids." + aid.name, keys);
+      yaml_.section(node, "aids." + aid.name, keys);
     } else {
       read_sigma(node);
     }
@@ -558,16 +559,16 @@ class SceneReader {
 
   void read_correlated(const Node& node, const Dimension& d, Aid& aid) const {
     bool both[2] = {false, false};
-    section(node, "correlated",
-            {{"sigma",
-              [&](const Node& v) {
-                aid.correlated_sigma = triple("sigma", v, d, Sign::not_negative);
-                both[0] = true;
-              }},
-             {"time", [&](const Node& v) {
-                aid.correlation_time = time("time", v, Sign::above_zero);
-                both[1] = true;
-              }}});
+    yaml_.section(node, "correlated",
+                  {{"sigma",
+                    [&](const Node& v) {
+                      aid.correlated_sigma = triple("sigma", v, d, Sign::not_negative);
+                      both[0] = true;
+                    }},
+                   {"time", [&](const Node& v) {
+                      aid.correlation_time = time("time", v, Sign::above_zero);
+                      both[1] = true;
+                    }}});
     if (!both[0] || !both[1])
       yaml_.fail_here(node, "correlated: expected both, as in {sigma: 1 m, time: 5 min}");
   }
@@ -578,7 +579,7 @@ class SceneReader {
     auto& filter = scenario().filter;
     constexpr std::array kForms{navigation::Form::automatic, navigation::Form::plain,
                                 navigation::Form::joseph, navigation::Form::square_root};
-    section(
+    yaml_.section(
         node, "filter",
         {{"form",
           [&](const Node& v) {
@@ -604,24 +605,24 @@ class SceneReader {
   }
 
   void read_solution(const Node& node) {
-    section(node, "solution",
-            {{"rate",
-              [&](const Node& v) {
-                scenario().solution_interval =
-                    1 / yaml_.quantity("rate", v, dimension::kFrequency, Sign::above_zero);
-              }},
-             {"smooth",
-              [&](const Node& v) {
-                scenario().smooth = yaml_.one_of("smooth", v, {"no", "yes"}) == 1;
-              }},
-             {"at", [&](const Node& v) {
-                if (!v.IsSequence()) {
-                  scenario().at = {time("at", v, Sign::any)};
-                  return;
-                }
-                scenario().at.clear();
-                for (const Node& one : v) scenario().at.push_back(time("at", one, Sign::any));
-              }}});
+    yaml_.section(node, "solution",
+                  {{"rate",
+                    [&](const Node& v) {
+                      scenario().solution_interval =
+                          1 / yaml_.quantity("rate", v, dimension::kFrequency, Sign::above_zero);
+                    }},
+                   {"smooth",
+                    [&](const Node& v) {
+                      scenario().smooth = yaml_.one_of("smooth", v, {"no", "yes"}) == 1;
+                    }},
+                   {"at", [&](const Node& v) {
+                      if (!v.IsSequence()) {
+                        scenario().at = {time("at", v, Sign::any)};
+                        return;
+                      }
+                      scenario().at.clear();
+                      for (const Node& one : v) scenario().at.push_back(time("at", one, Sign::any));
+                    }}});
   }
 
   void read_reference(const Node& node) {
@@ -642,9 +643,9 @@ class SceneReader {
       return;
     }
     AidSource source;
-    section(node, "reference",
-            {{"file", [&](const Node& v) { source.path = data_path("file", v); }},
-             {"columns", [&](const Node& v) { source.columns = columns(v, aid_column_names()); }}});
+    yaml_.section(node, "reference",
+                  {{"file", [&](const Node& v) { source.path = data_path("file", v); }},
+                   {"columns", [&](const Node& v) { source.columns = columns(v, aid_column_names()); }}});
     if (source.path.empty())
       yaml_.fail_here(node, "reference: found no \"file:\", expected the path of a CSV");
     for (const Aid::Kind kind : kCompared) {
@@ -671,9 +672,25 @@ SceneFile read_scene(const std::string& path, const std::string& data_folder) {
 }
 
 void change_sensor(SceneFile& scene, const std::string& path) {
-  scene.scenario.sensor = read_sensor(path);
-  scene.sensor = path;
+  const bool ideal = path == kIdeal;
+  scene.scenario.sensor = ideal ? noise::SensorModel{} : read_sensor(path);
+  scene.sensor = ideal ? std::string() : path;
   set_epoch(scene);
+}
+
+earth::Trajectory planned_trajectory(const SceneFile& scene) {
+  if (!scene.flight && scene.trajectory.empty())
+    throw InputError(
+        fmt::format("{}: found neither a trajectory nor a flight, expected 'trajectory: ascent', the path of "
+                    "a CSV, or 'flight: {{vehicle: vlm1.yaml}}'",
+                    scene.path));
+  if (!scene.flight) return read_trajectory(scene.trajectory);
+  const flight::FlightRecord nominal = fly_nominal(scene.flight->plan);
+  constexpr double kShortest = 1;  // [s]
+  if (nominal.end.t < kShortest)
+    throw InputError(fmt::format("{}: the flight of {} is too short for a trajectory: it {}", scene.path,
+                                 scene.flight->vehicle, nominal.account));
+  return trajectory(nominal);
 }
 
 }  // namespace gyrobudget::inline v0::io

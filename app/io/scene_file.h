@@ -1,7 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "gyrobudget/earth/trajectory.h"
+#include "gyrobudget/flight/dispersion.h"
+#include "gyrobudget/flight/plan.h"
 #include "gyrobudget/io/error.h"
+#include "gyrobudget/io/vehicle_file.h"
 #include "gyrobudget/navigation/recording.h"
 #include "gyrobudget/navigation/scenario.h"
 
@@ -31,13 +35,23 @@ struct AidSource {
   std::map<std::string, std::string> columns;
 };
 
+/// What flies in place of a trajectory.
+struct FlightSource {
+  flight::Plan plan;
+  flight::Dispersion dispersion;
+  std::string vehicle;                 ///< path of its file
+  std::vector<VehicleNumber> numbers;  ///< of it, with where they come from
+};
+
 /// A scene with the places of its data.
 struct SceneFile {
+  std::string path;  ///< of the scene itself
   navigation::Scenario scenario;
   std::string sensor;  ///< path of the sensor file; empty: ideal
   /// The scene's own epoch of any sensor, in place of the sensor file's [s].
   std::optional<double> powered_on_before, calibrated_over;
   std::string trajectory;  ///< as read_trajectory takes it; empty: none
+  std::optional<FlightSource> flight;
   std::optional<ImuSource> imu;
   std::vector<AidSource> aids;  ///< one for each of scenario.aids
 };
@@ -59,7 +73,12 @@ struct SceneFile {
 /// name. The sensor file is read with it; logs are not.
 [[nodiscard]] SceneFile read_scene(const std::string& path, const std::string& data_folder = {});
 
-/// Another sensor file in the same scene, at the scene's epoch. @throws InputError as read_sensor.
+/// The trajectory of a scene that plans one: by name, from a file, or of its flight as planned, with perfect
+/// navigation and without dispersion; a flight that ends early has a short one.
+/// @throws InputError as read_trajectory(), and for a flight that does not last a second.
+[[nodiscard]] earth::Trajectory planned_trajectory(const SceneFile&);
+
+/// Another sensor file, or "ideal", in the same scene, at the scene's epoch. @throws InputError as read_sensor.
 void change_sensor(SceneFile&, const std::string& path);
 
 /// All keys of a scene as one commented example, which read_scene reads.

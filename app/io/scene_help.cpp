@@ -9,7 +9,38 @@ std::string_view scene_help() {
 name: delivery drone, GNSS outage
 site: alcantara               # or {latitude: -2.373 deg, longitude: -44.396 deg, height: 0 m}
 azimuth: 90 deg               # of the launch plane, clockwise from north
-trajectory: ascent            # what flies where nothing was recorded: as --trajectory, a name or a CSV
+# trajectory: ascent          # what flies where nothing was recorded: as --trajectory, a name or a CSV
+flight:                       # or, in its place, what flies in closed loop: for fly; a budget takes its nominal trajectory
+  vehicle: vlm1.yaml          # its keys: gyrobudget fly --help
+  bending: no                 # leaves out the vehicle's bending mode [as the vehicle has it]
+  pitch: [[8 s, 90 deg], [83 s, 50 deg]]   # program above the horizon, straight between [these two]
+  control:                    # of attitude
+    frequency: 2.5 rad/s      # of the closed loop [2.5 rad/s]
+    damping: 0.7
+    feedback: rate_error      # or rate, which lags a turning program [rate_error]
+    least_thrust: 20 %        # of the mean: gains follow the thrust down to here [20 %]
+    notch: {frequency: 7 Hz, depth: 0.05, width: 0.5}   # or none [on the bending mode, where there is one]
+    rate: 100 Hz              # of control, IMU and navigation [100 Hz]
+  guidance: attitude          # or trajectory: back to the nominal one too; or {frequency, damping, angle_limit}
+  atmosphere: yes
+  wind:                       # of the air against Earth [calm]
+    east: 5 m/s
+    north: 0 m/s
+    shear_east: [[0 km, 0 m/s], [10 km, 30 m/s]]   # more, by height; shear_north alike
+    gust: {height: 9 km, half_width: 300 m, east: 0 m/s, north: 9 m/s, up: 0 m/s}
+  dispersion:                 # one sigma of what differs from vehicle to vehicle [nothing]
+    impulse: 0.5 %            # so too: burn_time, mass, inertia, axial_drag, normal_force, gust
+    pressure_ahead: 10 cm
+    thrust_misalignment: 0.05 deg
+    wind: 5 m/s
+  faults:                     # [none]
+    thrust_cut: 200 s
+    nozzle_stuck: {at: 200 s, pitch: 1 deg, yaw: 0 deg}
+    thrust_misalignment: {pitch: 0 deg, yaw: 0 deg}
+    dead_gyro: {axis: y, at: 200 s}
+    navigation_delay: 0 s
+  integrator: automatic       # or {method: fehlberg78, step: 10 ms, tolerance: 1e-9}: automatic, exact,
+                              #   runge_kutta4, dormand_prince, fehlberg78, rosenbrock
 imu:                          # what was recorded
   file: imu.csv               # CSV or text, also .gz
   columns:                    # where the header does not say time (s), gyro_x (deg/s) ... accel_z (g):

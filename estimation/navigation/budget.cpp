@@ -54,15 +54,19 @@ Timeline::Timeline(earth::Trajectory trajectory, std::vector<PlannedFix> fixes, 
 void Timeline::cut(const Options& options) {
   require((end() - start()) / options.step <= kMostSteps, "covariance step [s]", options.step,
           fmt::format("at least {:g} of the scene's {:g} s", 1 / kMostSteps, end() - start()));
-  std::vector<double> cuts = report_;
-  cuts.push_back(start());
-  cuts.push_back(0);
-  for (const double t : trajectory_.breaks()) cuts.push_back(t);
-  for (const auto& fix : fixes_) cuts.push_back(fix.time);
-  std::sort(cuts.begin(), cuts.end());
+  struct Cut {
+    double time;
+    bool needed;
+  };
+  std::vector<Cut> cuts{{start(), true}, {0, true}};
+  for (const double t : report_) cuts.push_back({t, true});
+  for (const auto& fix : fixes_) cuts.push_back({fix.time, true});
+  for (const double t : trajectory_.breaks()) cuts.push_back({t, false});
+  std::ranges::sort(cuts, {}, &Cut::time);
   double from = start();
-  for (const double to : cuts) {
-    if (to - from < kSameTime) continue;
+  for (const auto& [to, needed] : cuts) {
+    // Breaks as dense as the knots of sampled data are none that matter: a step has the means over itself.
+    if (to - from < (needed ? kSameTime : options.step / 2)) continue;
     const auto parts = static_cast<int>(std::ceil((to - from) / options.step * (1 - 1e-12)));
     for (int i = 0; i < parts; ++i)
       steps_.push_back(make_step(from + (to - from) * i / parts, from + (to - from) * (i + 1) / parts));

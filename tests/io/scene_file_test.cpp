@@ -48,6 +48,7 @@ TEST_F(SceneFile, AnotherSensorKeepsTheScenesEpoch) {
 
 TEST_F(SceneFile, TheHelpIsASceneThatReads) {
   (void)file("mems.yaml", "gyro:\n  arw: 0.1 deg/sqrt(h)\n");
+  (void)file("vlm1.yaml", io::vehicle_help());
   const io::SceneFile scene = read(io::scene_help());
   const auto& s = scene.scenario;
   EXPECT_EQ(s.name, "delivery drone, GNSS outage");
@@ -110,7 +111,7 @@ TEST_F(SceneFile, ATrajectoryNeedsNoAlignment) {
 TEST_F(SceneFile, WhatIsWrongHasItsPlaceAndAMend) {
   EXPECT_CONTAINS(message("imuu: {file: a.csv}\n"),
                   "scene.yaml:1:1: 'imuu' is no key of a scene (did you mean 'imu'?)");
-  EXPECT_CONTAINS(message("name: x\n"), "found neither \"imu:\" nor \"trajectory:\"");
+  EXPECT_CONTAINS(message("name: x\n"), "found none of \"imu:\", \"trajectory:\" and \"flight:\"");
   EXPECT_CONTAINS(message("imu: {file: a.csv}\n"), "found no \"alignment:\"");
   EXPECT_CONTAINS(message("imu: {file: a.csv}\n" + kStart), "found no site");
   EXPECT_CONTAINS(message("site: alcantra\n"),

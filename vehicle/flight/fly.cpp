@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/flight/fly.h"
 
+#include "gyrobudget/flight/detail/burn.h"
 #include "gyrobudget/flight/detail/height.h"
 
 #include <fmt/core.h>
@@ -55,12 +56,20 @@ std::string account(Ended ended, const FlightPoint& at, const Flight& flight) {
 
 }  // namespace
 
+// The body is at rest on the pad, so the centre of mass, which moves forward in it from ignition on, is not.
+BodyState at_ignition(const Flight& flight) {
+  BodyState state = on_pad(flight.world.site, flight.azimuth, flight.pitch);
+  flight.vehicle.check();
+  const Burn burn(flight.vehicle, flight.faults.thrust_cut_at);
+  state.v_ib_i += state.q_ib * Vector3d(burn.at(0, burn.piece(0)).cm_velocity, 0, 0);
+  return state;
+}
+
 Run::Run(const Flight& flight)
     : flight_(flight),
       duration_(checked_duration(flight)),
       pad_height_(flight.world.site.height),
-      body_(flight.vehicle, flight.world, on_pad(flight.world.site, flight.azimuth, flight.pitch),
-            flight.integration, flight.faults),
+      body_(flight.vehicle, flight.world, at_ignition(flight), flight.integration, flight.faults),
       interval_(flight.period) {
   increment_ = {Vector3d::Zero(), body_.imu().w_ib_b * interval_};
   const auto periods = static_cast<std::size_t>(std::ceil(duration_ / flight.period));
@@ -131,8 +140,9 @@ FlightRecord Run::finish(const Seen& seen) {
 }  // namespace detail
 
 Body::Pose pose_on_pad(const Flight& flight) {
-  const BodyState pad = on_pad(flight.world.site, flight.azimuth, flight.pitch);
-  return Body(flight.vehicle, flight.world, pad, {.method = Method::exact}, flight.faults).pose();
+  return Body(flight.vehicle, flight.world, detail::at_ignition(flight), {.method = Method::exact},
+              flight.faults)
+      .pose();
 }
 
 }  // namespace gyrobudget::inline v0::flight

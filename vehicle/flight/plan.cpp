@@ -3,6 +3,8 @@
 
 #include "gyrobudget/earth/sampled.h"
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 namespace gyrobudget::inline v0::flight {
@@ -11,6 +13,10 @@ FlightRecord fly_nominal(const Plan& plan) {
   Plan nominal = plan;
   nominal.guidance.reset();
   nominal.navigator_faults = {};
+  constexpr double kSmooth = 0.05;  // [s] between points
+  const double periods = std::round(kSmooth / nominal.flight.period);
+  nominal.flight.record_every =
+      plan.flight.vehicle.bending ? 1 : static_cast<int>(std::clamp(periods, 1.0, 1e6));
   PerfectNavigator navigator;
   return fly(nominal, nominal.flight, {}, navigator);
 }

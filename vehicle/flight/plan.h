@@ -20,7 +20,8 @@ struct Plan {
   NavigatorFaults navigator_faults;
 };
 
-/// With perfect navigation and the program of attitude alone: the flight that guidance follows.
+/// With perfect navigation and the program of attitude alone: the flight that guidance follows. Its points are as
+/// dense as trajectory() needs them: 20 Hz, or of a vehicle that bends every period.
 /// @throws std::invalid_argument as fly() and AttitudeControl do.
 [[nodiscard]] FlightRecord fly_nominal(const Plan&);
 
@@ -40,7 +41,7 @@ template <Navigator N>
 }
 
 /// The truth of a record as a trajectory of the IMU, for what works along one: a spline through its points
-/// (earth::through_samples), which at 20 Hz is within 1 um of the flight where nothing jumps.
+/// (earth::through_samples), good to what that says of samples so far apart.
 /// @throws std::invalid_argument for fewer than 4 points.
 [[nodiscard]] earth::Trajectory trajectory(const FlightRecord&);
 
