@@ -3,6 +3,7 @@
 #include "arguments.h"
 
 #include "gyrobudget/io/scene_file.h"
+#include "gyrobudget/io/vehicle_file.h"
 #include "gyrobudget/noise/units.h"
 #include "gyrobudget/version.h"
 
@@ -787,6 +788,42 @@ void finish(BudgetArguments& a, const Texts& texts) {
   a.seed = seed(texts.seed);
 }
 
+CLI::App* add_fly(CLI::App& app, FlyArguments& a, Texts& texts) {
+  auto* verb = app.add_subcommand(
+      "fly",
+      "A launch vehicle in closed loop, steered by what its sensors tell.\n\n"
+      "  gyrobudget fly examples/scenes/vlm1-ifog.yaml examples/scenes/vlm1-mems.yaml --report flight.html\n"
+      "  gyrobudget fly scene.yaml --sensor ideal --sensor mems.yaml --runs 200 -o flight.csv\n");
+  verb->add_option("scene", a.scenes,
+                   "scene files with a flight: site, vehicle, control, sensor, alignment, aids")
+      ->required()
+      ->type_name("SCENE");
+  verb->add_option("--sensor", a.sensors, "in place of the scene's, \"ideal\" too; several: side by side")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
+  verb->add_option("--runs", a.runs,
+                   "Monte Carlo flights of each kind: sensors alone, vehicle alone, both; 0: none")
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
+  verb->add_option("--seed", texts.seed, "of the random numbers; printed into every output")
+      ->capture_default_str();
+  auto* out = verb->add_option_group("Output");
+  out->add_option("-o,--output", a.output,
+                  "write the flight: trajectory, attitude, nozzle, air, navigation error")
+      ->type_name("FILE.csv");
+  out->add_option("--rate", texts.rate, "of its rows [10 Hz]")->type_name("HZ");
+  out->add_option("--report", a.report, "write a self-contained HTML page")->type_name("FILE.html");
+  add_common(*verb, a.common);
+  verb->footer(fmt::format("Every key of a scene: gyrobudget navigate --help\n\nVehicle (YAML):\n\n{}",
+                           io::vehicle_help()));
+  return verb;
+}
+
+void finish(FlyArguments& a, const Texts& texts) {
+  if (!texts.rate.empty()) a.rate = rate("--rate", texts.rate);
+  a.seed = seed(texts.seed);
+}
+
 // --- Help -----------------------------------------------------------------------------------------------------------
 
 // The list of verbs shows what each is for, without its examples.
@@ -898,6 +935,7 @@ Arguments parse_arguments(int argc, const char* const* argv) {
   PaperArguments paper;
   NavigateArguments navigate;
   BudgetArguments budget;
+  FlyArguments fly;
   Texts texts;
   const auto* calibrate_verb = add_calibrate(app, calibrate, texts);
   const auto* allan_verb = add_allan(app, allan, texts);
@@ -907,6 +945,7 @@ Arguments parse_arguments(int argc, const char* const* argv) {
   const auto* paper_verb = add_paper(app, paper, texts);
   const auto* navigate_verb = add_navigate(app, navigate);
   const auto* budget_verb = add_budget(app, budget, texts);
+  const auto* fly_verb = add_fly(app, fly, texts);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
@@ -951,6 +990,11 @@ Arguments parse_arguments(int argc, const char* const* argv) {
     finish(budget, texts);
     budget.common.command_line = line;
     return budget;
+  }
+  if (fly_verb->parsed()) {
+    finish(fly, texts);
+    fly.common.command_line = line;
+    return fly;
   }
   fmt::print(stderr, "{}", app.help());
   return Answered{exit_usage};

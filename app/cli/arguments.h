@@ -183,13 +183,25 @@ struct BudgetArguments {
   std::string report;  ///< path of the HTML page; empty: none
 };
 
+struct FlyArguments {
+  Common common;
+  std::vector<std::string> scenes;   ///< side by side
+  std::vector<std::string> sensors;  ///< in place of the scene's, "ideal" too; with one scene
+  int runs = 0;                      ///< of Monte Carlo, of each kind
+  std::uint64_t seed = 1;
+  std::string output;  ///< path of the flight's CSV; empty: none
+  double rate = 10;    ///< of its rows [Hz]
+  std::string report;  ///< path of the HTML page; empty: none
+};
+
 /// The command line was answered already (--help, --version) or is wrong.
 struct Answered {
   int exit_code = 0;
 };
 
-using Arguments = std::variant<Answered, SimulateArguments, AllanArguments, CalibrateArguments, PlanArguments,
-                               AccuracyArguments, PaperArguments, NavigateArguments, BudgetArguments>;
+using Arguments =
+    std::variant<Answered, SimulateArguments, AllanArguments, CalibrateArguments, PlanArguments,
+                 AccuracyArguments, PaperArguments, NavigateArguments, BudgetArguments, FlyArguments>;
 
 /// Reads the command line; prints help, version and usage errors itself.
 [[nodiscard]] Arguments parse_arguments(int argc, const char* const* argv);

@@ -214,6 +214,7 @@ class FlightReader {
                    not_negative("axial_drag", d.axial_drag, dimension::kNumber),
                    not_negative("normal_force", d.normal_force, dimension::kNumber),
                    not_negative("pressure_ahead", d.pressure_ahead, dimension::kLength),
+                   not_negative("centre_of_mass", d.centre_of_mass, dimension::kLength),
                    not_negative("thrust_misalignment", d.thrust_misalignment, dimension::kAngle),
                    not_negative("wind", d.wind, dimension::kVelocity),
                    not_negative("gust", d.gust, dimension::kNumber)});

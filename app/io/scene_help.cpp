@@ -30,7 +30,7 @@ flight:                       # or, in its place, what flies in closed loop: for
     gust: {height: 9 km, half_width: 300 m, east: 0 m/s, north: 9 m/s, up: 0 m/s}
   dispersion:                 # one sigma of what differs from vehicle to vehicle [nothing]
     impulse: 0.5 %            # so too: burn_time, mass, inertia, axial_drag, normal_force, gust
-    pressure_ahead: 10 cm
+    pressure_ahead: 10 cm     # centre_of_mass alike
     thrust_misalignment: 0.05 deg
     wind: 5 m/s
   faults:                     # [none]

@@ -56,7 +56,7 @@ TEST_F(FlightSection, EveryKeyIsTaken) {
   wind: {east: 5 m/s, north: -3 m/s, shear_east: [[0 km, 0 m/s], [10 km, 30 m/s]], shear_north: 2 m/s,
          gust: {height: 9 km, half_width: 300 m, north: 9 m/s, up: 1 m/s}}
   dispersion: {impulse: 0.5 %, burn_time: 1 %, mass: 0.2 %, inertia: 3 %, axial_drag: 10 %, normal_force: 8 %,
-               pressure_ahead: 10 cm, thrust_misalignment: 0.05 deg, wind: 4 m/s, gust: 7 %}
+               pressure_ahead: 10 cm, centre_of_mass: 5 cm, thrust_misalignment: 0.05 deg, wind: 4 m/s, gust: 7 %}
   faults: {thrust_cut: 70 s, nozzle_stuck: {at: 60 s, pitch: 1 deg, yaw: 2 deg}, dead_gyro: {axis: z, at: 5 s},
            thrust_misalignment: {pitch: 0.1 deg, yaw: 0.2 deg}, navigation_delay: 100 ms}
   integrator: {method: fehlberg78, step: 5 ms, tolerance: 1e-8}
@@ -93,6 +93,7 @@ until: 40 s
   EXPECT_DOUBLE_EQ(d.axial_drag, 0.1);
   EXPECT_DOUBLE_EQ(d.normal_force, 0.08);
   EXPECT_DOUBLE_EQ(d.pressure_ahead, 0.1);
+  EXPECT_DOUBLE_EQ(d.centre_of_mass, 0.05);
   EXPECT_DOUBLE_EQ(d.thrust_misalignment, 0.05 * kDegree);
   EXPECT_EQ(d.wind, 4);
   EXPECT_DOUBLE_EQ(d.gust, 0.07);
