@@ -4,6 +4,7 @@
 #include "gyrobudget/closed_loop/study.h"
 #include "gyrobudget/flight/dispersion.h"
 #include "gyrobudget/flight/plan.h"
+#include "gyrobudget/io/vehicle_file.h"
 
 #include <span>
 #include <string>
@@ -16,11 +17,13 @@ namespace gyrobudget::inline v0::report {
 /// One scene flown with one sensor. Results side by side are of one scene: its plan, its nominal flight and what its
 /// vehicle disperses are taken from the first.
 struct FlightResult {
-  std::string scene;    ///< its path
-  std::string name;     ///< as it calls itself
-  std::string sensor;   ///< path of the sensor file; empty: ideal
-  std::string command;  ///< as typed
-  std::string vehicle;  ///< path of the vehicle's file; empty: the program's own
+  std::string scene;                               ///< its path
+  std::string name;                                ///< as it calls itself
+  std::string sensor;                              ///< path of the sensor file; empty: ideal
+  std::string command;                             ///< as typed
+  std::string vehicle;                             ///< path of the vehicle's file; empty: the program's own
+  std::vector<io::VehicleNumber> vehicle_numbers;  ///< of that file, with where they come from
+  std::vector<io::VehicleOmission> vehicle_left_out;  ///< so too
   flight::Plan plan;
   flight::Dispersion dispersion;
   closed_loop::Study study;
@@ -30,7 +33,9 @@ struct FlightResult {
 /// Tables for the terminal: where each flight ends, how far from the nominal one, navigation error by source,
 /// dispersion by cause, limits and margins. Of one result at least, as the others.
 [[nodiscard]] std::string flight_text(std::span<const FlightResult>);
-/// Schema gyrobudget.flight/1: {"schema","version","command","scene","name","sensor","vehicle","seed","runs",
+/// Schema gyrobudget.flight/1: {"schema","version","command","scene","name","sensor",
+/// "vehicle":{"file","name","origins" (how many numbers are):{"sourced","derived","assumed","not stated"},"numbers":[{"key",
+/// "value","origin","reason"}],"left_out":[{"key","meaning"}]},"seed","runs","aided","aligned_over_s",
 /// "ended" (complete, impact, tumbling, overload, not_finite, not_flown),"account",
 /// "burnout" (end of the flight with the sensors of run 0; null where it was not flown):{"t_s","height_m","downrange_m",
 /// "crossrange_m","speed_m_s","distance_m","pitch_deg"},"nominal" (alike, with "ended" and "account"),

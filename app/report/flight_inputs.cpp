@@ -111,6 +111,7 @@ void add_dispersion(List& list, const flight::Dispersion& d) {
   list.add_some("axial drag", d.axial_drag / kPercent, "%");
   list.add_some("slope of the normal force", d.normal_force / kPercent, "%");
   list.add_some("centre of pressure", d.pressure_ahead, "m");
+  list.add_some("centre of mass", d.centre_of_mass, "m");
   list.add_some("misalignment of the thrust, each plane", d.thrust_misalignment / kDegree, "deg");
   list.add_some("steady wind, east and north", d.wind, "m/s");
   list.add_some("peak of the gust", d.gust / kPercent, "%");

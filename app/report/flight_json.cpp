@@ -11,6 +11,7 @@
 
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <utility>
 
 namespace gyrobudget::inline v0::report {
@@ -27,7 +28,9 @@ using navigation::CoreMatrix;
 
 constexpr double kDegree = earth::kDegree;
 
+Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
 Json finite(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+Json list_of(const Vector3d& v) { return Json::array({finite(v[0]), finite(v[1]), finite(v[2])}); }
 
 // Three components by name, and their root sum square.
 Json components(const std::array<const char*, 3>& axes, const Vector3d& v, const char* sum) {
@@ -271,7 +274,21 @@ Json trajectory_json(const FlightFrame& frame, const FlightRecord& record, std::
   return out;
 }
 
-// --- The whole -------------------------------------------------------------------------------------------------------
+// --- Vehicle and other inputs -------------------------------------------------------------------------------------------------------
+
+Json vehicle_json(const FlightResult& r) {
+  Json counts, numbers = Json::array(), left_out = Json::array();
+  for (const OriginCount& c : origins(r)) counts[std::string(c.origin)] = c.numbers;
+  for (const auto& n : r.vehicle_numbers)
+    numbers.push_back(
+        {{"key", n.key}, {"value", n.value}, {"origin", io::to_string(n.origin)}, {"reason", n.reason}});
+  for (const auto& l : r.vehicle_left_out) left_out.push_back({{"key", l.key}, {"meaning", l.meaning}});
+  return {{"file", text_or_null(r.vehicle)},
+          {"name", r.plan.flight.vehicle.name},
+          {"origins", counts},
+          {"numbers", numbers},
+          {"left_out", left_out}};
+}
 
 Json inputs_json(const FlightResult& r) {
   Json list = Json::array();
@@ -287,8 +304,6 @@ Json notes_json(const FlightResult& r) {
   return list;
 }
 
-Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
-
 Json flight_document(const FlightResult& r, const FlightFrame& frame, std::size_t most_points) {
   const Study& s = r.study;
   const auto departure = s.flown ? frame.departure(s.flown->end) : std::nullopt;
@@ -298,7 +313,7 @@ Json flight_document(const FlightResult& r, const FlightFrame& frame, std::size_
           {"scene", r.scene},
           {"name", r.name},
           {"sensor", text_or_null(r.sensor)},
-          {"vehicle", text_or_null(r.vehicle)},
+          {"vehicle", vehicle_json(r)},
           {"seed", s.seed},
           {"runs", s.runs},
           {"aided", s.aided},
@@ -318,6 +333,46 @@ Json flight_document(const FlightResult& r, const FlightFrame& frame, std::size_
           {"notes", notes_json(r)}};
 }
 
+// --- What the page draws beside ------------------------------------------------------------------------------------
+
+// One sigma along downrange, crossrange and up over time.
+Json growth_json(const Study& s) {
+  if (!s.budget) return nullptr;
+  std::array<Json, 3> position, velocity, attitude;
+  for (const CoreMatrix& P : s.budget->total) {
+    const auto sigma = navigation::local_sigmas(P, s.C_launch);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const auto k = static_cast<int>(i);
+      position[i].push_back(finite(sigma.position[k]));
+      velocity[i].push_back(finite(sigma.velocity[k]));
+      attitude[i].push_back(finite(sigma.attitude[k] / kDegree));
+    }
+  }
+  return {{"t_s", s.budget->times}, {"position", position}, {"velocity", velocity}, {"attitude", attitude}};
+}
+
+// Departures at the end of every complete flight, their mean and their covariance, downrange, crossrange, up.
+Json clouds_json(const Study& s) {
+  Json out;
+  for (const FlightsOf& kind : causes(s)) {
+    Json points = Json::array(), covariance = Json::array();
+    for (const Outcome& o : kind.flights->outcomes)
+      if (o.counts()) points.push_back(list_of(o.position));
+    const auto spread = kind.flights->spread(&Outcome::position);
+    for (int i = 0; i < 3; ++i) covariance.push_back(list_of(spread.covariance.col(i)));
+    out[std::string(kind.cause)] = {
+        {"points", points}, {"mean", list_of(spread.mean)}, {"covariance", covariance}};
+  }
+  return out;
+}
+
+Json nominal_trajectory_json(const FlightResult& r, const FlightFrame& frame, std::size_t most) {
+  Json out = trajectory_json(frame, r.study.nominal, most);
+  Json& program = out["program_deg"] = Json::array();
+  for (const double t : out["t_s"]) program.push_back(finite(r.plan.control.pitch(t) / kDegree));
+  return out;
+}
+
 }  // namespace
 
 std::string flight_json(std::span<const FlightResult> results) {
@@ -330,8 +385,17 @@ std::string flight_json(std::span<const FlightResult> results) {
 
 std::string flight_data(std::span<const FlightResult> results) {
   constexpr std::size_t kPoints = 420;
+  const std::vector<std::string> names = sensor_names(results);
   Json list = Json::array();
-  for (const auto& r : results) list.push_back(flight_document(r, FlightFrame(r), kPoints));
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    const FlightFrame frame(results[i]);
+    Json one = flight_document(results[i], frame, kPoints);
+    one["label"] = names[i];
+    one["growth"] = growth_json(results[i].study);
+    one["clouds"] = clouds_json(results[i].study);
+    one["nominal_trajectory"] = nominal_trajectory_json(results[i], frame, kPoints);
+    list.push_back(std::move(one));
+  }
   return without_markup(compact_json(Json{{"flights", list}}));
 }
 

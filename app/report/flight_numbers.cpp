@@ -165,4 +165,15 @@ std::optional<NavigationCheck> navigation_check(const Study& s) {
   return check;
 }
 
+std::array<OriginCount, 4> origins(const FlightResult& r) {
+  using flight::Origin;
+  std::array<OriginCount, 4> counts;
+  const std::array<std::optional<Origin>, 4> all{Origin::sourced, Origin::derived, Origin::assumed,
+                                                 std::nullopt};
+  for (std::size_t i = 0; i < all.size(); ++i)
+    counts[i] = {io::to_string(all[i]),
+                 static_cast<int>(std::ranges::count(r.vehicle_numbers, all[i], &io::VehicleNumber::origin))};
+  return counts;
+}
+
 }  // namespace gyrobudget::inline v0::report

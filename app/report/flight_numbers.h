@@ -122,6 +122,13 @@ struct NavigationCheck {
 /// None without a budget or without two complete flights; a ratio to nothing is not a number.
 [[nodiscard]] std::optional<NavigationCheck> navigation_check(const closed_loop::Study&);
 
+/// How many of the vehicle's numbers are of an origin.
+struct OriginCount {
+  std::string_view origin;  ///< "sourced", "derived", "assumed", "not stated"
+  int numbers = 0;
+};
+[[nodiscard]] std::array<OriginCount, 4> origins(const FlightResult&);
+
 /// A number that was put in.
 struct Input {
   std::string group, name, value, unit;

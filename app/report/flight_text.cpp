@@ -47,12 +47,22 @@ std::string navigation_words(const Study& s) {
   return words;
 }
 
+// "8 sourced, 2 derived, 20 assumed"
+std::string origin_words(const FlightResult& r) {
+  std::string words;
+  for (const OriginCount& c : origins(r))
+    if (c.numbers > 0) words += fmt::format("{}{} {}", words.empty() ? "" : ", ", c.numbers, c.origin);
+  return words;
+}
+
 std::string title(const FlightResult& r) {
   const flight::Flight& f = r.plan.flight;
   std::string out = fmt::format("{}\n", printable(r.name.empty() ? r.scene : r.name));
   out += fmt::format("  {}, azimuth {:.6g} deg, from {:.4f} deg, {:.4f} deg\n", printable(f.vehicle.name),
                      r.plan.control.azimuth / kDegree, f.world.site.latitude / kDegree,
                      f.world.site.longitude / kDegree);
+  if (const std::string words = origin_words(r); !words.empty())
+    out += fmt::format("  the vehicle's numbers: {}\n", words);
   out +=
       fmt::format("  control and navigation at {:.6g} Hz: {}; {}\n", 1 / f.period,
                   r.plan.guidance ? "guided along the nominal trajectory" : "the program of attitude alone",
@@ -91,7 +101,7 @@ std::string ends(std::span<const FlightResult> results, const std::vector<std::s
     else
       table.row({names[i], "-", "-", "-", "-", "-", "-", "-", "not flown"});
   }
-  return "\nWhere it ends, with the sensors of run 0\n" + table.text();
+  return "\nWhere it ends: position of the IMU, with the sensors of run 0\n" + table.text();
 }
 
 std::string accounts(std::span<const FlightResult> results, const std::vector<std::string>& names) {
@@ -154,7 +164,8 @@ std::string check_text(const Study& s) {
 
 std::string navigation_error(const FlightResult& r, const std::string& name) {
   const Study& s = r.study;
-  std::string out = fmt::format("\nNavigation error at the end, one sigma by linear covariance: {}\n", name);
+  std::string out = fmt::format(
+      "\nNavigation error at the end of the nominal flight, one sigma by linear covariance: {}\n", name);
   if (!s.budget) return out + "  none: the flight is too short to navigate\n";
   if (s.budget->lines.empty()) return out + "  none: nothing errs\n";
   const std::size_t last = s.budget->times.size() - 1;
@@ -231,7 +242,7 @@ std::string limits(std::span<const FlightResult> results, const std::vector<std:
   row("nominal", results[0], results[0].study.nominal);
   for (std::size_t i = 0; i < results.size(); ++i)
     if (const auto& flown = results[i].study.flown) row(names[i], results[i], *flown);
-  return "\nLimits used\n" + table.text();
+  return "\nLimits used; q is the dynamic pressure, the angle that of attack\n" + table.text();
 }
 
 std::string margins(const Study& s) {

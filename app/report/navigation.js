@@ -4,41 +4,14 @@
 
 (() => {
   const {
-    data, byId, element, list, number, count, colour, duration, table, insideArea, followSettings, linearScale, addChart, plain,
+    data, byId, element, list, number, count, colour, duration, table, followSettings, line, over, times, canvasBox, scatter, errorChart, limitLine,
   } = plotting;
   const run = data.navigation;
   const numeric = (text) => [text, "number"];
   const known = (x) => x !== null && x !== undefined;
   const triple = (v, digits) => ["east", "north", "up"].map((k) => number(v[k], digits)).join(", ");
 
-  // --- Charts over time -----------------------------------------------------------------------------------------------
-
   const inks = ["term-N", "model", "term-B"];
-  const line = (label, points, look) => ({
-    label, data: points, showLine: true, pointRadius: 0, pointHitRadius: 0, borderWidth: 1.6, backgroundColor: "transparent", ...look,
-  });
-  const over = (ts, ys) => ts.map((x, i) => ({ x, y: ys[i] }));
-
-  function canvasBox(parent, label, className) {
-    const box = element("div", `canvas-box ${className || ""}`);
-    const canvas = element("canvas", "");
-    canvas.setAttribute("role", "img");
-    canvas.setAttribute("aria-label", label);
-    box.append(canvas);
-    parent.append(box);
-    return canvas;
-  }
-
-  function scatter(canvas, xTitle, yTitle, datasets, legend, more) {
-    addChart(canvas, () => ({
-      type: "scatter",
-      data: { datasets: datasets() },
-      options: plain({ x: linearScale(xTitle, more?.x), y: linearScale(yTitle, more?.y) }, legend),
-      plugins: more?.plugins || [],
-    }));
-  }
-
-  const times = (t) => ({ min: t[0], max: t[t.length - 1] });
 
   // --- Errors with three sigma ------------------------------------------------------------------------------------------
 
@@ -60,14 +33,7 @@
       const row = element("div", "triples");
       byId("error-charts").append(row);
       ["east", "north", "up"].forEach((axis, k) => {
-        const settled = (list_) => Math.max(...list_.slice(Math.floor(list_.length / 20)).filter(known), 1e-12);
-        const reach = 1.1 * Math.max(settled(s.sigma[k].map((x) => 3 * x)), settled(s.value[k].map(Math.abs)));
-        const band = s.sigma[k].map((x) => (known(x) ? 3 * x : null));
-        scatter(canvasBox(row, `${what} error ${axis}`), "time [s]", axis, () => [
-          line("±3 sigma", over(s.t, band), { borderWidth: 0, fill: "+1", backgroundColor: colour("band") }),
-          line("", over(s.t, band.map((x) => (known(x) ? -x : null))), { borderWidth: 0 }),
-          ...(errors ? [line("error", over(s.t, s.value[k]), { borderColor: colour(inks[k]) })] : []),
-        ], false, { x: times(s.t), y: { min: -reach, max: reach } }); // the first moments may be off the scale
+        errorChart(canvasBox(row, `${what} error ${axis}`), axis, inks[k], () => ({ sigma: { t: s.t, y: s.sigma[k] }, value: errors && { t: s.t, y: s.value[k] } }));
       });
     }
   }
@@ -75,28 +41,6 @@
   // --- Innovations --------------------------------------------------------------------------------------------------------
 
   const kChiSquared95 = { 1: 3.841, 2: 5.991, 3: 7.815 };
-
-  function limitLine(y, text) {
-    return {
-      id: "limit",
-      afterDatasetsDraw(chart) {
-        insideArea(chart, (ctx, area) => {
-          const at = chart.scales.y.getPixelForValue(y);
-          ctx.strokeStyle = colour("quiet");
-          ctx.setLineDash([6, 4]);
-          ctx.beginPath();
-          ctx.moveTo(area.left, at);
-          ctx.lineTo(area.right, at);
-          ctx.stroke();
-          ctx.setLineDash([]);
-          ctx.font = "12px system-ui, sans-serif";
-          ctx.fillStyle = colour("quiet");
-          ctx.textAlign = "right";
-          ctx.fillText(text, area.right - 6, at - 5);
-        });
-      },
-    };
-  }
 
   function addNis() {
     if (run.nis.aids.length === 0) return;

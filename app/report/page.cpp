@@ -70,9 +70,10 @@ std::string filled(std::string_view page, std::initializer_list<Slot> slots) {
 std::string whole(std::string_view title, std::string_view body, std::string_view plain_text,
                   std::string_view data, std::string_view script) {
   const std::string escaped = html_escaped(title), text = html_escaped(plain_text);
+  const std::string head = filled(kHeadHtml, {{"title", escaped}, {"text", text}});
   return filled(kShellHtml, {{"title", escaped},
                              {"style", kPageCss},
-                             {"body", filled(body, {{"title", escaped}, {"text", text}})},
+                             {"body", filled(body, {{"head", head}, {"title", escaped}, {"text", text}})},
                              {"data", data},
                              {"chart", kChartJs},
                              {"plot", kPlotJs},

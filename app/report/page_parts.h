@@ -12,7 +12,8 @@
 #include <string>
 #include <string_view>
 
-// What pages are put together from: shell.html around a body, plot.js before the page's own script.
+// What pages are put together from: shell.html around a body, which may start with head.html, plot.js before the page's
+// own script.
 namespace gyrobudget::inline v0::report {
 
 /// A JSON text in which every "<" is an escape: it could close the script element the data stand in, and is the same
@@ -40,7 +41,7 @@ namespace gyrobudget::inline v0::report {
 [[nodiscard]] std::string flight_data(std::span<const FlightResult>);
 
 // The files of the pages, embedded by embed.cmake.
-extern const std::string_view kShellHtml, kPageCss, kPlotJs, kChartJs;
+extern const std::string_view kShellHtml, kHeadHtml, kPageCss, kPlotJs, kChartJs;
 extern const std::string_view kPageHtml, kPageJs;              ///< datasheet
 extern const std::string_view kPaperHtml, kPaperJs;            ///< paper
 extern const std::string_view kAccuracyHtml, kAccuracyJs;      ///< accuracy

@@ -518,10 +518,11 @@ const plotting = (() => {
 
   // --- Plain charts: axes that are not logarithms of tau and deviation ------------------------------------------------
 
-  function linearScale(title, more) {
+  /** @param more options of the scale; `round`: no ticks at its ends where these are no round numbers. */
+  function linearScale(title, { round = false, ...more } = {}) {
     return {
       type: "linear", title: { display: true, text: title, color: colour("text") },
-      grid: { color: colour("grid"), borderColor: colour("quiet") }, ticks: { color: colour("quiet"), maxRotation: 0 }, ...more,
+      grid: { color: colour("grid"), borderColor: colour("quiet") }, ticks: { color: colour("quiet"), maxRotation: 0, includeBounds: !round }, ...more,
     };
   }
 
@@ -541,6 +542,118 @@ const plotting = (() => {
     plugins: { legend: { display: legend, labels: { color: colour("text"), filter: (item) => item.text, boxWidth: 24, boxHeight: 1 } }, tooltip: { enabled: false } },
   });
 
+  const line = (label, points, look) => ({
+    label, data: points, showLine: true, pointStyle: "line", pointRadius: 0, pointHitRadius: 0, borderWidth: 1.6, backgroundColor: "transparent", ...look,
+  });
+  const over = (ts, ys) => ts.map((x, i) => ({ x, y: ys[i] }));
+  const times = (t) => ({ min: t[0], max: t[t.length - 1] });
+
+  function canvasBox(parent, label, className) {
+    const box = element("div", `canvas-box ${className || ""}`);
+    const canvas = element("canvas", "");
+    canvas.setAttribute("role", "img");
+    canvas.setAttribute("aria-label", label);
+    box.append(canvas);
+    parent.append(box);
+    return canvas;
+  }
+
+  /** @param datasets makes them: colours may change. @param more x, y: scales; plugins. */
+  function scatter(canvas, xTitle, yTitle, datasets, legend, more) {
+    addChart(canvas, () => {
+      const options = plain({ x: linearScale(xTitle, more?.x), y: linearScale(yTitle, more?.y) }, legend);
+      Object.assign(options.plugins.legend.labels, { usePointStyle: true, pointStyleWidth: 24, boxHeight: 6 });
+      return { type: "scatter", data: { datasets: datasets() }, options, plugins: more?.plugins || [] };
+    });
+  }
+
+  /**
+   * An error over time with plus and minus three sigma as a shade about zero; without a value the shade alone. The first
+   * moments may be off the scale.
+   * @param get gives {sigma: {t, y}, value: {t, y} or null} whenever it is drawn.
+   */
+  function errorChart(canvas, axis, ink, get) {
+    const known = (x) => x !== null && x !== undefined;
+    const settled = (ys) => Math.max(...ys.slice(Math.floor(ys.length / 20)).filter(known), 1e-12);
+    addChart(canvas, () => {
+      const { sigma, value } = get();
+      const reach = 1.1 * Math.max(settled(sigma.y.map((x) => 3 * x)), value ? settled(value.y.map(Math.abs)) : 0);
+      const band = sigma.y.map((x) => (known(x) ? 3 * x : null));
+      const datasets = [
+        line("±3 sigma", over(sigma.t, band), { borderWidth: 0, fill: "+1", backgroundColor: colour("band") }),
+        line("", over(sigma.t, band.map((x) => (known(x) ? -x : null))), { borderWidth: 0 }),
+        ...(value ? [line("error", over(value.t, value.y), { borderColor: colour(ink) })] : []),
+      ];
+      return { type: "scatter", data: { datasets }, options: plain({ x: linearScale("time [s]", times((value || sigma).t)), y: linearScale(axis, { min: -reach, max: reach, round: true }) }, false) };
+    });
+  }
+
+  /** A level that must not be passed, named. */
+  function limitLine(y, text) {
+    return {
+      id: `limit ${y}`,
+      afterDatasetsDraw(chart) {
+        insideArea(chart, (ctx, area) => {
+          const at = chart.scales.y.getPixelForValue(y);
+          ctx.strokeStyle = colour("quiet");
+          ctx.setLineDash([6, 4]);
+          ctx.beginPath();
+          ctx.moveTo(area.left, at);
+          ctx.lineTo(area.right, at);
+          ctx.stroke();
+          ctx.setLineDash([]);
+          ctx.font = "12px system-ui, sans-serif";
+          ctx.fillStyle = colour("quiet");
+          ctx.textAlign = "right";
+          ctx.fillText(text, area.right - 6, at - 5);
+        });
+      },
+    };
+  }
+
+  /**
+   * Keeps a unit of x as long on the screen as `ratio` units of y: where one axis has more room, it shows more, on both
+   * sides or, with `leave`, above alone.
+   */
+  function equalScales(range, { ratio = 1, leave = false } = {}) {
+    let busy = false;
+    return {
+      id: "equalScales",
+      afterLayout(chart) {
+        const { width, height } = chart.chartArea;
+        if (busy || width <= 0 || height <= 0) return;
+        const perPixel = Math.max(((range.x.max - range.x.min) * ratio) / width, (range.y.max - range.y.min) / height);
+        const set = (scale, { min, max }, length) => {
+          scale.min = leave ? min : (min + max - length) / 2;
+          scale.max = scale.min + length;
+        };
+        set(chart.options.scales.x, range.x, (perPixel * width) / ratio);
+        set(chart.options.scales.y, range.y, perPixel * height);
+        busy = true;
+        chart.update("none");
+        busy = false;
+      },
+    };
+  }
+
+  /** The range of points {x, y}, a little wider. */
+  function pointRange(points) {
+    const range = (values) => {
+      const low = Math.min(...values), high = Math.max(...values), pad = 0.06 * (high - low) || 1e-9;
+      return { min: low - pad, max: high + pad, round: true };
+    };
+    return { x: range(points.map((p) => p.x)), y: range(points.map((p) => p.y)) };
+  }
+
+  /** One sigma of the covariance [[a, b], [b, c]] about the middle, `k` times. */
+  function ellipse([a, b, c], [x, y], k = 1) {
+    const l11 = Math.sqrt(a), l21 = l11 > 0 ? b / l11 : 0, l22 = Math.sqrt(Math.max(0, c - l21 * l21));
+    return Array.from({ length: 73 }, (_, i) => {
+      const u = k * Math.cos((i * Math.PI) / 36), v = k * Math.sin((i * Math.PI) / 36);
+      return { x: x + l11 * u, y: y + l21 * u + l22 * v };
+    });
+  }
+
   // --- Parts of pages -----------------------------------------------------------------------------------------------
 
   function keepUpdated(box, make) {
@@ -554,6 +667,16 @@ const plotting = (() => {
   }
 
   const padded = ([low, high]) => [low / 1.3, high * 1.3];
+
+  /** Links to the sections that are shown. */
+  function addContents() {
+    const sections = [...document.querySelectorAll("section[id]")].filter((section) => !section.hidden);
+    byId("contents").replaceChildren(...sections.map((section) => {
+      const link = element("a", "", section.querySelector("h2").firstChild.textContent.trim());
+      link.href = `#${section.id}`;
+      return link;
+    }));
+  }
 
   const redraw = () => redraws.forEach((draw) => draw());
 
@@ -590,5 +713,6 @@ const plotting = (() => {
     state, redraws, data, axes, byId, element, paragraphs, list, number, compact, count, signed, colour, duration,
     unitOf, table, logScale, tooltipLook, dashes, curveLine, bandLines, measuredPoints, marks, overlayDatasets,
     redraw, union, addPlot, drawLegend, keepUpdated, plotFigure, padded, followSettings, insideArea, linearScale, addChart, plain,
+    line, over, times, canvasBox, scatter, errorChart, limitLine, equalScales, pointRange, ellipse, addContents,
   };
 })();
