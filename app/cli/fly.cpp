@@ -62,7 +62,9 @@ FlightResult fly(const FlyArguments& a, Case& c, Progress& progress, const Inter
                  .name = c.file.scenario.name,
                  .sensor = c.file.sensor,
                  .command = a.common.command_line,
-                 .vehicle = source.vehicle,
+                 .vehicle = source.vehicle.path,
+                 .vehicle_numbers = source.vehicle.numbers,
+                 .vehicle_left_out = source.vehicle.left_out,
                  .plan = source.plan,
                  .dispersion = source.dispersion,
                  .study = study(source.plan, source.dispersion, c.file.scenario, options)};
@@ -92,7 +94,8 @@ int run(const FlyArguments& a) {
     throw std::invalid_argument("-o - and --json both want standard output: give one of them a file");
   std::vector<Case> all = cases(a);
   for (const Case& c : all)
-    for (const std::string& input : {c.file.sensor, c.file.flight->vehicle}) check_outputs(input, outputs);
+    for (const std::string& input : {c.file.sensor, c.file.flight->vehicle.path})
+      check_outputs(input, outputs);
   (void)output_of(a, 0, all.size());
   std::vector<FlightResult> results;
   {

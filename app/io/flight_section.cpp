@@ -99,11 +99,12 @@ class FlightReader {
   void read_vehicle_key(const Node& node) {
     const std::string text = yaml_.text("vehicle", node);
     const std::filesystem::path path(text);
-    result_.vehicle = path.is_absolute() ? text : (folder_ / path).lexically_normal().string();
+    result_.vehicle.path = path.is_absolute() ? text : (folder_ / path).lexically_normal().string();
     try {
-      VehicleFile file = read_vehicle(result_.vehicle);
+      VehicleFile file = read_vehicle(result_.vehicle.path);
       flight().vehicle = std::move(file.vehicle);
-      result_.numbers = std::move(file.numbers);
+      result_.vehicle.numbers = std::move(file.numbers);
+      result_.vehicle.left_out = std::move(file.left_out);
     } catch (const InputError& error) {  // its own place, behind that of the line which named it
       yaml_.fail_here(node, fmt::format("vehicle: {}", error.what()));
     }
@@ -114,7 +115,7 @@ class FlightReader {
       flight().vehicle.bending.reset();
     } else if (!flight().vehicle.bending) {
       yaml_.fail_here(node, fmt::format("bending: {} has no bending mode; write it there, or leave this out",
-                                        result_.vehicle));
+                                        result_.vehicle.path));
     }
   }
 

@@ -689,7 +689,7 @@ earth::Trajectory planned_trajectory(const SceneFile& scene) {
   constexpr double kShortest = 1;  // [s]
   if (nominal.end.t < kShortest)
     throw InputError(fmt::format("{}: the flight of {} is too short for a trajectory: it {}", scene.path,
-                                 scene.flight->vehicle, nominal.account));
+                                 scene.flight->vehicle.path, nominal.account));
   return trajectory(nominal);
 }
 

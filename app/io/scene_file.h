@@ -39,8 +39,12 @@ struct AidSource {
 struct FlightSource {
   flight::Plan plan;
   flight::Dispersion dispersion;
-  std::string vehicle;                 ///< path of its file
-  std::vector<VehicleNumber> numbers;  ///< of it, with where they come from
+  /// The vehicle's file, with where its numbers come from; what flies is in the plan.
+  struct Vehicle {
+    std::string path;
+    std::vector<VehicleNumber> numbers;
+    std::vector<VehicleOmission> left_out;
+  } vehicle;
 };
 
 /// A scene with the places of its data.

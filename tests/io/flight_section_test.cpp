@@ -42,7 +42,7 @@ TEST_F(FlightSection, TheVehicleAloneIsAFlightOfDefaults) {
   EXPECT_FALSE(plan.guidance);
   EXPECT_TRUE(scene.flight->dispersion.none());
   EXPECT_TRUE(scene.trajectory.empty());
-  EXPECT_GT(scene.flight->numbers.size(), 20U);
+  EXPECT_GT(scene.flight->vehicle.numbers.size(), 20U);
 }
 
 TEST_F(FlightSection, EveryKeyIsTaken) {
