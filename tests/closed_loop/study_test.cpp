@@ -11,6 +11,8 @@
 #include <algorithm>
 #include <tuple>
 
+#include "../flight/allocations.h"
+
 namespace gyrobudget::closed_loop {
 namespace {
 
@@ -125,6 +127,26 @@ TEST(ClosedLoop, AidsKeepTheErrorDown) {
     EXPECT_TRUE(band.holds(found.velocity[i] / linear.velocity[i])) << i;
     EXPECT_TRUE(band.holds(found.attitude[i] / linear.attitude[i])) << i;
   }
+}
+
+// A record without points; the scene and the navigator are made before.
+TEST(ClosedLoop, TheLoopWithTheFilterAllocatesNothing) {
+  navigation::Scenario scene = strapdown_scene(mems());
+  scene.aids.push_back({.name = "gnss", .sigma = Vector3d(2, 2, 4)});
+  const auto counted = [&](double duration) {
+    flight::Plan plan;
+    plan.flight.duration = duration;
+    plan.flight.record_every = 0;
+    const auto budget = budget_scene(scene, trajectory(fly_nominal(plan)), {});
+    const navigation::MonteCarlo::Options options{.filter = scene.filter};
+    const navigation::SimulatedScene simulated(budget.timeline, scene.sensor, budget.initial, budget.C_enu,
+                                               budget.design, budget.aids, options);
+    InertialNavigator navigator(simulated, 0);
+    const long before = allocations();
+    (void)fly(plan, plan.flight, {}, navigator);
+    return allocations() - before;
+  };
+  EXPECT_EQ(counted(3), counted(12));
 }
 
 TEST(ClosedLoop, LostFlightsAreCountedAndDoNotCount) {
