@@ -14,8 +14,8 @@
 // axes at the pad: downrange, crossrange (left), up; what navigation errs by stands in east, north, up too.
 namespace gyrobudget::inline v0::report {
 
-/// One scene flown with one sensor. Results side by side are of one scene: its plan, its nominal flight and what its
-/// vehicle disperses are taken from the first.
+/// One scene flown with one sensor. Where results side by side have the same nominal flight, it, what the vehicle
+/// disperses and the margins are told once.
 struct FlightResult {
   std::string scene;                               ///< its path
   std::string name;                                ///< as it calls itself
@@ -56,7 +56,7 @@ struct FlightResult {
 /// "integrator":{"method","asked","step_s","tolerance","steps","rejected","evaluations"},
 /// "trajectory" (a list for each column):{"t_s","downrange_m","crossrange_m","up_m","height_m","latitude_deg",…},
 /// "inputs":[{"group","name","value","unit"}],"notes"}. One sigma; bands are 99 %; a margin without a limit is null.
-/// Several sensors: {"schema":"gyrobudget.flights/1","flights":[…]}.
+/// Several: {"schema":"gyrobudget.flights/1","flights":[…]}.
 [[nodiscard]] std::string flight_json(std::span<const FlightResult>);
 /// One HTML page that opens offline.
 [[nodiscard]] std::string flight_page(std::span<const FlightResult>);

@@ -8,7 +8,8 @@
     line, over, times, canvasBox, scatter, errorChart, limitLine, equalScales, pointRange, ellipse,
   } = plotting;
   const flights = data.flights;
-  const first = flights[0]; // whose nominal flight, margins and inputs stand for all
+  const first = flights[0]; // whose margins and inputs are shown
+  const nominals = data.one_nominal ? [["nominal", first]] : flights.map((f) => [`nominal, ${f.label}`, f]);
   const flown = flights.filter((f) => f.trajectory);
   let chosen = flights[flights.length - 1];
 
@@ -44,13 +45,13 @@
     byId("record").textContent = [`${first.vehicle.name}: ${number(n.t_s, 4)} s of flight`, first.aided ? "strapdown and filter with aids" : "unaided strapdown",
       ...(first.aligned_over_s > 0 ? [`aligned over ${duration(first.aligned_over_s)} on the pad`] : []),
       ...(first.runs > 0 ? [`${count(first.runs)} flights of each kind, seed ${first.seed}`] : [])].join("; ");
-    const early = [{ ended: n.ended }, ...flights].filter((f) => f.ended !== "complete").length;
+    const early = [...nominals.map(([, f]) => f.nominal), ...flights].filter((f) => f.ended !== "complete").length;
     const badge = byId("badge");
-    badge.textContent = early === 0 ? "complete" : `${early} of ${flights.length + 1} not complete`;
+    badge.textContent = early === 0 ? "complete" : `${early} of ${flights.length + nominals.length} not complete`;
     badge.classList.add(early === 0 ? "good" : "bad");
     const head = [["flight"], ...["t s", "height km", "downrange km", "crossrange m", "speed m/s", "distance km", "pitch deg"].map(numeric), ["ended"]];
-    byId("ends").append(table("Position of the IMU, with the sensors of run 0", head, [endRow("nominal", n, n.ended), ...flights.map((f) => endRow(f.label, f.burnout, f.ended))]));
-    const accounts = [["The nominal flight", n], ...flights.filter((f) => f.ended !== "complete").map((f) => [f.label, f])];
+    byId("ends").append(table("Position of the IMU, with the sensors of run 0", head, [...nominals.map(([name, f]) => endRow(name, f.nominal, f.nominal.ended)), ...flights.map((f) => endRow(f.label, f.burnout, f.ended))]));
+    const accounts = [...nominals.map(([name, f]) => [name, f.nominal]), ...flights.filter((f) => f.ended !== "complete").map((f) => [f.label, f])];
     byId("accounts").append(list(accounts.map(([name, f]) => `${name} ${f.account}.`)));
     const departed = flights.filter((f) => f.departure);
     if (departed.length === 0) return;
@@ -65,7 +66,7 @@
   const nominalLook = () => ({ borderColor: colour("text"), borderDash: [6, 4] });
 
   /** The nominal flight and those with sensors, each by `points` of its trajectory. */
-  const together = (points) => [line("nominal", points(first.nominal_trajectory), nominalLook()),
+  const together = (points) => [...nominals.map(([name, f]) => line(name, points(f.nominal_trajectory), nominalLook())),
     ...flown.map((f) => line(f.label, points(f.trajectory), { borderColor: colour(ink(f)) }))];
 
   const dots = (label, points, ink_, radius) => ({ label, data: points, pointStyle: "circle", pointRadius: radius, borderWidth: 0, backgroundColor: colour(ink_) });
@@ -79,6 +80,8 @@
     const whole = pointRange(kilometres(nominal).concat(flown.flatMap((f) => kilometres(f.trajectory))));
     scatter(byId("side"), "downrange [km]", "up [km]", () => together(kilometres), true, { ...whole, plugins: [equalScales(whole, { leave: true })] });
     const ends = flown.map((f) => last(metres(f.trajectory)));
+    const kFar = 0.2; // of the picture: ends so far apart are seen without an inset
+    byId("side-end").parentNode.hidden = flown.length === 0 || ends.some((p) => Math.hypot(p.x, p.y) > kFar * 1000 * (whole.y.max - whole.y.min));
     const reach = 1.4 * Math.max(1e-3, ...ends.map((p) => Math.max(Math.abs(p.x), Math.abs(p.y))));
     const around = pointRange([{ x: -reach, y: -reach }, { x: reach, y: reach }]);
     scatter(byId("side-end"), "m", "m", () => [...together(metres), dots("", [{ x: 0, y: 0 }], "text", 3),
@@ -103,6 +106,10 @@
   }
 
   function addTrajectories() {
+    if (!first.growth) { // too short to navigate: nothing to see
+      byId("trajectories").hidden = true;
+      return;
+    }
     addSide();
     scatter(byId("above"), "downrange [km]", "crossrange, left [m]", () => together((t) => over(km(t.downrange_m), t.crossrange_m)), true);
     addMap();
@@ -122,6 +129,8 @@
   }
 
   function addAttitude() {
+    byId("attitude").hidden = !first.growth;
+    if (!first.growth) return;
     const box = byId("attitude-charts");
     const program = (t) => { // on the times of any trajectory
       const { t_s: ts, program_deg: ps } = first.nominal_trajectory;
@@ -129,7 +138,8 @@
       return t.t_s.map((x, i) => {
         while (k + 1 < ts.length - 1 && ts[k + 1] < x) k += 1;
         const part = Math.min(1, Math.max(0, (x - ts[k]) / (ts[k + 1] - ts[k])));
-        return t.pitch_deg[i] - (ps[k] + part * (ps[k + 1] - ps[k]));
+        const error = t.pitch_deg[i] - (ps[k] + part * (ps[k + 1] - ps[k]));
+        return error - 360 * Math.round(error / 360);
       });
     };
     timeChart(box, "Pitch", "deg", "pitch_deg", { program: true });
@@ -209,6 +219,7 @@
 
   function addErrors() {
     const box = byId("error-charts");
+    byId("errors-text").hidden = !first.growth;
     if (!first.growth) return;
     for (const [what, [unit, column]] of Object.entries(columnsOf)) {
       box.append(element("h3", "", `${what[0].toUpperCase()}${what.slice(1)} [${unit}]`));
@@ -229,10 +240,10 @@
     const rows = [];
     flights.forEach((f, i) => {
       for (const [cause, d] of Object.entries(f.dispersion)) {
-        if (!d || (i > 0 && cause === "vehicle")) continue; // the vehicle's own is the same for every sensor
+        if (!d || (i > 0 && data.one_nominal && cause === "vehicle")) continue; // the same for every sensor
         const none = d.complete < 2;
         rows.push({
-          cells: [[cause === "vehicle" ? "any sensor" : f.label, "", "row"], [cause], ...[...kAxes.map((k) => d.position_m[k]), d.velocity_m_s.rss, d.attitude_deg.total].map((x) => numeric(none ? "-" : number(x, 3))),
+          cells: [[data.one_nominal && cause === "vehicle" ? "any sensor" : f.label, "", "row"], [cause], ...[...kAxes.map((k) => d.position_m[k]), d.velocity_m_s.rss, d.attitude_deg.total].map((x) => numeric(none ? "-" : number(x, 3))),
             numeric(none ? "-" : `${number(d.ellipse.semi_major_m, 3)} × ${number(d.ellipse.semi_minor_m, 3)}`), numeric(none ? "-" : d.ellipse.azimuth_deg.toFixed(0)), numeric(count(d.complete)),
             [count(d.lost + d.unaligned), `number ${d.lost + d.unaligned > 0 ? "bad" : ""}`]],
         });
@@ -252,7 +263,7 @@
       ...clouds.map(([label, c, ink_]) => ({ ...dots("", c.points.map(at), ink_, c.points.length > 300 ? 1.4 : 2.2), backgroundColor: `${colour(ink_)}99` })),
       ...clouds.map(([label, c, ink_]) => line(label, shape(c, 1), { borderColor: colour(ink_), borderWidth: 2.2 })),
       ...clouds.map(([label, c, ink_]) => line("", shape(c, 3), { borderColor: colour(ink_), borderWidth: 1.2, borderDash: [5, 4] })),
-      dots("nominal", [{ x: 0, y: 0 }], "text", 3.5)], true, { ...range, plugins: [equalScales(range)] });
+      dots("", [{ x: 0, y: 0 }], "text", 3.5)], true, { ...range, plugins: [equalScales(range)] });
   }
 
   function addClouds(parent, title, clouds) {
@@ -270,7 +281,7 @@
     const box = byId("clouds");
     addClouds(box, "What the sensors cause", flights.map((f) => [f.label, f.clouds.sensors, ink(f)]));
     const both = flights.filter((f) => f.clouds.all.points.length > 1);
-    addClouds(box, "What the vehicle causes, and both", [["vehicle", first.clouds.vehicle, "text"], ...both.map((f) => [`${f.label} and vehicle`, f.clouds.all, ink(f)])]);
+    addClouds(box, "What the vehicle causes, and both", [...nominals.map(([name, f]) => [data.one_nominal ? "vehicle" : name.replace("nominal", "vehicle"), f.clouds.vehicle, "text"]), ...both.map((f) => [`${f.label} and vehicle`, f.clouds.all, ink(f)])]);
   }
 
   // --- Margins -----------------------------------------------------------------------------------------------------------------------------
@@ -280,7 +291,7 @@
     if (m.least.length === 0) return;
     byId("margins").hidden = false;
     const mode = (factor) => (m.least.length === 1 ? "no bending" : factor === 1 ? "mode as planned" : `mode ${factor > 1 ? "+" : "−"}${Math.round(100 * Math.abs(factor - 1))} %`);
-    byId("margins-text").textContent = `Until ${m.until_s.toFixed(1)} s, where the thrust falls below 20 % of its mean. At least ${m.gain_demand_db} dB both ways and ${m.phase_demand_deg} deg are to be had: ${m.met ? "met" : "NOT met"}.`;
+    byId("margins-text").textContent = `${nominals[0][0]}, until ${m.until_s.toFixed(1)} s, where the thrust falls below 20 % of its mean. At least ${m.gain_demand_db} dB both ways and ${m.phase_demand_deg} deg are to be had: ${m.met ? "met" : "NOT met"}.`;
     const cell = (x, digits) => numeric(known(x) ? x.toFixed(digits) : "no limit");
     byId("margins-table").append(table("Least along the flight", [["loop"], ...["gain up dB", "gain down dB", "phase deg"].map(numeric), [""]], m.least.map((l) => ({
       cells: [[mode(l.mode_factor), "", "row"], cell(l.gain_up_db, 1), cell(l.gain_down_db, 1), cell(l.phase_deg, 1), [l.stable ? "stable" : "unstable", l.stable ? "good" : "bad"]],

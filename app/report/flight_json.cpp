@@ -385,7 +385,7 @@ std::string flight_json(std::span<const FlightResult> results) {
 
 std::string flight_data(std::span<const FlightResult> results) {
   constexpr std::size_t kPoints = 420;
-  const std::vector<std::string> names = sensor_names(results);
+  const std::vector<std::string> names = flight_names(results);
   Json list = Json::array();
   for (std::size_t i = 0; i < results.size(); ++i) {
     const FlightFrame frame(results[i]);
@@ -396,7 +396,7 @@ std::string flight_data(std::span<const FlightResult> results) {
     one["nominal_trajectory"] = nominal_trajectory_json(results[i], frame, kPoints);
     list.push_back(std::move(one));
   }
-  return without_markup(compact_json(Json{{"flights", list}}));
+  return without_markup(compact_json(Json{{"one_nominal", one_nominal(results)}, {"flights", list}}));
 }
 
 }  // namespace gyrobudget::inline v0::report

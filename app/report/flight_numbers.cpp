@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include <Eigen/Eigenvalues>
 
@@ -20,14 +21,28 @@ using Eigen::Vector3d;
 using flight::FlightPoint;
 using flight::FlightRecord;
 
-std::vector<std::string> sensor_names(std::span<const FlightResult> results) {
+std::vector<std::string> flight_names(std::span<const FlightResult> results) {
+  using Name = std::string (*)(const FlightResult&);
+  constexpr std::array<Name, 4> kWays{
+      [](const FlightResult& r) { return r.sensor.empty() ? "ideal" : file_name(r.sensor); },
+      [](const FlightResult& r) { return r.sensor.empty() ? "ideal" : r.sensor; },
+      [](const FlightResult& r) { return file_name(r.scene); },
+      [](const FlightResult& r) { return r.scene + ", " + (r.sensor.empty() ? "ideal" : r.sensor); },
+  };
   std::vector<std::string> names;
-  for (const auto& r : results) names.push_back(r.sensor.empty() ? "ideal" : file_name(r.sensor));
-  std::vector<std::string> unique = names;
-  for (std::size_t i = 0; i < names.size(); ++i)
-    if (std::ranges::count(names, names[i]) > 1 && !results[i].sensor.empty()) unique[i] = results[i].sensor;
-  for (auto& name : unique) name = printable(name);
-  return unique;
+  for (const Name way : kWays) {
+    names.clear();
+    for (const auto& r : results) names.push_back(printable(way(r)));
+    if (std::set(names.begin(), names.end()).size() == names.size()) break;
+  }
+  return names;
+}
+
+bool one_nominal(std::span<const FlightResult> results) {
+  return std::ranges::all_of(results, [&](const FlightResult& r) {
+    const FlightPoint &a = r.study.nominal.end, &b = results[0].study.nominal.end;
+    return a.t == b.t && a.truth.p_eb_e == b.truth.p_eb_e && a.truth.v_eb_e == b.truth.v_eb_e;
+  });
 }
 
 std::string_view to_string(flight::Ended ended) {

@@ -21,8 +21,12 @@ inline constexpr double kGainDemand = 6;    ///< [dB]
 inline constexpr double kPhaseDemand = 30;  ///< [deg]
 inline constexpr double kRatioBand = 0.99;  ///< that ratios of right sigmas lie in
 
-/// "ideal" or the file's name; the whole path where two results would be named alike.
-[[nodiscard]] std::vector<std::string> sensor_names(std::span<const FlightResult>);
+/// What tells results apart, as short as it may be: the file of the sensor ("ideal" without one), its path, the file of
+/// the scene, or both paths.
+[[nodiscard]] std::vector<std::string> flight_names(std::span<const FlightResult>);
+/// Whether all have the same nominal flight, to the last bit: then it, what the vehicle disperses and the margins are told
+/// once.
+[[nodiscard]] bool one_nominal(std::span<const FlightResult>);
 /// "complete", "impact", "tumbling", "overload", "not_finite".
 [[nodiscard]] std::string_view to_string(flight::Ended);
 /// Why there is no flight with the sensors, in place of its account.

@@ -39,6 +39,18 @@ void append(std::vector<std::string>& row, const Vector3d& v, int digits) {
 
 std::string decibels(double x) { return std::isinf(x) ? "no limit" : fmt::format("{:.1f}", x); }
 
+// The results whose nominal flight is told, and how it is called.
+struct Nominal {
+  const FlightResult* result;
+  std::string name;
+};
+std::vector<Nominal> nominals(std::span<const FlightResult> results, const std::vector<std::string>& names) {
+  if (one_nominal(results)) return {{results.data(), "nominal"}};
+  std::vector<Nominal> list;
+  for (std::size_t i = 0; i < results.size(); ++i) list.push_back({&results[i], "nominal, " + names[i]});
+  return list;
+}
+
 // --- Head ------------------------------------------------------------------------------------------------
 
 std::string navigation_words(const Study& s) {
@@ -94,7 +106,8 @@ std::vector<std::string> end_row(const std::string& name, const FlightFrame& fra
 std::string ends(std::span<const FlightResult> results, const std::vector<std::string>& names) {
   Table table = numbers_table({"flight", "t s", "height km", "downrange km", "crossrange m", "speed m/s",
                                "distance km", "pitch deg", "ended"});
-  table.row(end_row("nominal", FlightFrame(results[0]), results[0].study.nominal));
+  for (const Nominal& n : nominals(results, names))
+    table.row(end_row(n.name, FlightFrame(*n.result), n.result->study.nominal));
   for (std::size_t i = 0; i < results.size(); ++i) {
     if (const auto& flown = results[i].study.flown)
       table.row(end_row(names[i], FlightFrame(results[i]), *flown));
@@ -105,8 +118,9 @@ std::string ends(std::span<const FlightResult> results, const std::vector<std::s
 }
 
 std::string accounts(std::span<const FlightResult> results, const std::vector<std::string>& names) {
-  std::string out =
-      wrapped(fmt::format("the nominal flight {}", results[0].study.nominal.account), "  - ", "    ");
+  std::string out;
+  for (const Nominal& n : nominals(results, names))
+    out += wrapped(fmt::format("{} {}", n.name, n.result->study.nominal.account), "  - ", "    ");
   for (std::size_t i = 0; i < results.size(); ++i) {
     const auto& flown = results[i].study.flown;
     if (!flown)
@@ -215,14 +229,15 @@ std::string dispersion(std::span<const FlightResult> results, const std::vector<
   Table table = numbers_table({"flight", "cause", "downrange m", "crossrange m", "up m", "ellipse m",
                                "vel m/s", "att deg", "flown", "lost"},
                               2);
+  const bool one = one_nominal(results);
   bool any = false;
   for (std::size_t i = 0; i < results.size(); ++i) {
     for (const FlightsOf& kind : causes(results[i].study)) {
       // The vehicle's own is the same for every sensor.
-      if (kind.flights->outcomes.empty() || (i > 0 && kind.cause == "vehicle")) continue;
+      if (kind.flights->outcomes.empty() || (i > 0 && one && kind.cause == "vehicle")) continue;
       any = true;
-      table.row(
-          dispersion_row(kind.cause == "vehicle" ? "any sensor" : names[i], kind, results[i].study.azimuth));
+      table.row(dispersion_row(one && kind.cause == "vehicle" ? "any sensor" : names[i], kind,
+                               results[i].study.azimuth));
     }
   }
   return any ? "\nDispersion at the end about its mean, one sigma\n" + table.text() : "";
@@ -239,13 +254,13 @@ std::string limits(std::span<const FlightResult> results, const std::vector<std:
                number(u.pressure_angle / kDegree / kKilo, 3), number(u.deflection / kDegree, 3),
                number(u.deflection_limit / kDegree, 3), percent(u.limited)});
   };
-  row("nominal", results[0], results[0].study.nominal);
+  for (const Nominal& n : nominals(results, names)) row(n.name, *n.result, n.result->study.nominal);
   for (std::size_t i = 0; i < results.size(); ++i)
     if (const auto& flown = results[i].study.flown) row(names[i], results[i], *flown);
   return "\nLimits used; q is the dynamic pressure, the angle that of attack\n" + table.text();
 }
 
-std::string margins(const Study& s) {
+std::string margins(const Study& s, const std::string& name) {
   const auto least = least_margins(s.margins);
   if (least.empty()) return {};
   Table table =
@@ -262,8 +277,8 @@ std::string margins(const Study& s) {
                          : "NOT MET"});
   }
   return fmt::format(
-             "\nLeast margins until {:.1f} s, where thrust fades; {:g} dB and {:g} deg are to be had\n",
-             s.margins.until, kGainDemand, kPhaseDemand) +
+             "\nLeast margins until {:.1f} s, where thrust fades; {:g} dB and {:g} deg are to be had: {}\n",
+             s.margins.until, kGainDemand, kPhaseDemand, name) +
          table.text();
 }
 
@@ -283,11 +298,15 @@ std::string notes(std::span<const FlightResult> results) {
 }  // namespace
 
 std::string flight_text(std::span<const FlightResult> results) {
-  const std::vector<std::string> names = sensor_names(results);
-  std::string out = title(results[0]) + ends(results, names) + accounts(results, names) +
-                    departures(results, names) + dispersion(results, names);
+  const std::vector<std::string> names = flight_names(results);
+  std::string out;
+  for (const Nominal& n : nominals(results, names)) out += title(*n.result);
+  out += ends(results, names) + accounts(results, names) + departures(results, names) +
+         dispersion(results, names);
   for (std::size_t i = 0; i < results.size(); ++i) out += navigation_error(results[i], names[i]);
-  return out + limits(results, names) + margins(results[0].study) + notes(results);
+  out += limits(results, names);
+  for (const Nominal& n : nominals(results, names)) out += margins(n.result->study, n.name);
+  return out + notes(results);
 }
 
 }  // namespace gyrobudget::inline v0::report

@@ -562,7 +562,7 @@ const plotting = (() => {
   function scatter(canvas, xTitle, yTitle, datasets, legend, more) {
     addChart(canvas, () => {
       const options = plain({ x: linearScale(xTitle, more?.x), y: linearScale(yTitle, more?.y) }, legend);
-      Object.assign(options.plugins.legend.labels, { usePointStyle: true, pointStyleWidth: 24, boxHeight: 6 });
+      Object.assign(options.plugins.legend.labels, { usePointStyle: true, pointStyleWidth: 14, boxHeight: 8 });
       return { type: "scatter", data: { datasets: datasets() }, options, plugins: more?.plugins || [] };
     });
   }

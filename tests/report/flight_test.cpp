@@ -200,9 +200,46 @@ TEST(FlightReport, SeveralSensorsAreAList) {
   EXPECT_EQ(j["schema"], "gyrobudget.flights/1");
   ASSERT_EQ(j["flights"].size(), 2U);
   EXPECT_EQ(j["flights"][0]["schema"], "gyrobudget.flight/1");
-  EXPECT_EQ(sensor_names(two), (std::vector<std::string>{"mems.yaml", "ideal"}));
-  const std::vector<FlightResult> alike{without_runs(), without_runs()};
-  EXPECT_EQ(sensor_names(alike)[0], "folder/mems.yaml");
+  EXPECT_EQ(flight_names(two), (std::vector<std::string>{"mems.yaml", "ideal"}));
+  EXPECT_TRUE(one_nominal(two));
+}
+
+TEST(FlightReport, ResultsAreToldApart) {
+  std::vector<FlightResult> alike{without_runs(), without_runs()};
+  alike[1].sensor = "other/mems.yaml";
+  EXPECT_EQ(flight_names(alike)[1], "other/mems.yaml");
+  alike[1].sensor = alike[0].sensor;
+  alike[1].scene = "folder/b.yaml";
+  EXPECT_EQ(flight_names(alike)[1], "b.yaml");
+  alike[1].scene = "folder/a.yaml";
+  EXPECT_EQ(flight_names(alike)[1], "folder/a.yaml, folder/mems.yaml");
+}
+
+TEST(FlightReport, DifferentFlightsHaveEachTheirNominal) {
+  const std::vector<FlightResult> two{full(), [] {
+                                        FlightResult r = stuck();
+                                        r.scene = "b.yaml";
+                                        return r;
+                                      }()};
+  EXPECT_FALSE(one_nominal(two));
+  const std::string out = flight_text(two);
+  EXPECT_NE(out.find("nominal, a.yaml"), std::string::npos) << out;
+  EXPECT_EQ(out.find("any sensor"), std::string::npos);
+}
+
+TEST(FlightReport, NumbersOfTheVehicleHaveTheirOrigin) {
+  FlightResult r = ideal();
+  r.vehicle_numbers = {{"lift_off_mass", "28 t", flight::Origin::sourced, "published"},
+                       {"exit_area", "0.35 m^2", flight::Origin::assumed, "size"},
+                       {"burn_time", "83 s", std::nullopt, ""}};
+  r.vehicle_left_out = {{"bending", "rigid"}};
+  const Json v = json(r)["vehicle"];
+  EXPECT_EQ(v["origins"]["sourced"], 1);
+  EXPECT_EQ(v["origins"]["derived"], 0);
+  EXPECT_EQ(v["origins"]["not stated"], 1);
+  EXPECT_EQ(v["numbers"][1]["reason"], "size");
+  EXPECT_EQ(v["left_out"][0]["key"], "bending");
+  EXPECT_NE(text(r).find("1 sourced, 1 assumed, 1 not stated"), std::string::npos);
 }
 
 TEST(FlightReport, TheTextIsNarrowAndHasNoHoles) {
@@ -232,7 +269,13 @@ TEST(FlightReport, ThePageIsWholeAndLoadsNothing) {
     if (chart != std::string::npos) page.erase(chart, kChartJs.size());
     EXPECT_EQ(page.find("http://"), std::string::npos);
     EXPECT_EQ(page.find("https://"), std::string::npos);
-    ASSERT_FALSE(page_data_of(page).is_discarded());
+    const Json data = page_data_of(page);
+    ASSERT_FALSE(data.is_discarded());
+    const Json& shown = data["flights"][0];
+    EXPECT_EQ(shown["clouds"]["sensors"]["points"].size(),
+              static_cast<std::size_t>(r->study.sensors.complete()));
+    EXPECT_EQ(shown["nominal_trajectory"]["program_deg"][0], 90);
+    EXPECT_EQ(shown["growth"].is_null(), !r->study.budget);
   }
 }
 
