@@ -13,7 +13,7 @@ namespace gyrobudget::inline v0::cli {
 
 int run(const PaperArguments& a) {
   check_outputs("", {{"--report", a.report}});
-  say(a.common, "simulating four records of 10 h at 100 Hz; this takes some seconds");
+  say(a.common, "simulating four records of 10 h at 100 Hz and some 300 flights; this takes some seconds");
   report::Paper paper = paper_study(a.seed);
   paper.command = a.common.command_line;
   print(a.common.json ? report::paper_json(paper) : report::paper_table(paper));

@@ -20,6 +20,7 @@
 #include <utility>
 
 #include "analysis.h"
+#include "paper_flight.h"
 
 namespace gyrobudget::inline v0::cli {
 namespace {
@@ -388,6 +389,13 @@ std::array<PaperRow, 3> drift_rows(const report::PaperDrift& d, double published
                       "second, sqrt(5/10) of the drift is left."}};
 }
 
+noise::ErrorModel gyro_of(const Simulation& s) {
+  noise::ErrorModel gyro;
+  gyro.white = s.actual.n;
+  gyro.rate_random_walk = s.actual.k;
+  return gyro;
+}
+
 /// "fig3" of "fig3.mems.growth".
 std::string figure_of(const PaperRow& row) { return row.id.substr(0, row.id.find('.')); }
 
@@ -427,6 +435,9 @@ report::Paper paper_study(std::uint64_t seed) {
   for (std::size_t s = 0; s < list.size(); ++s) add(figure7_rows(list[s], paper.records[s]));
   std::stable_sort(paper.rows.begin() + figures, paper.rows.end(),
                    [](const PaperRow& a, const PaperRow& b) { return figure_of(a) < figure_of(b); });
+  auto flown = paper_flight({gyro_of(list[2]), gyro_of(list[3])}, seed);
+  add(flown.rows);
+  paper.flight = std::move(flown.flight);
   return paper;
 }
 

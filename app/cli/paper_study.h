@@ -8,7 +8,8 @@
 namespace gyrobudget::inline v0::cli {
 
 /// Simulates what the paper simulated and reads it as the paper did: four records of 10 h at 100 Hz, 1000 angles over
-/// 1 h for each of two sensors, and 200 shorter records of each kind for the scatter of a reading.
+/// 1 h for each of two sensors, and 200 shorter records of each kind for the scatter of a reading; then flies it
+/// (paper_flight.h).
 [[nodiscard]] report::Paper paper_study(std::uint64_t seed);
 
 }  // namespace gyrobudget::inline v0::cli

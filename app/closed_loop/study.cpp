@@ -216,7 +216,7 @@ Study study(const flight::Plan& asked, const flight::Dispersion& dispersion,
   result.C_enu = earth::LocalFrame::east_north_up(plan.flight.world.site).C_el();
   result.C_launch = earth::LocalFrame::launch_plane(plan.flight.world.site, plan.control.azimuth).C_el();
   result.nominal = fly_nominal(plan);
-  result.margins = margins_along(plan, result.nominal);
+  if (options.margins) result.margins = margins_along(plan, result.nominal);
   if (result.nominal.end.t < kShortest) {
     result.notes.push_back(fmt::format("the flight is too short to navigate: it {}", result.nominal.account));
     return result;

@@ -63,6 +63,7 @@ struct Study {
   struct Options {
     int runs = 0;  ///< of each kind
     std::uint64_t seed = 1;
+    bool margins = true;  ///< of the loop, along the nominal flight
     /// After each flight, from one thread at a time: flights done, of how many; false stops.
     std::function<bool(int, int)> progress;
   };

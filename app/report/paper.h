@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-// The noise part of Nunes et al., "Simulation of an Interferometric Fiber Optic Gyroscope Applied to a Rocket Model":
-// tables I and II and figures 3, 4, 6 and 7, ours beside the published values.
+// Nunes et al., "Simulation of an Interferometric Fiber Optic Gyroscope Applied to a Rocket Model": tables I and II,
+// figures 3, 4, 6 and 7 of its gyros and figures 8 to 10 of its flight, ours beside the published values.
 namespace gyrobudget::inline v0::report {
 
 /// One number of the paper. Values stand in `unit`.
@@ -64,6 +64,41 @@ struct PaperDrift {
   double final_std_faster = 0;            ///< the same at `faster_hz`, its sigma still from 5 Hz
 };
 
+/// One flight of figures 8 to 10, at PaperFlight::time_s.
+struct PaperPath {
+  std::string id;    ///< "reference", "ideal", "ifog", "mems", "offset_ifog", "offset_mems"
+  std::string name;  ///< "MEMS"
+  std::vector<double> downrange, crossrange, up;  ///< from the pad [m]
+  std::vector<double> distance;                   ///< from where the reference is at that time [m]
+  /// Roll, pitch, yaw about body axes against the program [rad]: as flown, and as measured.
+  std::array<std::vector<double>, 3> flown, measured;
+};
+
+/// What something supposed of the paper's flight makes of its three distances, by our own flights.
+struct PaperHypothesis {
+  struct Gyro {
+    std::optional<double> km;  ///< root mean square over the flights that came to the end; none did: empty
+    std::optional<double> theory_km;  ///< to first order, where that says anything
+    int flights = 0, lost = 0;
+    std::optional<double> takes;  ///< how much of it the published distance takes [takes_unit]
+  };
+  std::string id;             ///< "earth_rate"
+  std::string what;           ///< "Earth's rate left out of the attitude"
+  std::array<Gyro, 3> gyros;  ///< ideal, IFOG, MEMS
+  std::string takes_unit;
+  std::string why;
+};
+
+/// Figures 8 to 10.
+struct PaperFlight {
+  std::vector<double> time_s;
+  std::vector<double> pitch;  ///< of the program [rad]
+  std::vector<PaperPath> paths;
+  std::vector<PaperHypothesis> hypotheses;
+  std::array<double, 3> published_km{};
+  std::vector<std::string> words;
+};
+
 struct Paper {
   std::string command;
   std::uint64_t seed = 0;
@@ -74,6 +109,7 @@ struct Paper {
   std::vector<PaperRow> rows;
   std::vector<PaperRecord> records;
   std::vector<PaperDrift> drifts;
+  PaperFlight flight;
 };
 
 /// What the published numbers mean, one thing each.
@@ -82,8 +118,11 @@ struct Paper {
 [[nodiscard]] std::string paper_table(const Paper&);
 /// Schema gyrobudget.paper/1: {"schema","version","command","seed","record":{"samples","rate_hz","duration_s"},
 /// "rows":[{"id","group","what","published","ours","theory","scatter_low","scatter_high","fitted","lower","upper","actual",
-/// "status","unit","why"}],"words":[…]}. `published` is null where the paper prints no number; the fit's keys are there
-/// only where a fit stands beside the reading, the scatter's where it is known.
+/// "status","unit","why"}],"hypotheses":[{"id","what","unit":"km","published":{"ideal","ifog","mems"},"ours":{…},
+/// "theory":{…},"flights":{…},"lost":{…},"takes":{…},"takes_unit","why"}],"words":[…]}. `published` is null where the
+/// paper prints no number; the fit's keys are there only where a fit stands beside the reading, the scatter's where it is
+/// known. A hypothesis has `ours` null where nothing was flown or no flight came to the end, `theory` and `takes` null
+/// where there is none.
 [[nodiscard]] std::string paper_json(const Paper&);
 /// One HTML page that opens offline, with the figures.
 [[nodiscard]] std::string paper_page(const Paper&);

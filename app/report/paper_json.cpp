@@ -41,9 +41,35 @@ Json row_json(const PaperRow& row) {
   return out;
 }
 
+Json known(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+
+/// One member of each gyro, by gyro.
+template <typename Member>
+Json by_gyro(const PaperHypothesis& h, Member member) {
+  return {{"ideal", member(h.gyros[0])}, {"ifog", member(h.gyros[1])}, {"mems", member(h.gyros[2])}};
+}
+
+Json hypothesis_json(const PaperHypothesis& h, const PaperFlight& flight) {
+  using Gyro = PaperHypothesis::Gyro;
+  const auto& published = flight.published_km;
+  return {{"id", h.id},
+          {"what", h.what},
+          {"unit", "km"},
+          {"published", {{"ideal", published[0]}, {"ifog", published[1]}, {"mems", published[2]}}},
+          {"ours", by_gyro(h, [](const Gyro& g) { return known(g.km); })},
+          {"theory", by_gyro(h, [](const Gyro& g) { return known(g.theory_km); })},
+          {"flights", by_gyro(h, [](const Gyro& g) { return g.flights; })},
+          {"lost", by_gyro(h, [](const Gyro& g) { return g.lost; })},
+          {"takes", by_gyro(h, [](const Gyro& g) { return known(g.takes); })},
+          {"takes_unit", h.takes_unit},
+          {"why", h.why}};
+}
+
 Json document(const Paper& paper) {
-  Json rows = Json::array();
+  Json rows = Json::array(), hypotheses = Json::array();
   for (const PaperRow& row : paper.rows) rows.push_back(row_json(row));
+  for (const PaperHypothesis& h : paper.flight.hypotheses)
+    hypotheses.push_back(hypothesis_json(h, paper.flight));
   return {{"schema", "gyrobudget.paper/1"},
           {"version", kVersion},
           {"command", paper.command},
@@ -53,6 +79,7 @@ Json document(const Paper& paper) {
             {"rate_hz", paper.rate_hz},
             {"duration_s", paper.duration_s}}},
           {"rows", rows},
+          {"hypotheses", hypotheses},
           {"words", paper_words(paper)}};
 }
 
@@ -108,6 +135,25 @@ Json trace_json(const PaperRecord& record) {
           {"high", scaled(record.trace_high, degree_per_hour())}};
 }
 
+Json flight_json(const PaperFlight& flight) {
+  constexpr double kKilometre = 1000;
+  Json paths = Json::array();
+  for (const PaperPath& p : flight.paths) {
+    Json path = {{"id", p.id},
+                 {"name", p.name},
+                 {"downrange_km", scaled(p.downrange, kKilometre)},
+                 {"crossrange_km", scaled(p.crossrange, kKilometre)},
+                 {"up_km", scaled(p.up, kKilometre)},
+                 {"distance_km", scaled(p.distance, kKilometre)}};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      path["flown_deg"].push_back(scaled(p.flown[axis], degree()));
+      path["measured_deg"].push_back(scaled(p.measured[axis], degree()));
+    }
+    paths.push_back(path);
+  }
+  return {{"time_s", flight.time_s}, {"pitch_deg", scaled(flight.pitch, degree())}, {"paths", paths}};
+}
+
 LogResult as_log(const Paper& paper) {
   LogResult log;
   log.source = "simulated";
@@ -136,6 +182,7 @@ std::string paper_data(const Paper& paper) {
   }
   data["drifts"] = drifts;
   data["traces"] = traces;
+  data["flight"] = flight_json(paper.flight);
   return without_markup(data.dump());
 }
 

@@ -26,6 +26,9 @@ constexpr std::array kSections{
     Section{"fig4.", "Figure 4, angle after 1 h of 1000 runs"},
     Section{"fig6.", "Figure 6, the simulated records"},
     Section{"fig7.", "Figure 7, their Allan deviations"},
+    Section{"fig8.", "Figure 8, the trajectories"},
+    Section{"fig9.", "Figure 9, how far they end from the reference"},
+    Section{"fig10.", "Figure 10, attitude"},
 };
 
 /// With the digits that the paper prints.
@@ -91,6 +94,37 @@ std::span<const PaperRow> rows_of(const Paper& paper, const Section& section) {
   return {begin, std::find_if_not(begin, paper.rows.end(), belongs)};
 }
 
+std::string kilometres(const PaperHypothesis::Gyro& gyro) {
+  if (gyro.km) return number(*gyro.km, 3);
+  return gyro.flights > 0 ? "lost" : "";
+}
+
+std::string hypotheses_text(const PaperFlight& flight) {
+  if (flight.hypotheses.empty()) return {};
+  using enum Align;
+  Table table({left, right, right, right, right, right, right, left});
+  table.row({"", "ideal", "IFOG", "MEMS", "  it takes: ideal", "IFOG", "MEMS", ""});
+  const auto& published = flight.published_km;
+  table.row({"  published", number(published[0], 3), number(published[1], 3), number(published[2], 3), "", "",
+             "", ""});
+  for (const PaperHypothesis& h : flight.hypotheses) {
+    std::vector<std::string> line = {"  " + h.id};
+    for (const auto& gyro : h.gyros) line.push_back(kilometres(gyro));
+    for (const auto& gyro : h.gyros) line.push_back(gyro.takes ? number(*gyro.takes, 3) : "");
+    line.push_back(h.takes_unit);
+    table.row(line);
+  }
+  const auto lines = table.lines();
+  std::string out = fmt::format(
+      "What could have made these distances: km that each hypothesis gives, by our flights\n\n{}\n{}\n",
+      lines[0], lines[1]);
+  for (std::size_t i = 0; i < flight.hypotheses.size(); ++i) {
+    const PaperHypothesis& h = flight.hypotheses[i];
+    out += lines[i + 2] + '\n' + wrapped(fmt::format("{}. {}", h.what, h.why), "        ", "        ");
+  }
+  return out + '\n';
+}
+
 /// How many published values of table I are what chance makes of the theory.
 std::string explained(const Paper& paper) {
   const auto rows = rows_of(paper, kSections.front());
@@ -107,7 +141,7 @@ std::string explained(const Paper& paper) {
 }  // namespace
 
 std::vector<std::string> paper_words(const Paper& paper) {
-  return {
+  std::vector<std::string> words = {
       explained(paper),
       "-29.46 % of ARW in model 2 is 1/sqrt 2 - 1 = -29.29 %: MATLAB's imuSensor takes the given density as "
       "double-sided unless told otherwise. The same switch makes its RRW 41 % larger.",
@@ -130,6 +164,8 @@ std::vector<std::string> paper_words(const Paper& paper) {
       "the "
       "answer, as 10 h of the IFOG do not for B.",
   };
+  words.insert(words.end(), paper.flight.words.begin(), paper.flight.words.end());
+  return words;
 }
 
 std::string paper_table(const Paper& paper) {
@@ -144,6 +180,7 @@ std::string paper_table(const Paper& paper) {
     const auto rows = rows_of(paper, section);
     if (!rows.empty()) out += section_text(rows, section);
   }
+  out += hypotheses_text(paper.flight);
   out += "What the published numbers mean\n\n";
   for (const std::string& words : paper_words(paper)) out += wrapped(words, "  - ", "    ");
   return out;

@@ -108,6 +108,14 @@ TEST(ClosedLoop, IdealSensorsFlyTheNominalFlight) {
   EXPECT_LT((s.flown->end.truth.p_eb_e - s.nominal.end.truth.p_eb_e).norm(), kNavigation);
 }
 
+TEST(ClosedLoop, NoiseThatIsSmallBindsNoLimitOfTheNozzle) {
+  const Study s = study({}, {}, strapdown_scene(mems()), {.margins = false});
+  ASSERT_TRUE(s.flown);
+  EXPECT_TRUE(s.margins.points.empty());
+  EXPECT_LT(s.flown->largest_deflection, 2 * earth::kDegree);  // of 3
+  EXPECT_LT(s.flown->limited, 0.005) << "of the periods: the last, where the gains are capped";
+}
+
 TEST(ClosedLoop, AidsKeepTheErrorDown) {
   navigation::Scenario scene = strapdown_scene(mems());
   scene.aids.push_back({.name = "gnss", .sigma = Vector3d(2, 2, 4), .lever_arm = {1, 0, 0.5}});

@@ -218,9 +218,11 @@ struct Body::Impl {
       acting = state.deflection;
     }
     const Vector2d wanted(command.pitch, command.yaw);
-    const Vector2d change = (wanted - issued).cwiseMax(-a.rate_limit * dt).cwiseMin(a.rate_limit * dt);
-    const Vector2d allowed = (issued + change).cwiseMax(-a.deflection_limit).cwiseMin(a.deflection_limit);
-    limited = allowed != wanted;
+    const Vector2d asked = wanted - issued;
+    const Vector2d change = asked.cwiseMax(-a.rate_limit * dt).cwiseMin(a.rate_limit * dt);
+    const Vector2d reached = issued + change;  // may be off `wanted` by a rounding
+    const Vector2d allowed = reached.cwiseMax(-a.deflection_limit).cwiseMin(a.deflection_limit);
+    limited = change != asked || allowed != reached;
     issued = allowed;
     roll_moment =
         std::clamp(command.roll_moment, -plant.vehicle.roll_moment_limit, plant.vehicle.roll_moment_limit);
