@@ -36,24 +36,26 @@ constexpr double kPublishedYaw = 0.4;  // [deg], "less than"
 constexpr int kRuns = 48;              // flights with one gyro
 constexpr double kKm = 1000;
 
-// --- Paths ----------------------------------------------------------------------------------------------------------------
+// --- Paths -------------------------------------------------------------------------------------------------
 
 /// Every so many points of a record.
 constexpr std::size_t kThinned = 5;
 
 PaperPath path_of(std::string id, std::string name, const FlightRecord& record, const FlightRecord& reference,
-                  const Plan& plan) {
+                  const FlightRecord& ideal, const Plan& plan) {
   const flight::AttitudeControl program(plan.flight.vehicle, plan.flight.world.site, plan.control);
   const Matrix3d C = earth::LocalFrame::launch_plane(plan.flight.world.site, plan.control.azimuth).C_el();
   PaperPath path{.id = std::move(id), .name = std::move(name)};
   const Vector3d pad = reference.points.front().truth.p_eb_e;
-  for (std::size_t i = 0; i < std::min(record.points.size(), reference.points.size()); i += kThinned) {
+  for (std::size_t i = 0; i < std::min({record.points.size(), reference.points.size(), ideal.points.size()});
+       i += kThinned) {
     const flight::FlightPoint& p = record.points[i];
     const Vector3d place = C.transpose() * (p.truth.p_eb_e - pad);
     path.downrange.push_back(place[0]);
     path.crossrange.push_back(place[1]);
     path.up.push_back(place[2]);
     path.distance.push_back((p.truth.p_eb_e - reference.points[i].truth.p_eb_e).norm());
+    path.from_ideal.push_back((p.truth.p_eb_e - ideal.points[i].truth.p_eb_e).norm());
     const Eigen::Quaterniond wanted = program.reference(p.t);
     const Vector3d flown = body_turn(wanted, p.truth.q_eb), measured = body_turn(wanted, p.seen.q_eb);
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -64,7 +66,7 @@ PaperPath path_of(std::string id, std::string name, const FlightRecord& record, 
   return path;
 }
 
-// --- Rows -----------------------------------------------------------------------------------------------------------------
+// --- Rows --------------------------------------------------------------------------------------------------
 
 double degrees(double radians) { return radians / kDegree; }
 
@@ -321,7 +323,7 @@ std::vector<PaperRow> attitude_rows(const std::array<Flown, kPaperGyros>& flown,
   return rows;
 }
 
-// --- Words ----------------------------------------------------------------------------------------------------------------
+// --- Words -------------------------------------------------------------------------------------------------
 
 const PaperHypothesis& named(const std::vector<PaperHypothesis>& all, std::string_view id) {
   return *std::ranges::find(all, id, &PaperHypothesis::id);
@@ -383,14 +385,17 @@ report::PaperFlight figures(const std::array<Flown, kPaperGyros>& flown, const T
     result.time_s.push_back(reference.points[i].t);
     result.pitch.push_back(plan.control.pitch(reference.points[i].t));
   }
-  result.paths.push_back(path_of("reference", "reference", reference, reference, plan));
-  for (std::size_t i = 0; i < kPaperGyros; ++i)
-    result.paths.push_back(path_of(kIds[i], kNames[i], *flown[i].study.flown, reference, plan));
+  const auto add = [&](std::string id, std::string name, const FlightRecord& record) {
+    const FlightRecord& ideal = *flown[0].study.flown;
+    result.paths.push_back(path_of(std::move(id), std::move(name), record, reference, ideal, plan));
+  };
+  add("reference", "reference", reference);
+  for (std::size_t i = 0; i < kPaperGyros; ++i) add(kIds[i], kNames[i], *flown[i].study.flown);
+  const PaperSetting prompt{prompt_plan(), prompt_plan(), {}};
   for (const std::size_t i : {1U, 2U}) {
     const double offset = named(hypotheses, "offset").gyros[i].takes.value_or(0);
-    result.paths.push_back(path_of(
-        fmt::format("offset_{}", kIds[i]), fmt::format("pitch told {:.1f} deg wrong", offset),
-        fly_wrong({prompt_plan(), prompt_plan(), {}}, {.angle = -offset * kDegree}), reference, plan));
+    add(fmt::format("offset_{}", kIds[i]), fmt::format("pitch told {:.1f} deg wrong", offset),
+        fly_wrong(prompt, {.angle = -offset * kDegree}));
   }
   result.hypotheses = std::move(hypotheses);
   return result;

@@ -25,7 +25,7 @@ constexpr double kKm = 1000, kHour = 3600;
 constexpr int kNoiseRuns = 10,
               kOtherRuns = 3;  // where noise makes the distance, and where it hardly adds to it
 
-// --- Hypotheses on what the gyros do --------------------------------------------------------------------------------------
+// --- Hypotheses on what the gyros do -----------------------------------------------------------------------
 
 struct Supposition {
   std::string id, what, why;
@@ -124,7 +124,7 @@ PaperHypothesis hypothesis(const Supposition& s, const PaperGyroErrors& gyros, s
   return result;
 }
 
-// --- Hypotheses of a size, whatever the gyro ------------------------------------------------------------------------------
+// --- Hypotheses of a size, whatever the gyro ---------------------------------------------------------------
 
 struct Sized {
   std::string id, what, unit, why;
@@ -198,7 +198,7 @@ PaperHypothesis hypothesis(const Sized& sized) {
   return result;
 }
 
-// --- Hypotheses on what the reference is ----------------------------------------------------------------------------------
+// --- Hypotheses on what the reference is -------------------------------------------------------------------
 
 PaperHypothesis alone(std::string id, std::string what, std::string why, double metres,
                       std::optional<double> theory = {}) {

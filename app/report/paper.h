@@ -69,7 +69,8 @@ struct PaperPath {
   std::string id;    ///< "reference", "ideal", "ifog", "mems", "offset_ifog", "offset_mems"
   std::string name;  ///< "MEMS"
   std::vector<double> downrange, crossrange, up;  ///< from the pad [m]
-  std::vector<double> distance;                   ///< from where the reference is at that time [m]
+  // From where the reference is at that time, and the ideal gyro's flight [m].
+  std::vector<double> distance, from_ideal;
   /// Roll, pitch, yaw about body axes against the program [rad]: as flown, and as measured.
   std::array<std::vector<double>, 3> flown, measured;
 };

@@ -5,9 +5,9 @@
 (() => {
   const {
     data, axes, redraws, byId, element, list, number, compact, count, signed, colour, duration, table, curveLine,
-    bandLines, measuredPoints, marks, overlayDatasets, union, addPlot, plotFigure, padded, followSettings, linearScale, addChart, plain,
+    bandLines, measuredPoints, marks, overlayDatasets, union, addPlot, plotFigure, padded, followSettings, linearScale, logScale, addChart, plain,
   } = plotting;
-  const { rows, words, seed, record, command, version } = data.paper;
+  const { rows, hypotheses, words, seed, record, command, version } = data.paper;
 
   // --- Tables -------------------------------------------------------------------------------------------------------
 
@@ -60,6 +60,8 @@
     byId("table2").append(rowTable("Table II: errors of these values against those fed in", rowsOf("table2.")));
     byId("drift-table").append(rowTable("Numbers of figures 3 and 4", rowsOf("fig3.mems", "fig4.mems", "fig3.ifog", "fig4.ifog")));
     byId("other-table").append(rowTable("Numbers of figures 6 and 7", rowsOf(...["model1", "model2", "model3", "mems"].flatMap((id) => [`fig6.${id}`, `fig7.${id}`]))));
+    byId("flight-table").append(rowTable("Numbers of figures 8 and 9", rowsOf("fig8.", "fig9.")));
+    byId("attitude-table").append(rowTable("Numbers of figure 10", rowsOf("fig10.")));
     const explained = rows.filter((row) => !row.id.startsWith("table2."));
     byId("reasons").append(...explained.flatMap((row) => [element("dt", "", `${row.group}, ${row.what}`), element("dd", "", row.why)]));
   }
@@ -177,6 +179,126 @@
     ifog.forEach((trace) => addTrace(trace, Math.ceil(largest * 2) / 2));
   }
 
+  // --- The flight -----------------------------------------------------------------------------------------------------
+
+  const pathInk = { reference: "measured", ideal: "term-B", ifog: "term-N", mems: "model", offset_ifog: "term-N", offset_mems: "model" };
+  const pathLook = (id) => ({
+    reference: { borderWidth: 3, borderDash: [8, 5] }, ideal: { borderWidth: 5 }, ifog: { borderWidth: 3 }, mems: { borderWidth: 1.4 },
+  }[id] || { borderWidth: 1.4, borderDash: [2, 4] });
+  const isOffset = (path) => path.id.startsWith("offset");
+
+  const pathLine = (path, xs, ys) => ({
+    label: path.name, data: xs.map((x, i) => ({ x, y: ys[i] })), showLine: true, pointRadius: 0, borderColor: colour(pathInk[path.id]),
+    backgroundColor: "transparent", ...pathLook(path.id),
+  });
+
+  function scatter(canvas, x, y, datasets) {
+    addChart(canvas, () => ({ type: "scatter", data: { datasets: datasets() }, options: plain({ x: x(), y: y() }, true) }));
+  }
+
+  function addTrajectories() {
+    const { paths, time_s: t } = data.flight;
+    if (paths.length === 0) return;
+    const ours = paths.filter((path) => !isOffset(path));
+    const last = (values) => values[values.length - 1];
+    scatter(byId("side"), () => linearScale("downrange [km]", { min: 0 }), () => linearScale("height [km]", { min: 0 }),
+      () => paths.map((path) => pathLine(path, path.downrange_km, path.up_km)));
+    const ends = (key) => {
+      const all = paths.map((path) => last(path[key]));
+      return [Math.min(...all), Math.max(...all)];
+    };
+    const reach = 1.3 * Math.max(...["downrange_km", "up_km"].map((key) => ends(key)[1] - ends(key)[0]));
+    const around = (key) => { // the same scale both ways
+      const middle = (ends(key)[0] + ends(key)[1]) / 2;
+      return { min: Math.floor(10 * (middle - reach / 2)) / 10, max: Math.ceil(10 * (middle + reach / 2)) / 10 };
+    };
+    scatter(byId("end"), () => linearScale("downrange [km]", around("downrange_km")), () => linearScale("height [km]", around("up_km")),
+      () => paths.map((path) => pathLine(path, path.downrange_km, path.up_km)));
+    scatter(byId("above"), () => linearScale("downrange [km]", { min: 0 }), () => linearScale("crossrange, to the left [m]"),
+      () => ours.map((path) => pathLine(path, path.downrange_km, path.crossrange_km.map((y) => 1000 * y))));
+    const inMetres = (kilometres) => kilometres.map((d) => Math.max(1e-4, 1000 * d));
+    const named = (id, name) => ({ ...paths.find((path) => path.id === id), name });
+    const ideal = named("ideal", "ideal gyro from reference");
+    const others = [named("mems", "MEMS from ideal"), named("ifog", "IFOG from ideal")];
+    const published = Object.entries(hypotheses[0]?.published || {});
+    scatter(byId("distance"), () => linearScale("time [s]", { min: 0, max: last(t) }), () => logScale("distance [m]", [1e-3, 1e4]), () => [
+      pathLine(ideal, t, inMetres(ideal.distance_km)),
+      ...others.map((path) => pathLine(path, t, inMetres(path.from_ideal_km))),
+      ...published.map(([id, km], i) => ({
+        label: i === 0 ? "published" : "", data: [{ x: last(t), y: 1000 * km }], pointRadius: 6, pointStyle: "rectRot", clip: false,
+        borderColor: colour("text"), backgroundColor: colour(pathInk[id]),
+      })),
+    ]);
+  }
+
+  const kGyros = ["ideal", "ifog", "mems"];
+  const gyroName = { ideal: "ideal", ifog: "IFOG", mems: "MEMS" };
+
+  const length = (km) => (km < 5e-7 ? "0" : number(km, 3));
+  const known3 = (x) => (x === null || x === undefined ? "" : length(x));
+
+  function addHypotheses() {
+    if (hypotheses.length === 0) return;
+    const numeric = (text) => [text, "number"];
+    const head = [["supposed"], [""], ...kGyros.map((id) => numeric(`${gyroName[id]}, km`)), ...kGyros.map((id) => numeric(`it takes: ${gyroName[id]}`)), [""]];
+    const theory = (h, id) => (h.theory[id] > 5e-7 ? ` (${number(h.theory[id], 3)})` : "");
+    const gives = (h, id) => (h.ours[id] === null && h.flights[id] > 0 ? "lost" : known3(h.ours[id]) + theory(h, id));
+    const published = { cells: [["published", "", "row"], [""], ...kGyros.map((id) => [number(hypotheses[0].published[id], 3), "number published"]), ...Array(4).fill([""])] };
+    const lines = hypotheses.map((h) => ({
+      cells: [[h.id.replaceAll("_", " "), "", "row"], [h.what, "status"], ...kGyros.map((id) => [gives(h, id), "number ours"]),
+        ...kGyros.map((id) => numeric(h.takes[id] === null ? "" : number(h.takes[id], 3))), [h.takes_unit, "status"]],
+    }));
+    const node = table("Distances that each hypothesis gives, in parentheses to first order; point at a line for what it says", head, [published, ...lines]);
+    node.querySelectorAll("tbody tr").forEach((line, i) => { if (i > 0) line.title = hypotheses[i - 1].why; });
+    byId("hypothesis-table").append(node);
+    byId("reasons").append(...hypotheses.flatMap((h) => [element("dt", "", `${h.id.replaceAll("_", " ")}: ${h.what}`), element("dd", "", h.why)]));
+    addBars();
+  }
+
+  /** One line a hypothesis, a mark a gyro; published distances as vertical lines. */
+  function addBars() {
+    const shown = hypotheses.filter((h) => kGyros.some((id) => h.ours[id] !== null));
+    const points = (id) => shown.flatMap((h, i) => (h.ours[id] > 1e-6 ? [{ x: h.ours[id], y: i }] : []));
+    const style = { ideal: "circle", ifog: "triangle", mems: "rect" };
+    const lines = kGyros.map((id, k) => ({
+      label: `${gyroName[id]}, published`, data: [-0.6, shown.length - 0.4].map((y) => ({ x: hypotheses[0].published[id], y })), showLine: true, pointRadius: 0,
+      borderColor: colour(pathInk[id]), borderWidth: 1.4, borderDash: [[2, 3], [8, 4], []][k],
+    }));
+    const scaleY = () => linearScale("", {
+      min: -0.6, max: shown.length - 0.4, reverse: true, afterBuildTicks: (axis) => { axis.ticks = shown.map((_, i) => ({ value: i })); },
+      ticks: { color: colour("text"), autoSkip: false, callback: (_, i) => shown[i]?.id.replaceAll("_", " ") },
+    });
+    scatter(byId("bars"), () => logScale("distance [km]", [1e-5, 100]), scaleY, () => [
+      ...kGyros.map((id) => ({ label: gyroName[id], data: points(id), pointRadius: 6, pointStyle: style[id], borderColor: colour(pathInk[id]), backgroundColor: `${colour(pathInk[id])}90` })),
+      ...kGyros.map((_, k) => ({ ...lines[k], borderColor: colour(pathInk[kGyros[k]]) })),
+    ]);
+  }
+
+  function addAttitude() {
+    const { paths, time_s: t, pitch_deg: program } = data.flight;
+    const ours = paths.filter((path) => ["ideal", "ifog", "mems"].includes(path.id));
+    if (ours.length === 0) return;
+    const box = (title) => {
+      const canvas = element("canvas", "");
+      canvas.setAttribute("role", "img");
+      canvas.setAttribute("aria-label", title);
+      byId("attitude").append(element("div", "", element("h3", "", title), element("div", "canvas-box", canvas)));
+      return canvas;
+    };
+    const time = () => linearScale("time [s]", { min: 0, max: t[t.length - 1] });
+    scatter(box("Pitch above the horizon, measured"), time, () => linearScale("pitch [deg]"), () => [
+      pathLine({ id: "reference", name: "program" }, t, program),
+      ...ours.map((path) => pathLine(path, t, path.measured_deg[1].map((x, i) => x + program[i])))]);
+    const chart = (title, kind, axis, shown) => scatter(box(title), time, () => linearScale(`${["roll", "pitch", "yaw"][axis]} [deg]`),
+      () => shown.map((path) => pathLine(path, t, path[kind][axis])));
+    chart("Pitch against its program, as flown", "flown_deg", 1, ours);
+    const loud = [...ours].reverse(); // the quiet ones over the noise
+    chart("Yaw against its program, measured", "measured_deg", 2, loud);
+    chart("Yaw, as flown", "flown_deg", 2, ours);
+    chart("Roll against its program, measured", "measured_deg", 0, loud);
+    chart("Roll, as flown", "flown_deg", 0, ours);
+  }
+
   // --- The page -------------------------------------------------------------------------------------------------------
 
   function addFacts() {
@@ -184,7 +306,8 @@
       ["Rate", `${compact(record.rate_hz)} Hz`], ["Duration", duration(record.duration_s)], ["Made by", `gyrobudget ${version}`]];
     byId("facts").append(...facts.flatMap(([name, value]) => [element("dt", "", name), element("dd", "", value)]));
     byId("record").textContent = `Records of ${duration(record.duration_s)} at ${compact(record.rate_hz)} Hz, seed ${seed}.`;
-    const links = [["#words", "meaning"], ["#tables", "tables I and II"], ["#figure7", "figure 7"], ["#figure3", "figures 3 and 4"], ["#figure6", "figure 6"]];
+    const links = [["#words", "meaning"], ["#tables", "tables I and II"], ["#figure7", "figure 7"], ["#figure3", "figures 3 and 4"], ["#figure6", "figure 6"],
+      ["#figure8", "figures 8 and 9"], ["#hypotheses", "hypotheses"], ["#figure10", "figure 10"]];
     byId("contents").append(...links.map(([href, text]) => {
       const link = element("a", "", text);
       link.href = href;
@@ -198,5 +321,8 @@
   addDrift();
   data.drifts.forEach(addHistogram);
   addTraces();
+  addTrajectories();
+  addHypotheses();
+  addAttitude();
   followSettings();
 })();

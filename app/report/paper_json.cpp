@@ -144,7 +144,8 @@ Json flight_json(const PaperFlight& flight) {
                  {"downrange_km", scaled(p.downrange, kKilometre)},
                  {"crossrange_km", scaled(p.crossrange, kKilometre)},
                  {"up_km", scaled(p.up, kKilometre)},
-                 {"distance_km", scaled(p.distance, kKilometre)}};
+                 {"distance_km", scaled(p.distance, kKilometre)},
+                 {"from_ideal_km", scaled(p.from_ideal, kKilometre)}};
     for (std::size_t axis = 0; axis < 3; ++axis) {
       path["flown_deg"].push_back(scaled(p.flown[axis], degree()));
       path["measured_deg"].push_back(scaled(p.measured[axis], degree()));

@@ -95,7 +95,8 @@ std::span<const PaperRow> rows_of(const Paper& paper, const Section& section) {
 }
 
 std::string kilometres(const PaperHypothesis::Gyro& gyro) {
-  if (gyro.km) return number(*gyro.km, 3);
+  constexpr double kNothing = 5e-7;  // half a millimetre
+  if (gyro.km) return *gyro.km < kNothing ? "0" : number(*gyro.km, 3);
   return gyro.flights > 0 ? "lost" : "";
 }
 

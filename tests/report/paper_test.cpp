@@ -20,6 +20,36 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+PaperFlight small_flight() {
+  PaperFlight flight{.time_s = {0, 83},
+                     .pitch = {1.5, 0.8},
+                     .published_km = {0.20, 4.66, 5.92},
+                     .words = {"They are no noise."}};
+  for (const char* id : {"reference", "ideal", "ifog", "mems", "offset_ifog", "offset_mems"}) {
+    PaperPath path{.id = id,
+                   .name = id,
+                   .downrange = {0, 12'000},
+                   .crossrange = {0, 1},
+                   .up = {0, 26'000},
+                   .distance = {0, 200},
+                   .from_ideal = {0, 15}};
+    path.flown.fill({0, 0.01});
+    path.measured.fill({0, 0.02});
+    flight.paths.push_back(path);
+  }
+  PaperHypothesis lost{.id = "per_second",
+                       .what = "deg/h taken for deg/s",
+                       .takes_unit = "times the noise",
+                       .why = "It comes down."};
+  lost.gyros = {PaperHypothesis::Gyro{.km = 1e-12, .flights = 1},
+                {.km = 0.145, .theory_km = 0.184, .flights = 10, .takes = 25.3},
+                {.flights = 10, .lost = 10}};
+  PaperHypothesis alone{.id = "vacuum", .what = "no air", .why = "Nothing pushes back."};
+  alone.gyros[0] = {.km = 0.29, .flights = 1};
+  flight.hypotheses = {lost, alone};
+  return flight;
+}
+
 Paper small_study() {
   Paper paper{.command = "gyrobudget paper </script>", .seed = 42, .rate_hz = 100, .duration_s = 36'000};
   paper.rows = {{.id = "table1.model1.arw",
@@ -62,6 +92,7 @@ Paper small_study() {
                           .std = {1e-3, 2e-3},
                           .runs = {{1e-3, -2e-3}},
                           .final = {-2e-3, 1e-3}});
+  paper.flight = small_flight();
   return paper;
 }
 
@@ -93,6 +124,39 @@ TEST(Paper, JsonHasTheKeysThatAreKnown) {
   EXPECT_TRUE(json["rows"][2]["published"].is_null());
   EXPECT_FALSE(json["rows"][2].contains("fitted"));
   EXPECT_FALSE(json["rows"][2].contains("scatter_low"));
+}
+
+TEST(Paper, HypothesesStandBesideThePublishedDistances) {
+  const std::string text = paper_table(small_study());
+  for (const char* part :
+       {"published   0.200   4.66  5.92", "per_second      0  0.145  lost", "25.3",
+        "deg/h taken for deg/s. It comes down.", "no air. Nothing pushes back.", "They are no noise."})
+    EXPECT_NE(text.find(part), std::string::npos) << part << '\n' << text;
+  const Json json = Json::parse(paper_json(small_study()));
+  const Json& h = json["hypotheses"][0];
+  EXPECT_EQ(h["published"]["mems"], 5.92);
+  EXPECT_EQ(h["ours"]["ifog"], 0.145);
+  EXPECT_EQ(h["theory"]["ifog"], 0.184);
+  EXPECT_EQ(h["takes"]["ifog"], 25.3);
+  EXPECT_TRUE(h["ours"]["mems"].is_null());
+  EXPECT_EQ(h["lost"]["mems"], 10);
+  EXPECT_EQ(json["hypotheses"][1]["flights"]["mems"], 0);
+  EXPECT_EQ(json["words"].back(), "They are no noise.");
+  Paper noise_alone = small_study();
+  noise_alone.flight = {};
+  EXPECT_EQ(paper_table(noise_alone).find("it takes"), std::string::npos);
+  EXPECT_TRUE(Json::parse(paper_json(noise_alone))["hypotheses"].empty());
+}
+
+TEST(Paper, PageHasThePathsInKilometresAndDegrees) {
+  const Json flight = Json::parse(paper_data(small_study()))["flight"];
+  ASSERT_EQ(flight["paths"].size(), 6U);
+  const Json& mems = flight["paths"][3];
+  EXPECT_EQ(mems["id"], "mems");
+  EXPECT_EQ(mems["up_km"][1], 26.0);
+  EXPECT_EQ(mems["from_ideal_km"][1], 0.015);
+  EXPECT_NEAR(mems["measured_deg"][2][1].get<double>(), 1.14592, 1e-5);
+  EXPECT_NEAR(flight["pitch_deg"][1].get<double>(), 45.8366, 1e-4);
 }
 
 TEST(Paper, PageIsWholeAndItsDataCannotCloseTheScript) {
