@@ -704,13 +704,13 @@ void finish(AccuracyArguments& a, const Texts& texts) {
 }
 
 CLI::App* add_paper(CLI::App& app, PaperArguments& a, Texts& texts) {
-  auto* verb =
-      app.add_subcommand("paper",
-                         "The tables and figures of Nunes et al. beside ours, and why they differ: gyro noise,\n"
-                         "the first stage flown in closed loop on each gyro, and what could have made its\n"
-                         "distances.\n\n"
-                         "  gyrobudget paper --report paper.html\n"
-                         "  gyrobudget paper --seed 7 --json\n");
+  auto* verb = app.add_subcommand(
+      "paper",
+      "The tables and figures of Nunes et al. beside ours, and why they differ: gyro noise,\n"
+      "the first stage flown in closed loop on each gyro, and what could have made its\n"
+      "distances.\n\n"
+      "  gyrobudget paper --report paper.html\n"
+      "  gyrobudget paper --seed 7 --json\n");
   verb->add_option("--seed", texts.seed, "of the random numbers; printed into every output")
       ->capture_default_str();
   verb->add_option("--report", a.report, "write a self-contained HTML page with the figures")

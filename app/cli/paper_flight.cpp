@@ -394,8 +394,8 @@ report::PaperFlight figures(const std::array<Flown, kPaperGyros>& flown, const T
   const PaperSetting prompt{prompt_plan(), prompt_plan(), {}};
   for (const std::size_t i : {1U, 2U}) {
     const double offset = named(hypotheses, "offset").gyros[i].takes.value_or(0);
-    add(fmt::format("offset_{}", kIds[i]), fmt::format("pitch told {:.1f} deg wrong", offset),
-        fly_wrong(prompt, {.angle = -offset * kDegree}));
+    add(fmt::format("offset_{}", kIds[i]), fmt::format("pitch told {:.1f} deg too high", offset),
+        fly_wrong(prompt, {.angle = offset * kDegree}));
   }
   result.hypotheses = std::move(hypotheses);
   return result;

@@ -163,15 +163,15 @@ std::vector<Sized> sizes() {
   };
   const auto apart = from(plan), apart_bare = from(bare);
   return {
-      {"offset", "pitch told wrong by 1 deg throughout", "deg",
+      {"offset", "pitch told 1 deg too high throughout", "deg",
        "The published distances equal such an offset: what a misaligned or misread attitude does, not noise.",
-       [=](double x) { return apart(fly_wrong(right, {.angle = -x * kDegree})); }},
+       [=](double x) { return apart(fly_wrong(right, {.angle = x * kDegree})); }},
       {"offset_without_side_force", "the same where air does not push back", "deg",
        "Air's side force takes a third off what thrust alone does.",
-       [=](double x) { return apart_bare(fly_wrong(no_push, {.angle = -x * kDegree})); }},
+       [=](double x) { return apart_bare(fly_wrong(no_push, {.angle = x * kDegree})); }},
       {"bias", "a pitch gyro's bias of 1 deg/h, from ignition on", "deg/h",
        "No bias of these gyros is near what it takes; table I gives none.",
-       [=](double x) { return apart(fly_wrong(right, {.rate = -x * kDegree / kHour})); }},
+       [=](double x) { return apart(fly_wrong(right, {.rate = x * kDegree / kHour})); }},
       {"late", "the program flown 1 s late", "s",
        "0.20 km is the lag of the loop, 2 damping/frequency; the others take the lag of a loop that could "
        "not fly.",

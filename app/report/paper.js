@@ -240,13 +240,14 @@
   function addHypotheses() {
     if (hypotheses.length === 0) return;
     const numeric = (text) => [text, "number"];
-    const head = [["supposed"], [""], ...kGyros.map((id) => numeric(`${gyroName[id]}, km`)), ...kGyros.map((id) => numeric(`it takes: ${gyroName[id]}`)), [""]];
+    const head = [["supposed"], [""], ...kGyros.map((id) => numeric(`${gyroName[id]}, km`)), ["it takes: ideal / IFOG / MEMS"]];
     const theory = (h, id) => (h.theory[id] > 5e-7 ? ` (${number(h.theory[id], 3)})` : "");
     const gives = (h, id) => (h.ours[id] === null && h.flights[id] > 0 ? "lost" : known3(h.ours[id]) + theory(h, id));
-    const published = { cells: [["published", "", "row"], [""], ...kGyros.map((id) => [number(hypotheses[0].published[id], 3), "number published"]), ...Array(4).fill([""])] };
+    const published = { cells: [["published", "", "row"], [""], ...kGyros.map((id) => [number(hypotheses[0].published[id], 3), "number published"]), [""]] };
+    const takes = (h) => (h.takes_unit ? `${kGyros.map((id) => (h.takes[id] === null ? "-" : number(h.takes[id], 3))).join(" / ")} ${h.takes_unit}` : "");
     const lines = hypotheses.map((h) => ({
       cells: [[h.id.replaceAll("_", " "), "", "row"], [h.what, "status"], ...kGyros.map((id) => [gives(h, id), "number ours"]),
-        ...kGyros.map((id) => numeric(h.takes[id] === null ? "" : number(h.takes[id], 3))), [h.takes_unit, "status"]],
+        [takes(h), "status"]],
     }));
     const node = table("Distances that each hypothesis gives, in parentheses to first order; point at a line for what it says", head, [published, ...lines]);
     node.querySelectorAll("tbody tr").forEach((line, i) => { if (i > 0) line.title = hypotheses[i - 1].why; });
