@@ -119,7 +119,7 @@ PaperHypothesis hypothesis(const Supposition& s, const PaperGyroErrors& gyros, s
     PaperHypothesis::Gyro& of = result.gyros[i] = flown(s.setting, reference, gyro, seed);
     if (!by_noise_alone || !noisy(gyro) || !of.theory_km) continue;
     of.takes = kPublishedKm[i] / *of.theory_km;
-    result.takes_unit = "times the noise";
+    result.takes_unit = "times";
   }
   return result;
 }

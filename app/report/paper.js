@@ -240,7 +240,7 @@
   function addHypotheses() {
     if (hypotheses.length === 0) return;
     const numeric = (text) => [text, "number"];
-    const head = [["supposed"], [""], ...kGyros.map((id) => numeric(`${gyroName[id]}, km`)), ["it takes: ideal / IFOG / MEMS"]];
+    const head = [["supposed"], [""], ...kGyros.map((id) => numeric(`${gyroName[id]}, km`)), ["it takes: ideal / IFOG / MEMS", "status"]];
     const theory = (h, id) => (h.theory[id] > 5e-7 ? ` (${number(h.theory[id], 3)})` : "");
     const gives = (h, id) => (h.ours[id] === null && h.flights[id] > 0 ? "lost" : known3(h.ours[id]) + theory(h, id));
     const published = { cells: [["published", "", "row"], [""], ...kGyros.map((id) => [number(hypotheses[0].published[id], 3), "number published"]), [""]] };
