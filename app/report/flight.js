@@ -4,7 +4,7 @@
 
 (() => {
   const {
-    data, byId, element, list, number, count, colour, duration, table, followSettings, redraw, addContents,
+    data, byId, element, list, number, count, colour, table, followSettings, redraw, addContents,
     line, over, times, canvasBox, scatter, errorChart, limitLine, equalScales, pointRange, ellipse,
   } = plotting;
   const flights = data.flights;
@@ -42,8 +42,7 @@
 
   function fillSummary() {
     const n = first.nominal;
-    byId("record").textContent = [`${first.vehicle.name}: ${number(n.t_s, 4)} s of flight`, first.aided ? "strapdown and filter with aids" : "unaided strapdown",
-      ...(first.aligned_over_s > 0 ? [`aligned over ${duration(first.aligned_over_s)} on the pad`] : []),
+    byId("record").textContent = [`${first.vehicle.name}: ${number(n.t_s, 4)} s of flight`,
       ...(first.runs > 0 ? [`${count(first.runs)} flights of each kind, seed ${first.seed}`] : [])].join("; ");
     const early = [...nominals.map(([, f]) => f.nominal), ...flights].filter((f) => f.ended !== "complete").length;
     const badge = byId("badge");
@@ -52,7 +51,7 @@
     const head = [["flight"], ...["t s", "height km", "downrange km", "crossrange m", "speed m/s", "distance km", "pitch deg"].map(numeric), ["ended"]];
     byId("ends").append(table("Position of the IMU, with the sensors of run 0", head, [...nominals.map(([name, f]) => endRow(name, f.nominal, f.nominal.ended)), ...flights.map((f) => endRow(f.label, f.burnout, f.ended))]));
     const accounts = [...nominals.map(([name, f]) => [name, f.nominal]), ...flights.filter((f) => f.ended !== "complete").map((f) => [f.label, f])];
-    byId("accounts").append(list(accounts.map(([name, f]) => `${name} ${f.account}.`)));
+    byId("accounts").append(list([...accounts.map(([name, f]) => `${name} ${f.account}.`), ...flights.map((f) => `${f.label}: ${f.navigation_words}.`)]));
     const departed = flights.filter((f) => f.departure);
     if (departed.length === 0) return;
     const dHead = [["flight"], ...["downrange m", "crossrange m", "up m", "distance m", "velocity m/s", "attitude deg"].map(numeric)];
@@ -250,7 +249,7 @@
       }
     });
     byId("dispersion").hidden = rows.length === 0;
-    const head = [["flight"], ["cause"], ...["downrange m", "crossrange m", "up m", "velocity m/s", "attitude deg", "ellipse m", "azimuth deg", "flown", "lost"].map(numeric)];
+    const head = [["flight"], ["cause"], ...["downrange m", "crossrange m", "up m", "vel m/s", "att deg", "ellipse m", "azimuth deg", "flown", "lost"].map(numeric)];
     byId("dispersion-table").append(table("About the mean, one sigma; ellipses are horizontal", head, rows));
   }
 
@@ -330,11 +329,10 @@
 
   function addFacts() {
     const i = first.integrator;
-    const notes = [...new Set(flights.flatMap((f) => f.notes))];
-    const facts = [["Command", first.command], ["Scene", first.scene], ["Vehicle", first.vehicle.file || "the program's own"], ["Sensors", flights.map((f) => f.sensor || "ideal").join(", ")],
+    const facts = [["Command", first.command], ["Scenes", [...new Set(flights.map((f) => f.scene))].join(", ")], ["Vehicle", first.vehicle.file || "the program's own"], ["Sensors", flights.map((f) => f.sensor || "ideal").join(", ")],
       ["Seed", String(first.seed)],
       ["Integrator", `${i.method}${i.asked === i.method ? "" : ` (asked: ${i.asked})`}, steps of at most ${i.step_s} s, tolerance ${i.tolerance} where adaptive: ${count(i.steps)} steps, ${count(i.rejected)} rejected, ${count(i.evaluations)} evaluations in the nominal flight`],
-      ["Notes", notes.join("; ") || "none"], ["Version", first.version]];
+      ["Notes", data.notes.join("; ") || "none"], ["Version", first.version]];
     byId("facts").append(...facts.flatMap(([name, value]) => [element("dt", "", name), element("dd", "", value)]));
   }
 

@@ -391,12 +391,14 @@ std::string flight_data(std::span<const FlightResult> results) {
     const FlightFrame frame(results[i]);
     Json one = flight_document(results[i], frame, kPoints);
     one["label"] = names[i];
+    one["navigation_words"] = navigation_words(results[i].study);
     one["growth"] = growth_json(results[i].study);
     one["clouds"] = clouds_json(results[i].study);
     one["nominal_trajectory"] = nominal_trajectory_json(results[i], frame, kPoints);
     list.push_back(std::move(one));
   }
-  return without_markup(compact_json(Json{{"one_nominal", one_nominal(results)}, {"flights", list}}));
+  return without_markup(compact_json(
+      Json{{"one_nominal", one_nominal(results)}, {"notes", flight_notes(results)}, {"flights", list}}));
 }
 
 }  // namespace gyrobudget::inline v0::report

@@ -38,6 +38,39 @@ std::vector<std::string> flight_names(std::span<const FlightResult> results) {
   return names;
 }
 
+std::string flight_title(std::span<const FlightResult> results) {
+  const FlightResult& first = results[0];
+  const bool one = std::ranges::all_of(results, [&](const auto& r) { return r.name == first.name; });
+  if (!one) return printable(first.plan.flight.vehicle.name);
+  return printable(first.name.empty() ? first.scene : first.name);
+}
+
+std::string navigation_words(const Study& s) {
+  std::string words = s.aided ? "strapdown and filter with aids" : "unaided strapdown";
+  if (s.pad > 0) words += ", " + duration_text(s.pad) + " on the pad before";
+  return words;
+}
+
+std::vector<std::string> flight_notes(std::span<const FlightResult> results) {
+  struct Note {
+    std::string text, names;
+    std::size_t count = 0;
+  };
+  const std::vector<std::string> names = flight_names(results);
+  std::vector<Note> notes;
+  for (std::size_t i = 0; i < results.size(); ++i)
+    for (const auto* list : {&results[i].study.notes, &results[i].notes})
+      for (const auto& text : *list) {
+        auto note = std::ranges::find(notes, text, &Note::text);
+        if (note == notes.end()) note = notes.insert(notes.end(), {.text = text});
+        note->names += (note->count++ > 0 ? ", " : "") + names[i];
+      }
+  std::vector<std::string> out;
+  for (const Note& n : notes)
+    out.push_back(n.count >= results.size() ? printable(n.text) : n.names + ": " + printable(n.text));
+  return out;
+}
+
 bool one_nominal(std::span<const FlightResult> results) {
   return std::ranges::all_of(results, [&](const FlightResult& r) {
     const FlightPoint &a = r.study.nominal.end, &b = results[0].study.nominal.end;

@@ -24,6 +24,12 @@ inline constexpr double kRatioBand = 0.99;  ///< that ratios of right sigmas lie
 /// What tells results apart, as short as it may be: the file of the sensor ("ideal" without one), its path, the file of
 /// the scene, or both paths.
 [[nodiscard]] std::vector<std::string> flight_names(std::span<const FlightResult>);
+/// What the scene calls itself; of scenes with different names, what the vehicle is called.
+[[nodiscard]] std::string flight_title(std::span<const FlightResult>);
+/// "unaided strapdown", "strapdown and filter with aids, 10 min on the pad before".
+[[nodiscard]] std::string navigation_words(const closed_loop::Study&);
+/// Notes of all, each once; one that is not of all with the names of those that it is of.
+[[nodiscard]] std::vector<std::string> flight_notes(std::span<const FlightResult>);
 /// Whether all have the same nominal flight, to the last bit: then it, what the vehicle disperses and the margins are told
 /// once.
 [[nodiscard]] bool one_nominal(std::span<const FlightResult>);

@@ -53,12 +53,6 @@ std::vector<Nominal> nominals(std::span<const FlightResult> results, const std::
 
 // --- Head ------------------------------------------------------------------------------------------------
 
-std::string navigation_words(const Study& s) {
-  std::string words = s.aided ? "strapdown and filter with aids" : "unaided strapdown";
-  if (s.pad > 0) words += fmt::format(", {} on the pad before", duration_text(s.pad));
-  return words;
-}
-
 // "8 sourced, 2 derived, 20 assumed"
 std::string origin_words(const FlightResult& r) {
   std::string words;
@@ -67,23 +61,29 @@ std::string origin_words(const FlightResult& r) {
   return words;
 }
 
-std::string title(const FlightResult& r) {
+std::string plan_words(const FlightResult& r) {
   const flight::Flight& f = r.plan.flight;
-  std::string out = fmt::format("{}\n", printable(r.name.empty() ? r.scene : r.name));
-  out += fmt::format("  {}, azimuth {:.6g} deg, from {:.4f} deg, {:.4f} deg\n", printable(f.vehicle.name),
-                     r.plan.control.azimuth / kDegree, f.world.site.latitude / kDegree,
-                     f.world.site.longitude / kDegree);
+  std::string out = fmt::format("  {}, azimuth {:.6g} deg, from {:.4f} deg, {:.4f} deg\n",
+                                printable(f.vehicle.name), r.plan.control.azimuth / kDegree,
+                                f.world.site.latitude / kDegree, f.world.site.longitude / kDegree);
   if (const std::string words = origin_words(r); !words.empty())
     out += fmt::format("  the vehicle's numbers: {}\n", words);
   out +=
-      fmt::format("  control and navigation at {:.6g} Hz: {}; {}\n", 1 / f.period,
-                  r.plan.guidance ? "guided along the nominal trajectory" : "the program of attitude alone",
-                  navigation_words(r.study));
+      fmt::format("  control and navigation at {:.6g} Hz, {}\n", 1 / f.period,
+                  r.plan.guidance ? "guided along the nominal trajectory" : "the program of attitude alone");
   const auto& work = r.study.nominal.work;
   out += fmt::format("  integrated by {}, {} steps of at most {:.6g} s\n", to_string(work.method),
                      count_text(work.steps), f.integration.step);
   if (r.study.runs > 0)
     out += fmt::format("  {} flights of each kind, seed {}\n", count_text(r.study.runs), r.study.seed);
+  return out;
+}
+
+std::string head(std::span<const FlightResult> results, const std::vector<std::string>& names) {
+  std::string out = flight_title(results) + "\n";
+  for (const Nominal& n : nominals(results, names)) out += plan_words(*n.result);
+  for (std::size_t i = 0; i < results.size(); ++i)
+    out += fmt::format("  {}: {}\n", names[i], navigation_words(results[i].study));
   return out;
 }
 
@@ -285,13 +285,9 @@ std::string margins(const Study& s, const std::string& name) {
 // --- Notes ----------------------------------------------------------------------------------------------------------
 
 std::string notes(std::span<const FlightResult> results) {
-  std::vector<std::string> all;
-  for (const auto& r : results)
-    for (const auto* list : {&r.study.notes, &r.notes})
-      for (const auto& note : *list)
-        if (std::ranges::find(all, note) == all.end()) all.push_back(note);
+  const std::vector<std::string> all = flight_notes(results);
   std::string out = all.empty() ? "" : "\nNotes\n";
-  for (const auto& note : all) out += wrapped(printable(note), "  - ", "    ");
+  for (const auto& note : all) out += wrapped(note, "  - ", "    ");
   return out;
 }
 
@@ -299,10 +295,8 @@ std::string notes(std::span<const FlightResult> results) {
 
 std::string flight_text(std::span<const FlightResult> results) {
   const std::vector<std::string> names = flight_names(results);
-  std::string out;
-  for (const Nominal& n : nominals(results, names)) out += title(*n.result);
-  out += ends(results, names) + accounts(results, names) + departures(results, names) +
-         dispersion(results, names);
+  std::string out = head(results, names) + ends(results, names) + accounts(results, names) +
+                    departures(results, names) + dispersion(results, names);
   for (std::size_t i = 0; i < results.size(); ++i) out += navigation_error(results[i], names[i]);
   out += limits(results, names);
   for (const Nominal& n : nominals(results, names)) out += margins(n.result->study, n.name);

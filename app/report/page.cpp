@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/report/accuracy.h"
+#include "gyrobudget/report/flight_numbers.h"
 #include "gyrobudget/report/navigation.h"
 #include "gyrobudget/report/page_parts.h"
 #include "gyrobudget/report/paper.h"
@@ -130,8 +131,7 @@ std::string budget_page(const std::vector<BudgetResult>& results) {
 }
 
 std::string flight_page(std::span<const FlightResult> results) {
-  const std::string& name = results[0].name.empty() ? results[0].scene : results[0].name;
-  return whole("Flight: " + printable(name), kFlightHtml, flight_text(results), flight_data(results),
+  return whole("Flight: " + flight_title(results), kFlightHtml, flight_text(results), flight_data(results),
                kFlightJs);
 }
 

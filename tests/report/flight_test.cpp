@@ -215,6 +215,16 @@ TEST(FlightReport, ResultsAreToldApart) {
   EXPECT_EQ(flight_names(alike)[1], "folder/a.yaml, folder/mems.yaml");
 }
 
+TEST(FlightReport, NotesAreTheirsWhoHaveThem) {
+  std::vector<FlightResult> two{ideal(), without_runs()};
+  two[0].notes = {"of both", "of one"};
+  two[1].notes = {"of both"};
+  EXPECT_EQ(flight_notes(two), (std::vector<std::string>{"of both", "ideal: of one"}));
+  EXPECT_EQ(flight_title(two), "a </script> scene");
+  two[1].name = "another";
+  EXPECT_EQ(flight_title(two), "VLM-1, first stage");
+}
+
 TEST(FlightReport, DifferentFlightsHaveEachTheirNominal) {
   const std::vector<FlightResult> two{full(), [] {
                                         FlightResult r = stuck();
@@ -251,6 +261,7 @@ TEST(FlightReport, TheTextIsNarrowAndHasNoHoles) {
     for (std::string line; std::getline(lines, line);) EXPECT_LE(width(line), kWidest) << line;
   }
   EXPECT_NE(text(full()).find("gyro.arw"), std::string::npos);
+  EXPECT_NE(text(full()).find("mems.yaml: unaided strapdown\n"), std::string::npos);
   EXPECT_NE(text(full()).find("Dispersion"), std::string::npos);
   EXPECT_EQ(text(without_runs()).find("Dispersion"), std::string::npos);
   EXPECT_NE(text(lost()).find("mems.yaml turned faster than the limit"), std::string::npos);
