@@ -17,10 +17,14 @@ constexpr int kEvery = 10;          // periods of a step
 constexpr double kLeastSpeed = 1;   // [m/s] below which there is no air to speak of
 constexpr std::size_t kNoise = 10;  // steps between the instants at which noise is let in
 
+/// As fly_nominal() does, with increments and with points that are so far apart.
 flight::FlightRecord flown(flight::Plan plan) {
+  plan.guidance.reset();
+  plan.navigator_faults = {};
   plan.flight.record_every = kEvery;
   plan.flight.keep_increments = true;
-  return fly_nominal(plan);
+  flight::PerfectNavigator navigator;
+  return fly(plan, plan.flight, {}, navigator);
 }
 
 struct Moved {

@@ -37,6 +37,7 @@ class TiltResponse {
   /// turn-on bias of the gyros, each axis on its own; what else the model holds is passed over. The loop flies what
   /// navigation takes for its program.
   [[nodiscard]] Eigen::Matrix3d covariance(const noise::ErrorModel& gyro) const;
+  /// Points are 10 periods apart.
   [[nodiscard]] const flight::FlightRecord& nominal() const { return nominal_; }
   /// Of the axis of pitch, to the right, e axes, at a time of the flight.
   [[nodiscard]] Eigen::Vector3d pitch_axis(double t) const { return point(t).C.col(1); }
