@@ -118,6 +118,24 @@ Measurement linearise(const PlannedFix& planned, const Timeline::Instant& at, co
   return std::visit([&](const auto& fix) { return measure(fix, estimate); }, planned.fix);
 }
 
+StartFromFix start_from(const PlannedFix& planned, const Timeline::Instant& at,
+                        const ErrorStateModel& model) {
+  if (std::holds_alternative<HeightFix>(planned.fix))
+    throw std::invalid_argument("a fix of height gives no start: position, velocity or attitude does");
+  const int first = std::holds_alternative<PositionFix>(planned.fix)   ? kPosition
+                    : std::holds_alternative<VelocityFix>(planned.fix) ? kVelocity
+                                                                       : kAttitude;
+  const Measurement rows = linearise(planned, at, model);
+  StartFromFix start;
+  start.by_terms.setZero(kCoreStates, static_cast<Eigen::Index>(model.terms.size()));
+  for (const MeasurementRow& row : rows.row) {  // of a residual that the start makes zero
+    const Vector3d axis = row.h.segment<3>(first);
+    start.by_terms.middleRows<3>(first) -= axis * row.h.tail(start.by_terms.cols()).transpose();
+    start.white.block<3, 3>(first, first) += row.variance * axis * axis.transpose();
+  }
+  return start;
+}
+
 namespace {
 
 class GainRun {

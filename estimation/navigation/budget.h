@@ -131,6 +131,14 @@ struct FrozenGains {
 
 /// Rows of a planned fix for a model's terms; the residual is zero.
 [[nodiscard]] Measurement linearise(const PlannedFix&, const Timeline::Instant&, const ErrorStateModel&);
+/// A start that is taken from a fix is wrong as the fix is: x = by_terms s + v, s the errors of the aid, cov v = white.
+/// A position is that of the IMU, the lever arm taken off.
+struct StartFromFix {
+  Eigen::Matrix<double, kCoreStates, Eigen::Dynamic> by_terms;
+  CoreMatrix white = CoreMatrix::Zero();
+};
+/// @throws std::invalid_argument for a height, which gives no start.
+[[nodiscard]] StartFromFix start_from(const PlannedFix&, const Timeline::Instant&, const ErrorStateModel&);
 /// Number of the aid that takes it.
 [[nodiscard]] int aid_of(const PlannedFix&);
 

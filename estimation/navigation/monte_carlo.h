@@ -39,6 +39,7 @@ struct MonteCarlo {
   struct AidErrors {
     ErrorStateModel model;
     StateMatrix initial;
+    std::vector<PlannedFix> starts;  ///< fixes that the scene's start is taken from
   };
 
   std::vector<double> times;

@@ -60,6 +60,7 @@ class Builder {
   }
 
   BudgetScene operator()() {
+    plan_start();
     plan_fixes();
     initial_errors();
     BudgetScene scene{.timeline = timeline(), .C_enu = C_enu_, .C_launch = C_launch_, .initial = true_start_};
@@ -101,7 +102,36 @@ class Builder {
   void plan(const Aid& aid, int number, double from, double to) {
     FixPlan plan{from, to, 1 / aid.rate, {}};
     for (const Span& outage : aid.outages) plan.outages.emplace_back(outage.from, outage.to);
-    for (const double t : fix_times(plan)) fixes_.push_back({t, fix(aid, number, t)});
+    const bool starts = std::ranges::any_of(starts_, [&](const auto& fix) { return aid_of(fix) == number; });
+    for (const double t : fix_times(plan))
+      if (!starts || t > -pad_) fixes_.push_back({t, fix(aid, number, t)});  // a fix is used once
+  }
+
+  // The fixes that the start is taken from. Of an aid that the filter never sees, its sigma is all that counts.
+  void plan_start() {
+    const AlignmentPlan& a = scenario_.alignment;
+    for (const FromAid* from : {std::get_if<FromAid>(&a.position), std::get_if<FromAid>(&a.velocity),
+                                std::get_if<FromAid>(&a.attitude)}) {
+      if (from == nullptr) continue;
+      const Aid& aid = scenario_.aids.at(from->aid);
+      check(aid);
+      if (pad_ == 0 && !holds(aid, 0))
+        throw std::invalid_argument(fmt::format(
+            "{}: the start is taken from it, and at 0 s it gives no fix: mend its valid span or outages, "
+            "or give the start",
+            aid.name));
+      if (aid.used) starts_.push_back({-pad_, fix(aid, static_cast<int>(from->aid), 0)});
+    }
+  }
+
+  static bool holds(const Aid& aid, double t) {
+    return aid.valid.holds(t) &&
+           std::ranges::none_of(aid.outages, [t](const Span& outage) { return outage.holds(t); });
+  }
+  template <typename Given>
+  [[nodiscard]] bool taken(const Given& given) const {
+    const auto* from = std::get_if<FromAid>(&given);
+    return from != nullptr && scenario_.aids.at(from->aid).used;
   }
 
   void rest_on_the_pad() {
@@ -157,6 +187,9 @@ class Builder {
     initial_.level = a.level_sigma.value_or(of_master);
     initial_.heading = a.heading_sigma.value_or(of_master);
     true_start_ = initial_;
+    if (taken(a.position)) true_start_.position.setZero();
+    if (taken(a.velocity)) true_start_.velocity.setZero();
+    if (taken(a.attitude)) true_start_.level = true_start_.heading = 0;
     if (self) coarse(*self);
   }
 
@@ -229,6 +262,7 @@ class Builder {
     for (Source& source : initial_sources(true_start_, C_enu_)) scene.sources.push_back(std::move(source));
     for (std::size_t i = 0; i < scenario_.aids.size(); ++i)
       if (scenario_.aids[i].used) add_aid(scene, scenario_.aids[i], static_cast<int>(i));
+    scene.aids.starts = starts_;
     if (rest_ == static_cast<int>(scenario_.aids.size())) scene.sources.push_back(white("aid.rest", rest_));
     if (question_.gravity > 0) scene.sources.push_back(gravity_error(question_.gravity));
     if (question_.deflection > 0) scene.sources.push_back(deflection_of_the_vertical(question_.deflection));
@@ -243,9 +277,25 @@ class Builder {
     return source;
   }
 
-  static void add_aid(BudgetScene& scene, const Aid& aid, int number) {
+  // The part that an aid's error has in the start, of whose terms `source` has `initial`.
+  void add_start(const Timeline& timeline, int number, Source& source) const {
+    for (const PlannedFix& fix : starts_) {
+      if (aid_of(fix) != number) continue;
+      const StartFromFix start = start_from(fix, timeline.at(timeline.start()), source.model);
+      if (source.aid == number) source.core += start.white;
+      if (source.model.terms.empty()) continue;
+      const Eigen::Matrix<double, kCoreStates, Eigen::Dynamic> cross = start.by_terms * source.initial;
+      source.core += cross * start.by_terms.transpose();
+      if (source.cross.cols() == 0)
+        source.cross = cross;
+      else
+        source.cross += cross;
+    }
+  }
+
+  void add_aid(BudgetScene& scene, const Aid& aid, int number) const {
     const std::string name = fmt::format("aid.{}", aid.name);
-    scene.sources.push_back(white(name, number));
+    add_start(scene.timeline, number, scene.sources.emplace_back(white(name, number)));
     const AidTerms terms = aid_terms(aid, number);
     for (const auto& [part, effect, correlated] : {std::tuple{"bias", Effect::bias, false},
                                                    {"correlated", Effect::bias, true},
@@ -261,6 +311,7 @@ class Builder {
         }
       if (variances.empty()) continue;
       source.initial = diagonal(variances);
+      add_start(scene.timeline, number, source);
       scene.sources.push_back(std::move(source));
     }
     append(scene.aids, terms);
@@ -293,9 +344,40 @@ class Builder {
     StateMatrix terms = StateMatrix::Zero(n + m, n + m);
     terms.topLeftCorner(n, n) = states.initial;
     terms.bottomRightCorner(m, m) = scene.aids.initial;
-    design.initial = initial_covariance(initial_core(initial_, C_enu_), terms);
+    design.initial = initial_covariance(initial_core(told(), C_enu_), terms);
+    add_start(scene, design.initial);
     design.alignment = alignment_;
     scene.design = std::move(design);
+  }
+
+  // Sigmas that a scene gives beside an aid are what its filter is told; the truth is the aid's.
+  [[nodiscard]] bool told_sigma(const PlannedFix& fix) const {
+    const AlignmentPlan& a = scenario_.alignment;
+    if (std::holds_alternative<PositionFix>(fix.fix)) return a.position_sigma.has_value();
+    if (std::holds_alternative<VelocityFix>(fix.fix)) return a.velocity_sigma.has_value();
+    return a.level_sigma.has_value() || a.heading_sigma.has_value();
+  }
+  [[nodiscard]] InitialErrors told() const {
+    InitialErrors errors = initial_;
+    for (const PlannedFix& fix : starts_) {
+      if (told_sigma(fix)) continue;
+      if (std::holds_alternative<PositionFix>(fix.fix)) errors.position.setZero();
+      if (std::holds_alternative<VelocityFix>(fix.fix)) errors.velocity.setZero();
+      if (std::holds_alternative<AttitudeFix>(fix.fix)) errors.level = errors.heading = 0;
+    }
+    return errors;
+  }
+  void add_start(const BudgetScene& scene, StateMatrix& P0) const {
+    const Eigen::Index m = scene.aids.initial.rows(), first = P0.rows() - m;
+    for (const PlannedFix& fix : starts_) {
+      if (told_sigma(fix)) continue;
+      const StartFromFix start = start_from(fix, scene.timeline.at(scene.timeline.start()), scene.aids.model);
+      const Eigen::Matrix<double, kCoreStates, Eigen::Dynamic> cross = start.by_terms * scene.aids.initial;
+      P0.topLeftCorner<kCoreStates, kCoreStates>() +=
+          start.white + CoreMatrix(cross * start.by_terms.transpose());
+      P0.block(0, first, kCoreStates, m) += cross;
+      P0.block(first, 0, m, kCoreStates) += cross.transpose();
+    }
   }
 
   const Scenario& scenario_;
@@ -304,6 +386,7 @@ class Builder {
   double pad_ = 0, length_ = 0;
   Matrix3d C_enu_, C_launch_;
   std::vector<PlannedFix> fixes_;
+  std::vector<PlannedFix> starts_;  ///< that the start is taken from
   int rest_ = -1;
   InitialErrors initial_;     ///< that a filter is told
   InitialErrors true_start_;  ///< that no sensor and no aid causes

@@ -18,6 +18,8 @@ namespace gyrobudget::inline v0::navigation {
 ///
 /// - Unaided and with its start given: strapdown alone.
 /// - With aids: the filter of `navigate`, its gains frozen; aids give fixes at their rate but for outages.
+/// - With a start taken from an aid (FromAid): the start is wrong as that fix is, in the lines of the aid's errors, and
+///   the filter knows it; that fix is not used again. Sigmas given beside it are what the filter is told instead.
 /// - Aligning itself on the pad (AlignmentPlan::attitude a SelfAlignment): the scene starts `duration` earlier at rest,
 ///   with zero-velocity updates (of a `rest` aid, else 1 mm/s of sway each second). The filter starts from a coarse
 ///   alignment over the same pad, by a P0 of kCoarse times its sigma, so that what it finds is its own. The true error
@@ -55,8 +57,8 @@ struct BudgetQuestion {
   bool earth_rate_compensated = true;
 };
 
-/// @throws std::invalid_argument for what Timeline, sensor_states and check(Aid) refuse, and a rest where the
-/// trajectory moves.
+/// @throws std::invalid_argument for what Timeline, sensor_states and check(Aid) refuse, a rest where the trajectory
+/// moves, and a start from an aid that has no fix at 0 s.
 [[nodiscard]] BudgetScene budget_scene(const Scenario&, const earth::Trajectory&, const BudgetQuestion&);
 
 /// A source that may be left out before the long computation, and what that changes.

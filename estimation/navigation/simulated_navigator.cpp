@@ -66,6 +66,12 @@ struct AtTruth {
   }
 };
 
+Eigen::MatrixXd root(const Eigen::MatrixXd& covariance) {
+  const Eigen::LDLT<Eigen::MatrixXd> factors{covariance};
+  return factors.transpositionsP().transpose() * Eigen::MatrixXd(factors.matrixL()) *
+         factors.vectorD().cwiseMax(0).cwiseSqrt().asDiagonal().toDenseMatrix();
+}
+
 void check(const Timeline& timeline, const MonteCarlo::Options& options) {
   if (options.runs < 1) throw std::invalid_argument(fmt::format("{} runs, expected 1 or more", options.runs));
   if (!(options.imu_interval > 0))
@@ -92,9 +98,12 @@ SimulatedScene::SimulatedScene(const Timeline& timeline, const noise::SensorMode
   check(timeline, options);
   increments_ = exact_increments(timeline, options.imu_interval);
   for (const Source& source : options.world) add_world(source);
-  const Eigen::LDLT<Eigen::MatrixXd> factors{Eigen::MatrixXd(aids.initial)};
-  aid_root_ = factors.transpositionsP().transpose() * Eigen::MatrixXd(factors.matrixL()) *
-              factors.vectorD().cwiseMax(0).cwiseSqrt().asDiagonal().toDenseMatrix();
+  aid_root_ = root(aids.initial);
+  for (const PlannedFix& fix : aids.starts) {
+    StartFromFix from = start_from(fix, timeline.at(timeline.start()), aids.model);
+    Eigen::MatrixXd white = root(from.white);
+    taken_.push_back({std::move(from), std::move(white)});
+  }
 }
 
 std::size_t SimulatedScene::sample(double time) const {
@@ -133,6 +142,10 @@ SimulatedNavigator::SimulatedNavigator(const SimulatedScene& scene, std::uint64_
       imu_(scene.sensor_, scene.options_.imu_interval, {scene.options_.seed, run}, scene.options_.imu) {
   NavigationState start = wrong_start();
   for (std::size_t v = 0; v < scene.world_.size(); ++v) world_.push_back(start_());
+  Eigen::VectorXd draw(scene.aid_root_.rows());
+  for (auto& x : draw) x = aids_();
+  aid_terms_ = scene.aid_root_ * draw;
+  take_start(start);
   if (scene.options_.self_alignment) {
     const auto found = coarse_alignment();
     aligned_ = found.has_value();
@@ -142,9 +155,6 @@ SimulatedNavigator::SimulatedNavigator(const SimulatedScene& scene, std::uint64_
     filter_.emplace(start, scene.design_->model, scene.design_->initial, scene.options_.filter);
   else
     strapdown_.emplace(start, scene.options_.filter.strapdown);
-  Eigen::VectorXd draw(scene.aid_root_.rows());
-  for (auto& x : draw) x = aids_();
-  aid_terms_ = scene.aid_root_ * draw;
 }
 
 double SimulatedNavigator::Normals::operator()() {
@@ -202,6 +212,19 @@ NavigationState SimulatedNavigator::wrong_start() {
   state.v_eb_e -= v;
   state.q_eb = earth::exp_rotation(-psi) * state.q_eb;
   return state;
+}
+
+// What the fixes that the start is taken from have wrong, it has.
+void SimulatedNavigator::take_start(NavigationState& state) {
+  if (!scene_.options_.fix_noise) return;
+  for (const auto& [from, white] : scene_.taken_) {
+    Eigen::VectorXd draw(white.cols());
+    for (auto& x : draw) x = aids_();
+    const Eigen::VectorXd error = from.by_terms * aid_terms_ + white * draw;
+    state.p_eb_e -= error.segment<3>(kPosition);
+    state.v_eb_e -= error.segment<3>(kVelocity);
+    state.q_eb = earth::exp_rotation(-error.segment<3>(kAttitude)) * state.q_eb;
+  }
 }
 
 void SimulatedNavigator::step(const earth::ImuIncrement& exact) {

@@ -52,6 +52,11 @@ class SimulatedScene {
   const MonteCarlo::Options& options_;
   std::vector<earth::ImuIncrement> increments_;
   Eigen::MatrixXd aid_root_;  ///< of the aids' initial covariance
+  struct Taken {
+    StartFromFix from;
+    Eigen::MatrixXd root;  ///< of its white noise
+  };
+  std::vector<Taken> taken_;  ///< parts of the start
   struct Vectors {
     Carrier carrier;
     std::vector<Eigen::Vector3d> unit;  ///< what a unit adds to the increment of each sample
@@ -108,6 +113,7 @@ class SimulatedNavigator {
 
   [[nodiscard]] earth::ImuIncrement measure_imu(const earth::ImuIncrement& exact, std::size_t sample);
   [[nodiscard]] NavigationState wrong_start();
+  void take_start(NavigationState&);
   [[nodiscard]] std::optional<Eigen::Quaterniond> coarse_alignment();
   void use(const PlannedFix&, const Timeline::Instant& truth);
   void move_aids();

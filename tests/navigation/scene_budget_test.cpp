@@ -322,6 +322,49 @@ TEST(SceneBudget, AidsWithAnOutageAgreeWithMonteCarlo) {
   for (std::size_t i = 0; i < 2; ++i) expect_agreement(scene, flown, i);
 }
 
+// Position and velocity of the start are the first fix: with its bias, which the next fixes have too, and never lose.
+TEST(SceneBudget, AStartFromGnssIsOneErrorWithItsBias) {
+  Scenario scenario = given_start();
+  scenario.aids = {aid(Aid::Kind::position, 0.5, 1), aid(Aid::Kind::velocity, 0.1, 1)};
+  scenario.aids[0].bias_sigma = Vector3d::Constant(3);
+  scenario.aids[0].correlated_sigma = Vector3d::Constant(1);
+  scenario.aids[0].lever_arm = Vector3d(0.3, 0, -1);
+  scenario.alignment.position = navigation::FromAid{0};
+  scenario.alignment.velocity = navigation::FromAid{1};
+  scenario.alignment.position_sigma.reset();
+  scenario.alignment.velocity_sigma.reset();
+  BudgetQuestion question = quick(0.5);
+  question.at = {0};
+  const BudgetScene scene = budget_scene(scenario, turns(60), question);
+  const Budget budget = budget_of(scene);
+  const auto position = [&](std::string_view source, std::size_t i) {
+    const auto line = std::ranges::find(budget.lines, source, &Budget::Line::name);
+    return line == budget.lines.end() ? -1 : sigmas(line->covariance.at(i))[0];
+  };
+  EXPECT_EQ(position("initial.position", 0), -1);
+  EXPECT_NEAR(position("aid.gnss.position", 0), 0.5 * std::sqrt(3), 1e-9);
+  constexpr double kBias = 3 * 1.7320508;
+  for (const std::size_t i : {0u, 1u})
+    EXPECT_NEAR(position("aid.gnss.position.bias", i) / kBias, 1, 1e-6) << i;
+  // Not at all what two errors of 3 m would make, as the filter of a start that is none of the aid's has it.
+  for (const std::size_t i : {0u, 1u})
+    for (int k = 0; k < 3; ++k)
+      EXPECT_NEAR(sigmas(budget.claimed[i])[k] / sigmas(budget.total[i])[k], 1, 0.02) << i << k;
+  const auto gains = frozen_gains(scene.timeline, scene.design);
+  const auto back = adjoint(scene.timeline, gains, 60);
+  for (const auto& source : scene.sources) {
+    const auto line = std::ranges::find(budget.lines, source.name, &Budget::Line::name);
+    const double forward = sigmas(line->covariance.back())[0];
+    EXPECT_NEAR(sigmas(state_response(back, scene.timeline, source))[0], forward, 1e-6 * forward + 1e-9)
+        << source.name;
+  }
+  const auto flown = fly(scene, scenario, 100);
+  for (std::size_t i = 0; i < 2; ++i) expect_agreement(scene, flown, i);
+  Scenario late = scenario;
+  late.aids[0].valid.from = 5;
+  EXPECT_THROW((void)budget_scene(late, turns(60), question), std::invalid_argument);
+}
+
 // An accelerometer that levels and then errs cancels itself at rest; the budget charges it with both.
 TEST(SceneBudget, ASelfAlignedSceneChargesTheSensorAndAgreesWithMonteCarlo) {
   Scenario scenario;
