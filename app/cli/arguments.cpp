@@ -756,8 +756,8 @@ CLI::App* add_budget(CLI::App& app, BudgetArguments& a, Texts& texts) {
   ask->add_option("--sensor", a.sensors, "in place of the scene's; several: side by side")->type_name("FILE");
   ask->add_option(
          "--limit", texts.limit,
-         "how far may each source grow: 'east|north|up|downrange|crossrange|horizontal|rss < LENGTH'; exit 1 "
-         "where the total is above it")
+         "how far may each source grow, and how long must a scene that aligns itself stand: "
+         "'east|north|up|downrange|crossrange|horizontal|rss < LENGTH'; exit 1 where the total is above it")
       ->type_name("TEXT");
   auto* how = verb->add_option_group("Method");
   how->add_option("--tolerance", a.tolerance,

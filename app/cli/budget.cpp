@@ -6,6 +6,7 @@
 #include "gyrobudget/io/output.h"
 #include "gyrobudget/io/scene_file.h"
 #include "gyrobudget/io/trajectory_file.h"
+#include "gyrobudget/navigation/alignment_time.h"
 #include "gyrobudget/navigation/scene_budget.h"
 
 #include <fmt/format.h>
@@ -96,13 +97,17 @@ void add_monte_carlo(BudgetResult& r, const BudgetArguments& a, const BudgetScen
 }
 
 // "crossrange < 10 m"
-BudgetResult::Limit limit(const BudgetArguments& a, const BudgetResult& r) {
+BudgetResult::Limit limit(const BudgetArguments& a, const BudgetResult& r,
+                          const navigation::Scenario& scenario, const earth::Trajectory& trajectory) {
   BudgetResult::Limit result{
       .text = a.limit->text, .component = a.limit->component, .limit = a.limit->metres};
   result.found = position_sigma(r, r.budget.total[r.at_index], result.component);
   const auto axes = component_axes(r, result.component);
   for (const auto& line : r.budget.lines)
     result.factors.push_back(allowed_factor(r.budget, r.at_index, line.name, axes, result.limit));
+  if (std::holds_alternative<navigation::SelfAlignment>(scenario.alignment.attitude))
+    result.alignment =
+        alignment_time(scenario, trajectory, question(a, scenario, r.at), r.at, axes, result.limit);
   return result;
 }
 
@@ -155,7 +160,7 @@ BudgetResult budget(const BudgetArguments& a, const io::SceneFile& file,
   r.flicker_states = flicker_states(all);
   note_large_angles(r);
   if (a.exact) add_exact(r, scene, gains, 1 / a.rate);
-  if (a.limit) r.limit = limit(a, r);
+  if (a.limit) r.limit = limit(a, r, scenario, trajectory);
   if (a.runs > 0) {
     Progress progress(a.common, "runs");
     add_monte_carlo(r, a, scene, scenario, all, gains, progress);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "gyrobudget/navigation/alignment_time.h"
 #include "gyrobudget/navigation/scene_budget.h"
 
 #include <cstdint>
@@ -51,6 +52,7 @@ struct BudgetResult {
     double limit = 0;             ///< [m]
     double found = 0;             ///< [m]
     std::vector<double> factors;  ///< for each line, of its size
+    std::optional<navigation::AlignmentTime> alignment;  ///< where the scene aligns itself
   };
   std::optional<Limit> limit;
 };
@@ -70,8 +72,9 @@ struct BudgetResult {
 /// {"east","north","up","total"}},"claimed" (alike, of the filter; null without one),"sources":[{"name","share",
 /// "position_m","velocity_m_s","attitude_deg","exact_position_rss_m"}],"left_out":[{"name","bound_position_m","why"}],
 /// "tolerance","not_modelled":[{"what","why"}],"growth":{"t_s","total_position_rss_m","sources":{name:[…]}},
-/// "steps","flicker_states","limit","monte_carlo":{"runs","seed","position_rss_ratio","position_ratio":{…},"ratio_low","ratio_high","nees",
-/// "nees_low","nees_high","saturated"},"notes"}. "exact_position_rss_m", "limit" and "monte_carlo" are null where not asked
+/// "steps","flicker_states","limit" (with "alignment":{"met","duration_s","found_m"} or null),
+/// "monte_carlo":{"runs","seed","position_rss_ratio","position_ratio":{…},"ratio_low","ratio_high","nees","nees_low",
+/// "nees_high","saturated"},"notes"}. "exact_position_rss_m", "limit" and "monte_carlo" are null where not asked
 /// for. Bands are 99 %. Several sensors: {"schema":"gyrobudget.budgets/1","budgets":[…]}.
 [[nodiscard]] std::string budget_json(const std::vector<BudgetResult>&);
 /// One HTML page that opens offline.

@@ -138,6 +138,11 @@
     badge.textContent = r.limit ? `${r.limit.text}: ${r.limit.met ? "met" : "not met"}` : "";
     badge.classList.add(!r.limit || r.limit.met ? "good" : "bad");
     byId("words").textContent = `At ${r.at_s} s the position is within ${number(r.total.position_m.rss, 3)} m, the velocity within ${number(r.total.velocity_m_s.rss, 3)} m/s and the attitude within ${number(r.total.attitude_deg.total, 3)} deg, one sigma (root sum square of three axes).${r.notes.length > 0 ? ` ${r.notes.join(" ")}` : ""}`;
+    const alignment = r.limit && r.limit.alignment;
+    if (alignment)
+      byId("words").textContent += alignment.met
+        ? ` The shortest alignment that keeps ${r.limit.text}: ${duration(alignment.duration_s)}, all else alike.`
+        : ` No alignment of up to an hour keeps ${r.limit.text}: ${duration(alignment.duration_s)} come nearest, with ${number(alignment.found_m, 3)} m.`;
     const t = r.growth.t_s;
     const facts = [["Command", r.command], ["Scene", r.scene], ["Sensor", r.sensor || "ideal"], ["Length", duration(t[t.length - 1] - t[0])], ["Steps of covariance", count(r.steps)], ["Method", r.claimed ? "linear covariance; the filter's gains frozen, each source with its true model" : "linear covariance of an unaided strapdown"], ["Version", r.version]];
     byId("facts").replaceChildren(...facts.flatMap(([name, value]) => [element("dt", "", name), element("dd", "", value)]));

@@ -100,6 +100,12 @@ Json monte_carlo_json(const BudgetResult& r) {
           {"saturated", mc.saturated}};
 }
 
+Json alignment_json(const std::optional<navigation::AlignmentTime>& alignment) {
+  if (!alignment) return nullptr;
+  return {
+      {"met", alignment->met}, {"duration_s", alignment->duration}, {"found_m", finite(alignment->sigma)}};
+}
+
 Json limit_json(const BudgetResult& r) {
   if (!r.limit) return nullptr;
   Json factors;
@@ -110,7 +116,8 @@ Json limit_json(const BudgetResult& r) {
           {"limit_m", r.limit->limit},
           {"found_m", finite(r.limit->found)},
           {"met", r.limit->found <= r.limit->limit},
-          {"allowed_factor", factors}};
+          {"allowed_factor", factors},
+          {"alignment", alignment_json(r.limit->alignment)}};
 }
 
 Json result_json(const BudgetResult& r) {

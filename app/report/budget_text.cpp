@@ -89,6 +89,25 @@ std::string table(const BudgetResult& r) {
   return out.text();
 }
 
+std::string alignment_text(const BudgetResult& r) {
+  if (!r.limit->alignment) return {};
+  const navigation::AlignmentTime& a = *r.limit->alignment;
+  const std::string from = printable(duration_text(navigation::kShortestAlignment)),
+                    to = printable(duration_text(navigation::kLongestAlignment));
+  const std::string now = fmt::format("the scene's is {}", duration_text(r.pad));
+  if (!a.met)
+    return wrapped(
+        fmt::format("No duration of the alignment from {} to {} meets it, all else alike: {} come nearest, "
+                    "with {} m; {}.",
+                    from, to, duration_text(a.duration), number(a.sigma, 4), now),
+        "  ", "  ");
+  return wrapped(fmt::format("The shortest alignment that meets it, all else alike: {}, with {} m; {}.",
+                             a.duration <= navigation::kShortestAlignment ? from + " or less"
+                                                                          : duration_text(a.duration),
+                             number(a.sigma, 4), now),
+                 "  ", "  ");
+}
+
 std::string limit_text(const BudgetResult& r) {
   if (!r.limit) return {};
   return fmt::format("\n{}: {} m, {}\n", printable(r.limit->text), number(r.limit->found, 4),
@@ -96,7 +115,8 @@ std::string limit_text(const BudgetResult& r) {
          wrapped(
              "A source may grow by its factor, alone, before the limit is reached; x 0: the others exceed it "
              "already.",
-             "  ", "  ");
+             "  ", "  ") +
+         alignment_text(r);
 }
 
 std::string monte_carlo_text(const BudgetResult& r) {

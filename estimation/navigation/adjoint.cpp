@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace gyrobudget::inline v0::navigation {
@@ -69,6 +70,11 @@ Adjoint adjoint(const Timeline& timeline, const FrozenGains& gains, double time)
     fixes_from(steps[k].from);
     const Transition& step = lineariser(steps[k].input);
     const CoreMatrix core = lambda.leftCols<kCoreStates>();
+    if (!core.allFinite()) {  // nor will anything be before it
+      std::fill_n(result.input.begin(), k + 1,
+                  InputMatrix::Constant(std::numeric_limits<double>::quiet_NaN()));
+      break;
+    }
     result.input[k] = core * step.input;
     lambda.leftCols<kCoreStates>() = core * step.core;
     for (int j = 0; j < n; ++j) {
@@ -205,6 +211,13 @@ CoreMatrix process_response(const Adjoint& adjoint, const Timeline& timeline, Ca
   if (!(imu_interval > 0) || carrier == Carrier::aid)
     throw std::invalid_argument(
         fmt::format("IMU interval is {} s, expected above 0 s, of a gyro or accelerometer", imu_interval));
+  constexpr double kMostSamples = 0x1p62;
+  const double longest =
+      timeline.end() - timeline.start() + epoch.powered_on_before + epoch.calibrated_over.value_or(0);
+  if (!(longest / imu_interval <= kMostSamples))
+    throw std::invalid_argument(
+        fmt::format("a process over {} s by samples of {} s, expected at most {:g} of them", longest,
+                    imu_interval, kMostSamples));
   const int first = carrier == Carrier::gyro ? 0 : 3;
   if (adjoint.steps == 0) return CoreMatrix::Zero();
   if (term == noise::Term::white)

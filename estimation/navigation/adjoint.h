@@ -30,6 +30,7 @@ struct Adjoint {
 /// By all of what a step's mean errors do. @param sensed Source::sensed
 [[nodiscard]] InputMatrix by_errors(const Adjoint&, const Timeline&, std::size_t step, bool sensed = true);
 
+/// Where errors grow beyond all numbers, what came before is not finite.
 /// @throws std::invalid_argument unless `time` is the end of a step (times of interest are) or the start.
 [[nodiscard]] Adjoint adjoint(const Timeline&, const FrozenGains&, double time);
 
@@ -39,7 +40,8 @@ struct Adjoint {
 /// with m(t) the mean of D from t to that window and mm its mean within. White noise is N^2/dt in each step and
 /// N^2/T in the mean. Sinusoid and ramp are not random.
 /// @param imu_interval at which the process is sampled [s]: it sets what flicker is at short lags
-/// @throws std::invalid_argument for quantization, ramp and sinusoid, and an interval that is not positive.
+/// @throws std::invalid_argument for quantization, ramp and sinusoid, an interval that is not positive, and more than
+/// 2^62 of them since the epoch.
 /// Time O(steps^2), 0.1 s for 2000; beyond these the process is held over so many neighbouring steps that 2000 are left.
 [[nodiscard]] CoreMatrix process_response(const Adjoint&, const Timeline&, Carrier, const noise::Process&,
                                           const Epoch&, double imu_interval);

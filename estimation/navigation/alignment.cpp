@@ -46,8 +46,11 @@ Vector3d squares(const std::optional<noise::PerAxis>& sigma) {
 
 /// `signal` is what the triad senses, `force` what it is under.
 Variances variances(const noise::ErrorModel& model, const Vector3d& signal, const Vector3d& force, double T) {
+  // The mean of R t from power-on, or from the middle of the calibration, to the middle of the record.
+  const double ramped =
+      T / 2 + (model.calibrated_over ? *model.calibrated_over / 2 : model.powered_on_before.value_or(0));
   double moved = kFlat * squared(model.bias_instability) + squared(model.rate_random_walk) * T / 3 +
-                 squared(model.rate_ramp * T) / 2;
+                 squared(model.rate_ramp * ramped);
   for (const noise::GaussMarkov& process : model.gauss_markov)
     moved += squared(process.sigma) * detail::mean_variance(T / process.correlation_time);
   const Vector3d constant = model.calibrated_over

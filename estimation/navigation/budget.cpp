@@ -402,12 +402,6 @@ class Run {
       report_at(steps[k].to, steps[std::min(k + 1, steps.size() - 1)]);
     }
     budget_.steps = timeline_.steps().size();
-    if (!budget_.total.back().allFinite())
-      throw std::invalid_argument(
-          fmt::format("errors grow beyond all numbers within {} s, as the vertical channel does without a "
-                      "height (by e in 570 s): "
-                      "give the scene a height aid, or end it earlier",
-                      timeline_.end()));
     return std::move(budget_);
   }
 
@@ -416,6 +410,14 @@ class Run {
     for (; next_fix_ < timeline_.fixes().size() && timeline_.fixes()[next_fix_].time <= time + kSameTime;
          ++next_fix_)
       for (auto& passage : passages_) passage.update(timeline_, next_fix_, gains_.of_fix[next_fix_]);
+  }
+
+  void require_finite() const {
+    if (budget_.total.back().allFinite()) return;
+    throw std::invalid_argument(fmt::format(
+        "errors grow beyond all numbers within {} s, as the vertical channel does without a height (by e in "
+        "570 s): give the scene a height aid, or end it earlier",
+        timeline_.end()));
   }
 
   void report_at(double time, const Timeline::Step& next) {
@@ -428,6 +430,7 @@ class Run {
       total += budget_.lines[i].covariance.back();
     }
     budget_.total.push_back(total);
+    require_finite();
   }
 
   const Timeline& timeline_;
@@ -451,8 +454,8 @@ Budget error_budget(const Timeline& timeline, std::span<const Source> sources, c
 std::vector<double> fix_times(const FixPlan& plan) {
   require(plan.interval > 0 && std::isfinite(plan.interval), "interval of fixes [s]", plan.interval,
           "above 0");
-  require(plan.last - plan.first <= 1e8 * plan.interval, "number of fixes",
-          (plan.last - plan.first) / plan.interval, "at most 1e8");
+  require(plan.last - plan.first <= kMostSteps * plan.interval, "number of fixes",
+          (plan.last - plan.first) / plan.interval, fmt::format("at most {:g}", kMostSteps));
   std::vector<double> times;
   for (std::size_t k = 0;; ++k) {
     const double t = plan.first + static_cast<double>(k) * plan.interval;

@@ -404,7 +404,21 @@ class Runner {
     }
     sums.finish();
     result_.reference = comparison.finish();
+    say_outside();
   }
+
+  // Times that were asked for and have no solution.
+  void say_outside() {
+    std::string list;
+    for (const double t : scenario_.at)
+      if (!(t >= first_solution() && t <= end_)) list += fmt::format("{}{:g}", list.empty() ? "" : ", ", t);
+    if (list.empty()) return;
+    result_.alignment.words.push_back(
+        fmt::format("no solution at {} s: solutions run from {:g} s, where the alignment "
+                    "ends, to {:g} s",
+                    list, first_solution(), end_));
+  }
+  [[nodiscard]] double first_solution() const { return result_.alignment.to; }
 
   // All there is to do, in the order of time; aids before solutions.
   [[nodiscard]] std::vector<Event> events(Sums& sums) const {

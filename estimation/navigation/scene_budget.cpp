@@ -23,6 +23,7 @@ using Eigen::Vector3d;
 constexpr double kSway = 1e-3;       // of a vehicle that is said to rest [m/s]
 constexpr double kRestInterval = 1;  // [s]
 constexpr double kStepsOfAScene = 200;
+constexpr double kLongestScene = 3.2e7;          // [s]
 constexpr double kFinest = 1e-5;                 // no prior of alignment is finer [rad]
 constexpr double kLinear = 10 * earth::kDegree;  // nor coarser, where it need not be
 
@@ -54,6 +55,9 @@ class Builder {
       : scenario_(scenario), trajectory_(trajectory), question_(question) {
     if (const auto* self = self_alignment(scenario)) pad_ = self->duration;
     length_ = pad_ + trajectory.duration();
+    if (!(length_ <= kLongestScene))
+      throw std::invalid_argument(
+          fmt::format("a scene of {:g} s, expected at most {:g} s, a year", length_, kLongestScene));
     const earth::Geodetic site = scenario.site ? *scenario.site : earth::to_geodetic(trajectory.at(0).p_eb_e);
     C_enu_ = earth::LocalFrame::east_north_up(site).C_el();
     C_launch_ = earth::LocalFrame::launch_plane(site, scenario.azimuth).C_el();
@@ -124,9 +128,9 @@ class Builder {
     }
   }
 
-  static bool holds(const Aid& aid, double t) {
-    return aid.valid.holds(t) &&
-           std::ranges::none_of(aid.outages, [t](const Span& outage) { return outage.holds(t); });
+  static bool holds(const Aid& aid, double t) { return aid.valid.holds(t) && !in_outage(aid, t); }
+  static bool in_outage(const Aid& aid, double t) {
+    return std::ranges::any_of(aid.outages, [t](const Span& outage) { return outage.holds(t); });
   }
   template <typename Given>
   [[nodiscard]] bool taken(const Given& given) const {
@@ -141,8 +145,13 @@ class Builder {
     rest_ = given ? static_cast<int>(rest - scenario_.aids.begin()) : static_cast<int>(scenario_.aids.size());
     const Vector3d sigma = given ? rest->sigma : Vector3d::Constant(kSway);
     const double interval = given ? 1 / rest->rate : kRestInterval;
+    const auto in_use = [&](double t) {  // a span from 0 s on is one from the scene's start on
+      if (!given) return true;
+      return t <= rest->valid.to && (t >= rest->valid.from || rest->valid.from <= 0) && !in_outage(*rest, t);
+    };
     for (const double t : fix_times({-pad_ + interval, 0, interval, {}}))
-      fixes_.push_back({t, VelocityFix{Vector3d::Zero(), sigma, C_enu_, Vector3d::Zero(), rest_}});
+      if (in_use(t))
+        fixes_.push_back({t, VelocityFix{Vector3d::Zero(), sigma, C_enu_, Vector3d::Zero(), rest_}});
   }
 
   [[nodiscard]] std::variant<PositionFix, VelocityFix, HeightFix, AttitudeFix> fix(const Aid& aid, int number,

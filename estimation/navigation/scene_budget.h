@@ -58,7 +58,7 @@ struct BudgetQuestion {
 };
 
 /// @throws std::invalid_argument for what Timeline, sensor_states and check(Aid) refuse, a rest where the trajectory
-/// moves, and a start from an aid that has no fix at 0 s.
+/// moves, a start from an aid that has no fix at 0 s, and more than a year.
 [[nodiscard]] BudgetScene budget_scene(const Scenario&, const earth::Trajectory&, const BudgetQuestion&);
 
 /// A source that may be left out before the long computation, and what that changes.

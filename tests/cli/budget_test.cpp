@@ -231,6 +231,11 @@ TEST(BudgetVerb, ALimitSaysWhatMayGrow) {
   const json broken = budget_json("vlm1-mems", "--limit 'crossrange < 50 m'", 1);
   EXPECT_EQ(broken["limit"]["met"], false);
   EXPECT_EQ(broken["limit"]["limit_m"], 50);
+  // Its heading is given and drifts by the gyros' bias while it stands: the shorter, the better.
+  EXPECT_EQ(broken["limit"]["alignment"]["met"], true);
+  EXPECT_LT(broken["limit"]["alignment"]["duration_s"], 120);
+  EXPECT_LE(broken["limit"]["alignment"]["found_m"], 50);
+  EXPECT_TRUE(met["limit"]["alignment"].is_null());
 }
 
 TEST(BudgetVerb, JsonIsAloneOnStdout) {

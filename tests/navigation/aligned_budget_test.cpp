@@ -2,7 +2,10 @@
 // Budgets of scenes that align themselves on the pad: what the alignment leaves is its sensors' doing.
 #include "gyrobudget/earth/frames.h"
 #include "gyrobudget/earth/paths.h"
+#include "gyrobudget/navigation/alignment.h"
+#include "gyrobudget/navigation/alignment_time.h"
 #include "gyrobudget/navigation/scene_budget.h"
+#include "gyrobudget/noise/imu.h"
 
 #include <gtest/gtest.h>
 
@@ -177,4 +180,88 @@ TEST(AlignedBudget, AGivenHeadingStaysItsOwn) {
   EXPECT_NEAR(attitude("initial.heading").z(), 1e-3, 1e-12);
   EXPECT_EQ(attitude("gyro.turn_on_bias").norm(), 0);
   EXPECT_GT(attitude("accelerometer.turn_on_bias").x(), 5e-5);
+}
+
+// Gyrocompass of white noise N: heading N/(c sqrt(T)), which goes to crossrange by what a unit of heading does there,
+// beside what the noise does in flight. Both factors come from budgets of a given start.
+TEST(AlignmentTime, OfWhiteNoiseIsItsClosedForm) {
+  Scenario scenario = on_the_pad();
+  scenario.sensor = {};
+  scenario.sensor.gyro.white = 0.03 * earth::kDegree / 60;
+  const earth::Trajectory path = earth::ascent({});
+  BudgetQuestion question;
+  question.step = 1;
+  question.growth_points = 0;
+
+  Scenario given = scenario;
+  given.alignment.attitude = earth::Euler{};
+  given.alignment.heading_sigma = 1;
+  const BudgetScene unaided = budget_scene(given, path, question);
+  const Budget factors = error_budget(unaided.timeline, unaided.sources);
+  const Eigen::Matrix<double, 3, Eigen::Dynamic> axes = unaided.C_launch.col(1);
+  const auto variance = [&](std::string_view source) {
+    return (axes.transpose() * covariance_of(factors, source, 0).block<3, 3>(0, 0) * axes).trace();
+  };
+  const double by_heading = variance("initial.heading"), in_flight = variance("gyro.arw");
+  const double c = earth::wgs84::kEarthRate * std::cos(earth::alcantara().position.latitude);
+  constexpr double kWanted = 300;
+  const double heading = scenario.sensor.gyro.white / (c * std::sqrt(kWanted));
+  const double limit = std::sqrt(heading * heading * by_heading + in_flight);
+  const auto found = alignment_time(scenario, path, question, path.duration(), axes, limit);
+  ASSERT_TRUE(found.met);
+  constexpr double kPhysics = 0.03;  // bisection to 1 %, sway of the pad, the filter's looser start
+  EXPECT_NEAR(found.duration / kWanted, 1, kPhysics);
+  EXPECT_LE(found.sigma, limit);
+
+  // White noise alone: the longer the better, and never better than in flight.
+  const auto never = alignment_time(scenario, path, question, path.duration(), axes, std::sqrt(in_flight));
+  EXPECT_FALSE(never.met);
+  EXPECT_EQ(never.duration, navigation::kLongestAlignment);
+  // A walk that grows beside it: there is a best duration in between.
+  scenario.sensor.gyro.rate_random_walk = 5 * kDegreePerHour / 60;
+  const auto best = alignment_time(scenario, path, question, path.duration(), axes, std::sqrt(in_flight));
+  EXPECT_FALSE(best.met);
+  EXPECT_LT(best.duration, navigation::kLongestAlignment / 2);
+  EXPECT_GT(best.duration, navigation::kShortestAlignment);
+
+  EXPECT_THROW((void)alignment_time(given, path, question, path.duration(), axes, 1), std::invalid_argument);
+  EXPECT_THROW((void)alignment_time(scenario, path, question, path.duration(), axes, 0),
+               std::invalid_argument);
+}
+
+// A rest aid that is out says nothing then, on the pad as in flight.
+TEST(AlignedBudget, ARestAidsOutagesHoldOnThePad) {
+  Scenario scenario = on_the_pad();
+  navigation::Aid rest;
+  rest.name = "rest";
+  rest.kind = navigation::Aid::Kind::rest;
+  rest.sigma = Vector3d::Constant(1e-3);
+  rest.valid.to = 8;
+  scenario.aids = {rest};
+  EXPECT_EQ(budget_scene(scenario, short_climb(), at({})).timeline.fixes().size(), 60u);
+  scenario.aids[0].outages = {{-30.5, -10.5}};
+  EXPECT_EQ(budget_scene(scenario, short_climb(), at({})).timeline.fixes().size(), 40u);
+  scenario.aids[0].outages = {{-100, 100}};
+  EXPECT_TRUE(budget_scene(scenario, short_climb(), at({})).timeline.fixes().empty());
+}
+
+// The mean that a simulated IMU has of its ramp over the record is the bias that the alignment counts with.
+TEST(Alignment, CountsTheMeanOfARamp) {
+  constexpr double kRamp = 1e-10, kTime = 60, kDt = 0.1;
+  for (const double before : {0.0, 100.0}) {
+    noise::SensorModel sensor;
+    sensor.gyro.rate_ramp = kRamp;
+    sensor.gyro.powered_on_before = before;
+    noise::Imu imu(sensor, kDt, {});
+    double angle = 0;
+    for (int k = 0; k < static_cast<int>(kTime / kDt); ++k) angle += imu.next({}).angle[1];
+    const double c = earth::wgs84::kEarthRate;
+    navigation::AlignmentOptions options;
+    options.sensor = sensor;
+    options.latitude = 0;
+    const auto found =
+        navigation::align(navigation::StaticMeans{Vector3d(0, 0, -9.78), Vector3d(c, 0, 0), kTime}, options);
+    constexpr double kSample = 0.01;  // the ramp is counted from a sample's start, or its end
+    EXPECT_NEAR(found.parts.bias.z() / (angle / kTime / c), 1, kSample) << before;
+  }
 }

@@ -438,6 +438,11 @@ TEST(BudgetScene, TakesAidsAsARunDoes) {
   scene.aids = {gnss};
   scene.alignment.position = navigation::FromAid{0};
   const auto made = budget_scene(scene, earth::stand({.duration = 10}), {});
-  EXPECT_EQ(made.timeline.fixes().size(), 7U);  // 0, 1, 6 ... 10 s
-  EXPECT_DOUBLE_EQ(made.initial.position[0], 5);
+  EXPECT_EQ(made.timeline.fixes().size(), 6U);  // 1, 6 ... 10 s: that at 0 is the start
+  EXPECT_EQ(made.initial.position[0], 0);       // none of its own
+  ASSERT_TRUE(made.design);
+  const auto& P0 = made.design->initial;
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(P0(k, k), 25, 1e-12) << k;
+  // All of the bias is in the start, with the other sign.
+  EXPECT_NEAR(P0.topRightCorner(3, 3).squaredNorm(), 3 * 16. * 16, 1e-9);
 }
