@@ -46,8 +46,8 @@ std::string flight_title(std::span<const FlightResult> results) {
 }
 
 std::string navigation_words(const Study& s) {
-  std::string words = s.aided ? "strapdown and filter with aids" : "unaided strapdown";
-  if (s.pad > 0) words += ", " + duration_text(s.pad) + " on the pad before";
+  std::string words = s.aided ? "strapdown and filter" : "unaided strapdown";
+  if (s.pad > 0) words += ", aligned over " + duration_text(s.pad) + " on the pad before";
   return words;
 }
 

@@ -26,7 +26,7 @@ inline constexpr double kRatioBand = 0.99;  ///< that ratios of right sigmas lie
 [[nodiscard]] std::vector<std::string> flight_names(std::span<const FlightResult>);
 /// What the scene calls itself; of scenes with different names, what the vehicle is called.
 [[nodiscard]] std::string flight_title(std::span<const FlightResult>);
-/// "unaided strapdown", "strapdown and filter with aids, 10 min on the pad before".
+/// "unaided strapdown", "strapdown and filter, aligned over 10 min on the pad before".
 [[nodiscard]] std::string navigation_words(const closed_loop::Study&);
 /// Notes of all, each once; one that is not of all with the names of those that it is of.
 [[nodiscard]] std::vector<std::string> flight_notes(std::span<const FlightResult>);

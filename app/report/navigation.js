@@ -4,7 +4,7 @@
 
 (() => {
   const {
-    data, byId, element, list, number, count, colour, duration, table, followSettings, line, over, times, canvasBox, scatter, errorChart, limitLine,
+    data, byId, element, list, number, count, colour, duration, table, followSettings, addContents, line, over, times, canvasBox, scatter, errorChart, limitLine,
   } = plotting;
   const run = data.navigation;
   const numeric = (text) => [text, "number"];
@@ -149,5 +149,6 @@
   addTrack();
   addBiases();
   addFacts();
+  addContents();
   followSettings();
 })();
