@@ -43,7 +43,7 @@ struct FlightResult {
 /// (alike),"attitude_deg":{…,"total"}},
 /// "dispersion":{"sensors","vehicle","all"}, each null where nothing varies or {"flights","complete","lost","unaligned",
 /// "position_m":{"downrange","crossrange","up","rss"},"velocity_m_s","attitude_deg","mean_position_m",
-/// "ellipse":{"semi_major_m","semi_minor_m","azimuth_deg"}},
+/// "ellipse":{"semi_major_m","semi_minor_m","azimuth_deg"}}, null of fewer than two complete flights,
 /// "navigation_error" (null for a flight too short):{"position_m":{"east","north","up","downrange","crossrange","rss"},
 /// "velocity_m_s":{"east","north","up","rss"},"attitude_deg":{"east","north","up","total"},"claimed","sources":[{"name",
 /// "share","position_m","velocity_m_s","attitude_deg"}],"not_modelled":[{"what","why"}],"flown" (of run 0, signed),

@@ -242,7 +242,7 @@
         if (!d || (i > 0 && data.one_nominal && cause === "vehicle")) continue; // the same for every sensor
         const none = d.complete < 2;
         rows.push({
-          cells: [[data.one_nominal && cause === "vehicle" ? "any sensor" : f.label, "", "row"], [cause], ...[...kAxes.map((k) => d.position_m[k]), d.velocity_m_s.rss, d.attitude_deg.total].map((x) => numeric(none ? "-" : number(x, 3))),
+          cells: [[data.one_nominal && cause === "vehicle" ? "any sensor" : f.label, "", "row"], [cause], ...(none ? Array(5).fill(numeric("-")) : [...kAxes.map((k) => d.position_m[k]), d.velocity_m_s.rss, d.attitude_deg.total].map((x) => numeric(number(x, 3)))),
             numeric(none ? "-" : `${number(d.ellipse.semi_major_m, 3)} × ${number(d.ellipse.semi_minor_m, 3)}`), numeric(none ? "-" : d.ellipse.azimuth_deg.toFixed(0)), numeric(count(d.complete)),
             [count(d.lost + d.unaligned), `number ${d.lost + d.unaligned > 0 ? "bad" : ""}`]],
         });

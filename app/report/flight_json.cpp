@@ -77,6 +77,11 @@ Json flights_json(const Flights& f, double azimuth) {
            {"complete", f.complete()},
            {"lost", f.lost()},
            {"unaligned", f.unaligned()}};
+  if (f.complete() < 2) {
+    for (const auto* what : {"position_m", "velocity_m_s", "attitude_deg", "mean_position_m", "ellipse"})
+      out[what] = nullptr;
+    return out;
+  }
   const auto position = f.spread(&Outcome::position);
   const Ellipse e = ellipse(position.covariance, azimuth);
   out["position_m"] = launch(position.sigma());

@@ -74,7 +74,9 @@ std::vector<std::string> flight_notes(std::span<const FlightResult> results) {
 bool one_nominal(std::span<const FlightResult> results) {
   return std::ranges::all_of(results, [&](const FlightResult& r) {
     const FlightPoint &a = r.study.nominal.end, &b = results[0].study.nominal.end;
-    return a.t == b.t && a.truth.p_eb_e == b.truth.p_eb_e && a.truth.v_eb_e == b.truth.v_eb_e;
+    return a.t == b.t && a.truth.p_eb_e == b.truth.p_eb_e && a.truth.v_eb_e == b.truth.v_eb_e &&
+           std::ranges::equal(r.study.vehicle.outcomes, results[0].study.vehicle.outcomes, {},
+                              &closed_loop::Outcome::position, &closed_loop::Outcome::position);
   });
 }
 

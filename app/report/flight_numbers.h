@@ -30,7 +30,7 @@ inline constexpr double kRatioBand = 0.99;  ///< that ratios of right sigmas lie
 [[nodiscard]] std::string navigation_words(const closed_loop::Study&);
 /// Notes of all, each once; one that is not of all with the names of those that it is of.
 [[nodiscard]] std::vector<std::string> flight_notes(std::span<const FlightResult>);
-/// Whether all have the same nominal flight, to the last bit: then it, what the vehicle disperses and the margins are told
+/// Whether all have the same nominal flight and the same flights of the vehicle alone, to the last bit: then it, what the vehicle disperses and the margins are told
 /// once.
 [[nodiscard]] bool one_nominal(std::span<const FlightResult>);
 /// "complete", "impact", "tumbling", "overload", "not_finite".

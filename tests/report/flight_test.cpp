@@ -190,6 +190,7 @@ TEST(FlightReport, WhatIsNotThereIsNull) {
   EXPECT_EQ(gone["ended"], "tumbling");
   EXPECT_EQ(gone["dispersion"]["sensors"]["lost"], kRuns);
   EXPECT_EQ(gone["dispersion"]["sensors"]["complete"], 0);
+  EXPECT_TRUE(gone["dispersion"]["sensors"]["position_m"].is_null());
   EXPECT_GT(gone["departure"]["position_m"]["rss"].get<double>(), 0);  // from the nominal flight at that time
   EXPECT_TRUE(gone["navigation_error"]["monte_carlo"].is_null());
 }
@@ -232,6 +233,8 @@ TEST(FlightReport, DifferentFlightsHaveEachTheirNominal) {
                                         return r;
                                       }()};
   EXPECT_FALSE(one_nominal(two));
+  const std::vector<FlightResult> other_vehicle{aided(), without_runs()};  // alike but for what varies
+  EXPECT_FALSE(one_nominal(other_vehicle));
   const std::string out = flight_text(two);
   EXPECT_NE(out.find("nominal, a.yaml"), std::string::npos) << out;
   EXPECT_EQ(out.find("any sensor"), std::string::npos);
