@@ -775,6 +775,8 @@ CLI::App* add_budget(CLI::App& app, BudgetArguments& a, Texts& texts) {
   how->add_option("--runs", a.runs, "Monte Carlo of the whole chain, not linearised; 0: none")
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
+  how->add_flag("--each-source", a.each_source, "as many runs of each source of the table alone")
+      ->needs("--runs");
   how->add_option("--seed", texts.seed, "of its random numbers")->capture_default_str();
   verb->add_option("--report", a.report, "write a self-contained HTML page")->type_name("FILE.html");
   add_common(*verb, a.common);

@@ -169,10 +169,11 @@ struct BudgetArguments {
   std::optional<double> at;          ///< time of the table [s]; unset: the end
   double tolerance = 1e-3;           ///< of each total that may be left out
   bool keep_all = false;
-  double step = 0;     ///< of the covariance [s]; 0: by the scene's length
-  double rate = 100;   ///< of the IMU [Hz]
-  bool exact = false;  ///< the same by integrals over structure functions
-  int runs = 0;        ///< of Monte Carlo
+  double step = 0;           ///< of the covariance [s]; 0: by the scene's length
+  double rate = 100;         ///< of the IMU [Hz]
+  bool exact = false;        ///< the same by integrals over structure functions
+  int runs = 0;              ///< of Monte Carlo
+  bool each_source = false;  ///< and so many of each source alone
   std::uint64_t seed = 1;
   struct Limit {
     std::string text;       ///< as typed

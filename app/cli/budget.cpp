@@ -8,10 +8,12 @@
 #include "gyrobudget/io/trajectory_file.h"
 #include "gyrobudget/navigation/alignment_time.h"
 #include "gyrobudget/navigation/scene_budget.h"
+#include "gyrobudget/navigation/scene_runs.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -61,38 +63,58 @@ void add_exact(BudgetResult& r, const BudgetScene& scene, const navigation::Froz
     r.exact->push_back(response(back, scene.timeline, source, imu_interval));
 }
 
+// All runs of a budget, that of the whole scene and those of its sources, as one piece of work.
+class Flights {
+ public:
+  Flights(const BudgetArguments& a, int flights)
+      : progress_(a.common, "runs"), all_(static_cast<double>(flights) * a.runs), runs_(a.runs) {
+    options_.runs = a.runs;
+    options_.seed = a.seed;
+    options_.imu_interval = 1 / a.rate;
+    options_.progress = [this](int done) {
+      progress_.update(done_ + done, all_);
+      return !interruption_.asked();
+    };
+  }
+  Flights(const Flights&) = delete;
+  Flights& operator=(const Flights&) = delete;
+
+  [[nodiscard]] const navigation::MonteCarlo::Options& options() const { return options_; }
+  void flown() { done_ += runs_; }
+
+ private:
+  Progress progress_;
+  Interruption interruption_;
+  double all_, runs_, done_ = 0;
+  navigation::MonteCarlo::Options options_;
+};
+
 void add_monte_carlo(BudgetResult& r, const BudgetArguments& a, const BudgetScene& scene,
-                     const navigation::Scenario& scenario, std::span<const navigation::Source> all,
-                     const navigation::FrozenGains& gains, Progress& progress) {
-  navigation::MonteCarlo::Options options;
-  options.runs = a.runs;
-  options.seed = a.seed;
-  options.imu_interval = 1 / a.rate;
-  options.filter = scenario.filter;
-  options.self_alignment = scene.self_alignment;
-  options.heading_sigma = scene.heading_sigma;
-  for (const auto& source : all)
-    if (source.shape && source.name != "earth_rate_uncompensated") options.world.push_back(source);
-  const Interruption interruption;
-  options.progress = [&](int done) {
-    progress.update(done, a.runs);
-    return !interruption.asked();
-  };
-  const auto flown = monte_carlo(scene.timeline, scenario.sensor, scene.initial, scene.C_enu, scene.design,
-                                 scene.aids, options);
+                     const navigation::Scenario& scenario, const navigation::FrozenGains& gains) {
+  Flights flights(a, a.each_source ? 1 + static_cast<int>(r.budget.lines.size()) : 1);
+  const auto flown = fly(scene, scenario, flights.options());
+  flights.flown();
   if (flown.unaligned > 0)
     r.notes.push_back(fmt::format(
         "{} runs of Monte Carlo found no heading on the pad and do not count: give the alignment one",
         flown.unaligned));
   if (flown.runs == 0) return;
   const std::size_t i = index_of(flown.times, r.at);
-  BudgetResult::MonteCarlo mc{
-      .runs = flown.runs,
-      .seed = a.seed,
-      .covariance = flown.covariance(i),
-      .nees = flown.mean_nees(i, error_budget(scene.timeline, all, gains).total[r.at_index]),
-      .saturated = flown.saturated};
+  const auto all = error_budget(scene.timeline, scene.sources, gains);
+  BudgetResult::MonteCarlo mc{.runs = flown.runs,
+                              .seed = a.seed,
+                              .covariance = flown.covariance(i),
+                              .nees = flown.nees(i, all.total[r.at_index], r.C_enu),
+                              .saturated = flown.saturated};
   for (const auto& run : flown.errors) mc.points.emplace_back(r.C_enu.transpose() * run[i].head<3>());
+  for (const auto& line : r.budget.lines) {
+    if (!a.each_source) break;
+    const auto source = std::ranges::find(scene.sources, line.name, &navigation::Source::name);
+    const auto alone = fly_alone(scene, scenario, *source, flights.options());
+    flights.flown();
+    auto& one = mc.sources.emplace_back();
+    if (alone && alone->runs > 0) one = {alone->runs, alone->covariance(i)};
+  }
   r.monte_carlo = std::move(mc);
 }
 
@@ -121,13 +143,26 @@ int flicker_states(std::span<const navigation::Source> sources) {
          3;
 }
 
+// The largest attitude error of the growth and when: what is second order in it grows with its square.
 void note_large_angles(BudgetResult& r) {
   constexpr double kLinear = 5 * earth::kDegree;
-  const auto sigma = navigation::local_sigmas(r.budget.total[r.at_index], r.C_enu).attitude.norm();
-  if (sigma < kLinear) return;
-  r.notes.push_back(fmt::format(
-      "attitude is within {:.3g} deg, one sigma: beyond about 5 deg linear theory fails; --runs tells",
-      sigma / earth::kDegree));
+  constexpr std::array kAxes{"east", "north", "up"};
+  double largest = 0, when = 0;
+  Eigen::Index axis = 0;
+  for (std::size_t i = 0; i < r.budget.times.size(); ++i) {
+    const Eigen::Vector3d sigma = navigation::local_sigmas(r.budget.total[i], r.C_enu).attitude;
+    if (Eigen::Index k = 0; sigma.maxCoeff(&k) > largest) {
+      largest = sigma[k];
+      axis = k;
+      when = r.budget.times[i];
+    }
+  }
+  if (largest < kLinear) return;
+  r.notes.push_back(
+      fmt::format("the attitude about {} has a sigma of {:.3g} deg at {:.4g} s: beyond about 5 deg linear "
+                  "theory fails and "
+                  "the covariance does not hold; --runs tells by how much",
+                  kAxes[static_cast<std::size_t>(axis)], largest / earth::kDegree, when));
 }
 
 BudgetResult budget(const BudgetArguments& a, const io::SceneFile& file,
@@ -153,18 +188,15 @@ BudgetResult budget(const BudgetArguments& a, const io::SceneFile& file,
   choose_axes(r, scenario, trajectory);
   r.notes.insert(r.notes.end(), scene.warnings.begin(), scene.warnings.end());
   if (file.sensor.empty()) r.notes.emplace_back("the scene names no sensor file: the IMU is ideal");
-  const std::vector<navigation::Source> all = scene.sources;
+  const BudgetScene whole = scene;
   if (!a.keep_all) r.left_out = leave_out(scene, gains, std::span(&at, 1), a.tolerance);
   r.budget = error_budget(scene.timeline, scene.sources, gains);
   r.at_index = index_of(r.budget.times, at);
-  r.flicker_states = flicker_states(all);
+  r.flicker_states = flicker_states(whole.sources);
   note_large_angles(r);
   if (a.exact) add_exact(r, scene, gains, 1 / a.rate);
   if (a.limit) r.limit = limit(a, r, scenario, trajectory);
-  if (a.runs > 0) {
-    Progress progress(a.common, "runs");
-    add_monte_carlo(r, a, scene, scenario, all, gains, progress);
-  }
+  if (a.runs > 0) add_monte_carlo(r, a, whole, scenario, gains);
   return r;
 }
 

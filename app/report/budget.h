@@ -39,9 +39,15 @@ struct BudgetResult {
     int runs = 0;
     std::uint64_t seed = 0;
     navigation::CoreMatrix covariance;    ///< at `at`
-    double nees = 0;                      ///< against the total, mean; 9 dof
+    navigation::MonteCarlo::Nees nees;    ///< against the total
     std::vector<Eigen::Vector3d> points;  ///< position errors of each run, east, north, up [m]
-    std::uint64_t saturated = 0;
+    navigation::Saturated saturated;
+    struct Alone {
+      int runs = 0;
+      navigation::CoreMatrix covariance;  ///< at `at`
+    };
+    /// Each line of the budget flown alone, where asked for; none for what no flight has (scene_runs.h).
+    std::vector<std::optional<Alone>> sources;
   };
   std::optional<MonteCarlo> monte_carlo;
 
@@ -73,9 +79,14 @@ struct BudgetResult {
 /// "position_m","velocity_m_s","attitude_deg","exact_position_rss_m"}],"left_out":[{"name","bound_position_m","why"}],
 /// "tolerance","not_modelled":[{"what","why"}],"growth":{"t_s","total_position_rss_m","sources":{name:[…]}},
 /// "steps","flicker_states","limit" (with "alignment":{"met","duration_s","found_m"} or null),
-/// "monte_carlo":{"runs","seed","position_rss_ratio","position_ratio":{…},"ratio_low","ratio_high","nees","nees_low",
-/// "nees_high","saturated"},"notes"}. "exact_position_rss_m", "limit" and "monte_carlo" are null where not asked
-/// for. Bands are 99 %. Several sensors: {"schema":"gyrobudget.budgets/1","budgets":[…]}.
+/// "monte_carlo":{"runs","seed","position_rss_ratio","position_ratio":{…},
+/// "velocity_ratio":{"east","north","up"},"attitude_ratio":{…},"ratio_low","ratio_high","nees","nees_dof","nees_low",
+/// "nees_high","nees_left_out":[{"direction","linear","found"}],"saturated","saturated_axes":{"gyro":[x,y,z],
+/// "accelerometer":[…]},"contradictions":[…],"sources":[{"name","runs","position_m":{…},"velocity_m_s","attitude_deg",
+/// "position_ratio","velocity_ratio","attitude_ratio"}],"ratios":{"compared","outside","together_low","together_high",
+/// "far":[…]}},"notes"}. "exact_position_rss_m", "limit" and "monte_carlo" are null where not asked for, "sources" of Monte
+/// Carlo and "ratios" too; a ratio is null where it has below a hundredth of the total's variance, or less than second
+/// order may add. "runs" is 0 for what no flight has. Bands are 99 %. Several sensors: {"schema":"gyrobudget.budgets/1","budgets":[…]}.
 [[nodiscard]] std::string budget_json(const std::vector<BudgetResult>&);
 /// One HTML page that opens offline.
 [[nodiscard]] std::string budget_page(const std::vector<BudgetResult>&);

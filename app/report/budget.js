@@ -111,15 +111,61 @@
 
   // --- Monte Carlo, what was left out, facts ----------------------------------------------------------------------------------
 
+  const quantities = ["position", "velocity", "attitude"], axes = ["east", "north", "up"];
+
+  /** A ratio and whether it lies in its band; null: nothing to compare. */
+  function ratioCell(ratio, mc) {
+    if (ratio === null) return numeric("–");
+    const inside = ratio >= mc.ratio_low && ratio <= mc.ratio_high;
+    return [`${number(ratio, 3)}${inside ? "" : " *"}`, inside ? "number" : "number bad"];
+  }
+
+  /** What NEES does not count, in words. */
+  function neesText(mc) {
+    if (mc.nees_left_out.length === 0) return "";
+    const parts = mc.nees_left_out.map((d) => `${d.direction} (covariance ${number(d.linear, 2)}, found ${number(d.found, 2)})`);
+    return ` It leaves out directions without error of first order, in units of each sigma: ${parts.join("; ")}.`;
+  }
+
+  function saturatedText(mc) {
+    const parts = Object.entries(mc.saturated_axes).flatMap(([triad, counts]) => counts.map((n, i) => [n, `${triad} ${"xyz"[i]}: ${count(n)}`]));
+    const cut = parts.filter(([n]) => n > 0).map(([, text]) => text);
+    return cut.length > 0 ? ` Samples cut off at a sensor's range, of which the covariance knows nothing: ${cut.join(", ")}.` : "";
+  }
+
+  function totalTable(mc) {
+    const rows = quantities.map((q) => ({ cells: [[q, "", "row"], ...axes.map((axis) => ratioCell(mc[`${q}_ratio`][axis], mc))] }));
+    return table("Sigma found over sigma of the table", [["quantity"], ...axes.map(numeric)], rows);
+  }
+
+  /** Covariance, exact integrals and flights of every source. */
+  function sourcesTable(mc) {
+    const exact = r.sources.some((s) => s.exact_position_rss_m !== null);
+    const alone = Object.fromEntries(mc.sources.map((s) => [s.name, s]));
+    const ratios = (one) => quantities.flatMap((q) => axes.map((axis) => ratioCell(one[`${q}_ratio`][axis], mc)));
+    const rows = ordered().map((s) => {
+      const one = alone[s.name];
+      const found = one.runs > 0 ? [numeric(number(one.position_m.rss, 3)), ...ratios(one)] : [numeric("not flown"), ...Array(9).fill(numeric(""))];
+      return { cells: [[s.name, "", "row"], numeric(number(s.position_m.rss, 3)), ...(exact ? [numeric(number(s.exact_position_rss_m, 3))] : []), ...found] };
+    });
+    const short = { position: "pos.", velocity: "vel.", attitude: "att." };
+    const head = [["source"], numeric("covariance m"), ...(exact ? [numeric("exact m")] : []), numeric("flown m"), ...quantities.flatMap((q) => axes.map((axis) => numeric(`${short[q]} ${axis}`)))];
+    return table(`Each source alone, ${count(mc.runs)} runs of each: three routes, and sigma found over that of the covariance`, head, rows);
+  }
+
+  function ratiosText(mc) {
+    const all = mc.ratios;
+    const far = all.far.length > 0 ? `but for ${all.far.join("; ")}` : "and they do";
+    return `${all.compared} ratios: ${all.outside} outside their 99 % band (*), ${number(all.compared / 100, 2)} by chance. With 99 % all of them lie between ${number(all.together_low, 3)} and ${number(all.together_high, 3)}, ${far}. A dash: below a hundredth of the total's variance, or less than terms of second order may add. Not flown: a heading that is in the filter's P0 alone.`;
+  }
+
   function fillChain() {
     const mc = r.monte_carlo;
     byId("chain").hidden = !mc;
     if (!mc) return;
-    byId("chain-text").textContent = `${count(mc.runs)} runs, seed ${mc.seed}: simulated IMU with exact 1/f noise, strapdown${r.claimed ? " and filter" : ""}, nothing linearised. NEES against the table's covariance ${number(mc.nees, 3)} for 9 degrees of freedom; 99 % of right ones lie between ${number(mc.nees_low, 3)} and ${number(mc.nees_high, 3)}.${mc.saturated > 0 ? ` ${count(mc.saturated)} samples were beyond a sensor's range.` : ""}`;
-    const rows = Object.entries(mc.position_ratio).map(([name, ratio]) => ({
-      cells: [[name, "", "row"], numeric(number(ratio, 3)), numeric(`${number(mc.ratio_low, 3)} to ${number(mc.ratio_high, 3)}`), [ratio === null || (ratio >= mc.ratio_low && ratio <= mc.ratio_high) ? "inside" : "outside"]],
-    }));
-    byId("chain-table").replaceChildren(table("Sigma found over sigma of the table", [["position"], numeric("ratio"), numeric("99 % of right ones"), [""]], rows));
+    byId("chain-text").textContent = `${count(mc.runs)} runs, seed ${mc.seed}: simulated IMU with exact 1/f noise, strapdown${r.claimed ? " and filter" : ""}, nothing linearised. 99 % of right ratios lie between ${number(mc.ratio_low, 3)} and ${number(mc.ratio_high, 3)}. NEES against the table's covariance ${number(mc.nees, 3)} for ${mc.nees_dof} degrees of freedom; 99 % of right ones lie between ${number(mc.nees_low, 3)} and ${number(mc.nees_high, 3)}.${neesText(mc)}${saturatedText(mc)}`;
+    const against = mc.contradictions.length > 0 ? [element("p", "", "The flights contradict the covariance, which does not hold:"), list(mc.contradictions)] : [];
+    byId("chain-table").replaceChildren(...against, totalTable(mc), ...(mc.sources ? [sourcesTable(mc), element("p", "", ratiosText(mc))] : []));
   }
 
   function fillLeft() {

@@ -2,12 +2,14 @@
 // Error budgets for programs, and the data that budget.js draws.
 #include "gyrobudget/navigation/consistency.h"
 #include "gyrobudget/report/budget.h"
+#include "gyrobudget/report/budget_agreement.h"
 #include "gyrobudget/report/page_parts.h"
 #include "gyrobudget/version.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -18,7 +20,6 @@ using Json = nlohmann::ordered_json;
 using navigation::CoreMatrix;
 
 constexpr double kDegree = earth::kDegree;
-constexpr double kBand = 0.99;
 
 Json finite(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 
@@ -77,27 +78,81 @@ Json not_modelled_json(const BudgetResult& r) {
   return list;
 }
 
+// Ratios of one quantity: 0 position, 1 velocity, 2 attitude.
+Json ratio_json(const Agreement& one, std::size_t quantity) {
+  Json out;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Agreement::Axis& axis = one.axes[3 * quantity + k];
+    out[kAxisNames[k]] = axis.matters && axis.first_order ? finite(axis.ratio()) : Json(nullptr);
+  }
+  return out;
+}
+
+Json alone_json(const BudgetResult& r) {
+  if (r.monte_carlo->sources.empty()) return nullptr;
+  const auto agreements = source_agreements(r);
+  Json list = Json::array();
+  for (std::size_t i = 0; i < agreements.size(); ++i) {
+    const auto& alone = r.monte_carlo->sources[i];
+    Json one{{"name", r.budget.lines[i].name}, {"runs", alone ? alone->runs : 0}};
+    if (alone) {
+      one.update(errors_json(r, alone->covariance));
+      for (std::size_t q = 0; q < kQuantities.size(); ++q)
+        one[fmt::format("{}_ratio", kQuantities[q])] = ratio_json(*agreements[i], q);
+    }
+    list.push_back(std::move(one));
+  }
+  return list;
+}
+
+Json ratios_json(const BudgetResult& r) {
+  if (r.monte_carlo->sources.empty()) return nullptr;
+  const AllRatios all = all_ratios(r);
+  return {{"compared", all.compared},
+          {"outside", all.outside},
+          {"together_low", all.together.lower},
+          {"together_high", all.together.upper},
+          {"far", all.far}};
+}
+
+Json nees_left_out_json(const BudgetResult& r) {
+  Json list = Json::array();
+  for (const auto& direction : r.monte_carlo->nees.left_out)
+    list.push_back(
+        {{"direction", direction_text(direction)}, {"linear", direction.linear}, {"found", direction.found}});
+  return list;
+}
+
 Json monte_carlo_json(const BudgetResult& r) {
   if (!r.monte_carlo) return nullptr;
   const auto& mc = *r.monte_carlo;
   const CoreMatrix& linear = r.budget.total[r.at_index];
-  Json ratio;
-  for (const auto* component : {"east", "north", "up", "downrange", "crossrange"})
+  const Agreement total = total_agreement(r);
+  Json ratio = ratio_json(total, 0);
+  for (const auto* component : {"downrange", "crossrange"})
     ratio[component] =
         finite(position_sigma(r, mc.covariance, component) / position_sigma(r, linear, component));
-  const auto band = navigation::sigma_ratio_band(mc.runs, kBand);
-  const auto nees = navigation::chi_square_mean_band(navigation::kCoreStates, mc.runs, kBand);
+  const auto band = navigation::sigma_ratio_band(mc.runs, kBandOfOne);
+  const auto nees = navigation::chi_square_mean_band(std::max(mc.nees.dof, 1), mc.runs, kBandOfOne);
   return {{"runs", mc.runs},
           {"seed", mc.seed},
           {"position_rss_ratio",
            finite(position_sigma(r, mc.covariance, "rss") / position_sigma(r, linear, "rss"))},
           {"position_ratio", ratio},
+          {"velocity_ratio", ratio_json(total, 1)},
+          {"attitude_ratio", ratio_json(total, 2)},
           {"ratio_low", band.lower},
           {"ratio_high", band.upper},
-          {"nees", finite(mc.nees)},
+          {"nees", finite(mc.nees.mean)},
+          {"nees_dof", mc.nees.dof},
           {"nees_low", nees.lower},
           {"nees_high", nees.upper},
-          {"saturated", mc.saturated}};
+          {"nees_left_out", nees_left_out_json(r)},
+          {"saturated", mc.saturated.sum()},
+          {"saturated_axes", {{"gyro", mc.saturated.gyro}, {"accelerometer", mc.saturated.accelerometer}}},
+          {"contradictions", contradictions(r)},
+          {"sources", alone_json(r)},
+          {"ratios", ratios_json(r)}};
 }
 
 Json alignment_json(const std::optional<navigation::AlignmentTime>& alignment) {

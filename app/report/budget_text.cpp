@@ -2,15 +2,19 @@
 // Error budgets for the terminal.
 #include "gyrobudget/navigation/consistency.h"
 #include "gyrobudget/report/budget.h"
+#include "gyrobudget/report/budget_agreement.h"
 #include "gyrobudget/report/layout.h"
 #include "gyrobudget/report/words.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 
 namespace gyrobudget::inline v0::report {
 namespace {
@@ -62,26 +66,48 @@ std::vector<std::string> cells(const BudgetResult& r, std::string_view name, con
   return row;
 }
 
-std::string table(const BudgetResult& r) {
+// What was asked beside the budget: for the line, or nothing for the sums.
+std::vector<std::string> extra_heads(const BudgetResult& r) {
+  std::vector<std::string> heads;
+  if (r.exact) heads.emplace_back("exact");
+  if (r.limit) heads.emplace_back("may grow");
+  return heads;
+}
+
+std::vector<std::string> extra_cells(const BudgetResult& r, std::size_t line) {
+  std::vector<std::string> row;
+  if (r.exact) row.push_back(number(position_sigma(r, (*r.exact)[line], "rss"), 3));
+  if (r.limit) row.push_back(factor_text(r.limit->factors[line]));
+  return row;
+}
+
+Table left_aligned(std::size_t columns) {
+  std::vector<Align> all(columns, Align::right);
+  all[0] = Align::left;
+  return Table(all);
+}
+
+void append(std::vector<std::string>& row, std::vector<std::string> more) {
+  row.insert(row.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
+}
+
+enum class Extras { beside, apart };
+std::string table(const BudgetResult& r, Extras extras) {
   const std::vector<double> share = navigation::shares(r.budget, r.at_index);
   std::vector<std::string> heads{"  source"};
   for (const auto& component : components(r)) heads.push_back(component == "east" ? "east m" : component);
   for (const auto* head : {"vel m/s", "att deg", "share"}) heads.emplace_back(head);
-  if (r.exact) heads.emplace_back("exact");
-  if (r.limit) heads.emplace_back("may grow");
-  std::vector<Align> columns(heads.size(), Align::right);
-  columns[0] = Align::left;
-  Table out(columns);
+  if (extras == Extras::beside) append(heads, extra_heads(r));
+  Table out = left_aligned(heads.size());
   out.row(heads);
   for (const std::size_t i : order(r, share)) {
     auto row = cells(r, r.budget.lines[i].name, r.budget.lines[i].covariance[r.at_index], percent(share[i]));
-    if (r.exact) row.push_back(number(position_sigma(r, (*r.exact)[i], "rss"), 3));
-    if (r.limit) row.push_back(factor_text(r.limit->factors[i]));
+    if (extras == Extras::beside) append(row, extra_cells(r, i));
     out.row(row);
   }
   const auto sum = [&](const char* name, const CoreMatrix& P) {
     auto row = cells(r, name, P, "");
-    row.resize(columns.size());
+    row.resize(heads.size());
     out.row(row);
   };
   sum("total", r.budget.total[r.at_index]);
@@ -108,6 +134,29 @@ std::string alignment_text(const BudgetResult& r) {
                  "  ", "  ");
 }
 
+std::string extras_table(const BudgetResult& r) {
+  std::vector<std::string> heads{"  source", "rss m"};
+  append(heads, extra_heads(r));
+  Table out = left_aligned(heads.size());
+  out.row(heads);
+  for (const std::size_t i : order(r, navigation::shares(r.budget, r.at_index))) {
+    const auto& line = r.budget.lines[i];
+    std::vector<std::string> row{fmt::format("  {}", line.name),
+                                 number(position_sigma(r, line.covariance[r.at_index], "rss"), 3)};
+    append(row, extra_cells(r, i));
+    out.row(row);
+  }
+  return out.text();
+}
+
+// One table where it fits a page, else two.
+std::string tables(const BudgetResult& r) {
+  constexpr std::size_t kPage = 110;
+  const std::string one = table(r, Extras::beside);
+  if (width(std::string_view(one).substr(0, one.find('\n'))) <= kPage) return one;
+  return table(r, Extras::apart) + "\n" + extras_table(r);
+}
+
 std::string limit_text(const BudgetResult& r) {
   if (!r.limit) return {};
   return fmt::format("\n{}: {} m, {}\n", printable(r.limit->text), number(r.limit->found, 4),
@@ -119,29 +168,130 @@ std::string limit_text(const BudgetResult& r) {
          alignment_text(r);
 }
 
+// "0.98", "1.07*" outside of its band, "<1%" of the total's variance, "2nd" where the second order may have more.
+std::string ratio_text(const Agreement& one, const Agreement::Axis& axis, const navigation::Band& band) {
+  if (!axis.matters) return "<1%";
+  if (!axis.first_order) return "2nd";
+  return fmt::format("{:.2f}{}", axis.ratio(), one.random && !band.holds(axis.ratio()) ? "*" : "");
+}
+
+std::string total_ratios(const BudgetResult& r, const navigation::Band& band) {
+  const Agreement total = total_agreement(r);
+  Table out = left_aligned(1 + kAxisNames.size());
+  out.row({"  found over table", "east", "north", "up"});
+  for (std::size_t q = 0; q < kQuantities.size(); ++q) {
+    std::vector<std::string> row{fmt::format("  {}", kQuantities[q])};
+    for (std::size_t k = 0; k < kAxisNames.size(); ++k)
+      row.push_back(ratio_text(total, total.axes[3 * q + k], band));
+    out.row(row);
+  }
+  return out.text();
+}
+
+std::string nees_text(const BudgetResult& r) {
+  const auto& [mean, dof, left_out] = r.monte_carlo->nees;
+  const auto band = navigation::chi_square_mean_band(std::max(dof, 1), r.monte_carlo->runs, kBandOfOne);
+  std::string out = fmt::format("  NEES {} of {}, 99 % band {} to {}\n", number(mean, 3), dof,
+                                number(band.lower, 3), number(band.upper, 3));
+  if (!left_out.empty())
+    out +=
+        wrapped("It leaves out directions without error of first order; in units of each sigma:", "  ", "  ");
+  for (const auto& direction : left_out)
+    out += wrapped(
+        fmt::format("{}: covariance {}, found {}{}", direction_text(direction), number(direction.linear, 2),
+                    number(direction.found, 2), direction.found > 0.1 ? ", which is not small" : ""),
+        "  - ", "    ");
+  return out;
+}
+
+std::string saturated_text(const navigation::Saturated& saturated) {
+  constexpr std::array kBody{"x", "y", "z"};
+  std::string out;
+  for (const auto& [triad, counts] :
+       {std::pair{"gyro", saturated.gyro}, std::pair{"accelerometer", saturated.accelerometer}})
+    for (std::size_t i = 0; i < kBody.size(); ++i)
+      if (counts[i] > 0)
+        out +=
+            wrapped(fmt::format("{} {}: {} samples were cut off at its range; the covariance knows nothing "
+                                "of that and does not hold.",
+                                triad, kBody[i], count_text(static_cast<std::int64_t>(counts[i]))),
+                    "  ", "  ");
+  return out;
+}
+
+std::string exact_ratio(const BudgetResult& r, std::size_t line) {
+  const double states = position_sigma(r, r.budget.lines[line].covariance[r.at_index], "rss");
+  return states > 0 ? fmt::format("{:.3f}", position_sigma(r, (*r.exact)[line], "rss") / states) : "-";
+}
+
+// Covariance, exact integrals and flights of each source.
+std::string sources_text(const BudgetResult& r) {
+  if (r.monte_carlo->sources.empty()) return {};
+  const auto agreements = source_agreements(r);
+  const AllRatios all = all_ratios(r);
+  std::string out =
+      fmt::format("\nEach source alone, {} runs of each: sigma found over that of its covariance\n",
+                  count_text(r.monte_carlo->runs));
+  Table table = left_aligned(2 + (r.exact ? 1 : 0) + navigation::kCoreStates);
+  std::vector<std::string> groups{"", "table"}, heads{"  source", "rss m"};
+  if (r.exact) {
+    groups.emplace_back("exact");
+    heads.emplace_back("ratio");
+  }
+  for (const auto* group : {"pos.", "vel.", "att."}) {
+    append(groups, {group, "", ""});
+    append(heads, {"east", "north", "up"});
+  }
+  table.row(groups);
+  table.row(heads);
+  const auto add = [&](const std::string& name, const CoreMatrix& linear, const std::string& exact,
+                       const std::optional<Agreement>& one) {
+    std::vector<std::string> row{fmt::format("  {}", name), number(position_sigma(r, linear, "rss"), 3)};
+    if (r.exact) row.push_back(exact);
+    if (!one) row.emplace_back("not flown");
+    for (std::size_t k = 0; one && k < one->axes.size(); ++k)
+      row.push_back(ratio_text(*one, one->axes[k], all.band));
+    row.resize(heads.size());
+    table.row(row);
+  };
+  for (const std::size_t i : order(r, navigation::shares(r.budget, r.at_index))) {
+    const auto& line = r.budget.lines[i];
+    const CoreMatrix& P = line.covariance[r.at_index];
+    add(line.name, P, r.exact ? exact_ratio(r, i) : "", agreements[i]);
+  }
+  add("total", r.budget.total[r.at_index], "", total_agreement(r));
+  out += table.text();
+  out +=
+      wrapped(fmt::format("{} ratios; 99 % of right ones lie in {} to {}: {} outside (*), {} by chance. All "
+                          "of them lie in {} to {} "
+                          "with 99 %: {}.",
+                          all.compared, number(all.band.lower, 3), number(all.band.upper, 3), all.outside,
+                          number(all.compared * (1 - kBandOfOne), 2), number(all.together.lower, 3),
+                          number(all.together.upper, 3),
+                          all.far.empty() ? "they do" : fmt::format("but for {}", fmt::join(all.far, "; "))),
+              "  ", "  ");
+  out += wrapped(
+      "<1%: of the total's variance, by covariance and as found. 2nd: the covariance has less there than "
+      "terms of "
+      "second order may add.",
+      "  ", "  ");
+  return out;
+}
+
 std::string monte_carlo_text(const BudgetResult& r) {
   if (!r.monte_carlo) return {};
   const auto& mc = *r.monte_carlo;
-  const CoreMatrix& linear = r.budget.total[r.at_index];
   std::string out =
       fmt::format("\nMonte Carlo, {} runs of the whole chain, seed {}\n", count_text(mc.runs), mc.seed);
-  const auto band = navigation::sigma_ratio_band(mc.runs, 0.99);
-  out += "  sigma found over sigma of the table:";
-  for (const auto* component : {"east", "north", "up"}) {
-    const double ratio = position_sigma(r, mc.covariance, component) / position_sigma(r, linear, component);
-    out += fmt::format(" {} {}{}", component, number(ratio, 3), band.holds(ratio) ? "" : " (outside)");
+  const auto band = navigation::sigma_ratio_band(mc.runs, kBandOfOne);
+  out += total_ratios(r, band);
+  out += fmt::format("  99 % of right ones lie in {} to {}\n", number(band.lower, 3), number(band.upper, 3));
+  out += nees_text(r) + saturated_text(mc.saturated);
+  if (const auto list = contradictions(r); !list.empty()) {
+    out += "  The flights contradict the covariance, which does not hold:\n";
+    for (const auto& one : list) out += wrapped(one, "  - ", "    ");
   }
-  const auto nees = navigation::chi_square_mean_band(navigation::kCoreStates, mc.runs, 0.99);
-  out +=
-      fmt::format("\n  99 % of right ones lie in {} to {}\n", number(band.lower, 3), number(band.upper, 3));
-  out += fmt::format("  NEES {} of 9, 99 % band {} to {}\n", number(mc.nees, 3), number(nees.lower, 3),
-                     number(nees.upper, 3));
-  if (mc.saturated > 0)
-    out += wrapped(
-        fmt::format("{} samples were beyond a sensor's range: linear covariance knows nothing of that.",
-                    count_text(static_cast<std::int64_t>(mc.saturated))),
-        "  ", "  ");
-  return out;
+  return out + sources_text(r);
 }
 
 std::string left_out_text(const BudgetResult& r) {
@@ -203,7 +353,7 @@ std::string budget_text(const std::vector<BudgetResult>& results) {
   std::string out;
   for (const auto& r : results) {
     if (!out.empty()) out += "\n";
-    out += title(r) + "\n" + table(r) + limit_text(r) + monte_carlo_text(r) + left_out_text(r);
+    out += title(r) + "\n" + tables(r) + limit_text(r) + monte_carlo_text(r) + left_out_text(r);
   }
   if (results.size() > 1) out += fmt::format("\n{}", comparison(results));
   return out;

@@ -23,6 +23,7 @@
 #include "gyrobudget/navigation/covariance.h"
 #include "gyrobudget/navigation/error_state.h"
 #include "gyrobudget/navigation/sensor_states.h"
+#include "gyrobudget/noise/imu.h"
 #include "gyrobudget/noise/process.h"
 
 #include <functional>
@@ -104,6 +105,12 @@ struct Source {
     Epoch epoch;
   };
   std::optional<Slow> slow;
+  /// The error of a sensor that it is, for Monte Carlo, which simulates the sensor.
+  struct OfSensor {
+    Carrier carrier = Carrier::gyro;
+    noise::ErrorSource error{};
+  };
+  std::optional<OfSensor> sensor;
   /// Where given, each term's effect is multiplied by it [any unit]: errors that are fixed in other axes than
   /// the body's, such as Earth's rate left out or an error of gravity.
   std::function<double(const StepInput&, std::size_t term)> shape;
@@ -154,6 +161,9 @@ struct Budget {
   std::size_t steps = 0;
 };
 
+/// Each source's own states s beside p, v, psi and the filter's estimates, x -> Phi x + G eps over a step and
+/// x -> (I - K H) x + K eps at each row of a fix with the frozen gain K, carry P -> F P F^T + Q; p [m], v [m/s] and
+/// psi [rad] of it at the times of interest are the source's line. Time: steps x sources x states^2.
 /// @throws std::invalid_argument for sources whose initial covariance does not fit their terms, more states than
 /// kMaxStates together with the filter's, fixes without a design, and errors that grow beyond all numbers.
 [[nodiscard]] Budget error_budget(const Timeline&, std::span<const Source>, const FrozenGains&);
@@ -165,9 +175,13 @@ struct FixPlan {
   double first = 0, last = 0, interval = 1;        ///< [s]
   std::vector<std::pair<double, double>> outages;  ///< from, to, both included [s]
 };
+/// first + k interval for k = 0, 1, ... up to `last`, which counts where rounding puts a fix up to 1e-9 of an interval
+/// beyond; those within an outage are left out [s]. None where last < first.
+/// @throws std::invalid_argument for an interval that is not above 0 and finite, and more than 1e8 fixes.
 [[nodiscard]] std::vector<double> fix_times(const FixPlan&);
 
-/// Horizontal, vertical and attitude errors in the axes of a local frame.
+/// One sigma along each axis of a local frame: roots of the diagonal of C_el^T P C_el, block by block, P a covariance
+/// of position, velocity and attitude in axes of e and C_el the frame's axes as columns.
 struct LocalSigmas {
   Eigen::Vector3d position;  ///< [m]
   Eigen::Vector3d velocity;  ///< [m/s]

@@ -30,29 +30,39 @@ noise::ErrorModel alone(const noise::ErrorModel& all, Member member) {
   return one;
 }
 
+struct SingleError {
+  std::string name;
+  noise::ErrorSource source;
+  noise::ErrorModel model;
+};
+
 // Every error of a triad that has states, by the name it has in files.
-std::vector<std::pair<std::string, noise::ErrorModel>> single_errors(const noise::ErrorModel& all,
-                                                                     Signal signal) {
-  std::vector<std::pair<std::string, noise::ErrorModel>> list;
-  const auto add = [&](std::string name, bool has, noise::ErrorModel model) {
-    if (has) list.emplace_back(std::move(name), std::move(model));
+std::vector<SingleError> single_errors(const noise::ErrorModel& all, Signal signal) {
+  using enum noise::ErrorSource;
+  std::vector<SingleError> list;
+  const auto add = [&](std::string name, noise::ErrorSource source, bool has, noise::ErrorModel model) {
+    if (has) list.push_back({std::move(name), source, std::move(model)});
   };
-  const auto add_term = [&](Term term, double noise::ErrorModel::*member) {
-    add(std::string(key(signal, term)), all.*member != 0, alone(all, member));
+  const auto add_term = [&](Term term, noise::ErrorSource source, double noise::ErrorModel::*member) {
+    add(std::string(key(signal, term)), source, all.*member != 0, alone(all, member));
   };
-  const auto add_constant = [&](std::string name, std::optional<noise::PerAxis> noise::ErrorModel::*member) {
-    add(std::move(name), (all.*member).value_or(noise::PerAxis(0)) != noise::PerAxis(0), alone(all, member));
+  const auto add_constant = [&](std::string name, noise::ErrorSource source,
+                                std::optional<noise::PerAxis> noise::ErrorModel::*member) {
+    add(std::move(name), source, (all.*member).value_or(noise::PerAxis(0)) != noise::PerAxis(0),
+        alone(all, member));
   };
-  add_term(Term::white, &noise::ErrorModel::white);
-  add_term(Term::flicker, &noise::ErrorModel::bias_instability);
-  add_term(Term::rate_random_walk, &noise::ErrorModel::rate_random_walk);
-  add("gauss_markov", !all.gauss_markov.empty(), alone(all, &noise::ErrorModel::gauss_markov));
-  add_constant("turn_on_bias", &noise::ErrorModel::turn_on_bias);
-  add_constant("scale_factor", &noise::ErrorModel::scale_factor);
-  add_constant("misalignment", &noise::ErrorModel::misalignment);
-  if (signal == Signal::angular_rate) add_constant("g_sensitivity", &noise::ErrorModel::g_sensitivity);
-  add_constant("g2_sensitivity", &noise::ErrorModel::g2_sensitivity);
-  add_constant("vibration_rectification", &noise::ErrorModel::vibration_rectification);
+  add_term(Term::white, white, &noise::ErrorModel::white);
+  add_term(Term::flicker, flicker, &noise::ErrorModel::bias_instability);
+  add_term(Term::rate_random_walk, rate_random_walk, &noise::ErrorModel::rate_random_walk);
+  add("gauss_markov", gauss_markov, !all.gauss_markov.empty(), alone(all, &noise::ErrorModel::gauss_markov));
+  add_constant("turn_on_bias", turn_on_bias, &noise::ErrorModel::turn_on_bias);
+  add_constant("scale_factor", scale_factor, &noise::ErrorModel::scale_factor);
+  add_constant("misalignment", misalignment, &noise::ErrorModel::misalignment);
+  if (signal == Signal::angular_rate)
+    add_constant("g_sensitivity", g_sensitivity, &noise::ErrorModel::g_sensitivity);
+  add_constant("g2_sensitivity", g2_sensitivity, &noise::ErrorModel::g2_sensitivity);
+  add_constant("vibration_rectification", vibration_rectification,
+               &noise::ErrorModel::vibration_rectification);
   return list;
 }
 
@@ -98,12 +108,14 @@ SensorSources sensor_sources(const noise::SensorModel& sensor, const SensorState
   all.scale_factor = all.misalignment = all.g_sensitivity = Use::estimated;
   SensorSources result;
   const auto add = [&](const noise::ErrorModel& errors, Signal signal, std::string_view triad) {
-    for (auto& [name, model] : single_errors(errors, signal)) {
+    const Carrier carrier = signal == Signal::angular_rate ? Carrier::gyro : Carrier::accelerometer;
+    for (auto& [name, error, model] : single_errors(errors, signal)) {
       noise::SensorModel one;
       Source& source = result.sources.emplace_back();
       source.name = fmt::format("{}.{}", triad, name);
+      source.sensor = {carrier, error};
       if (const auto processes = model.processes(); !processes.empty())
-        source.slow = {signal == Signal::angular_rate ? Carrier::gyro : Carrier::accelerometer, processes,
+        source.slow = {carrier, processes,
                        (signal == Signal::angular_rate ? options.gyro : options.accelerometer)
                            .value_or(epoch_of(model))};
       (signal == Signal::angular_rate ? one.gyro : one.accelerometer.emplace()) = std::move(model);
@@ -128,6 +140,15 @@ std::vector<Source> initial_sources(const InitialErrors& errors, const Matrix3d&
   return sources;
 }
 
+InitialErrors only(const InitialErrors& errors, std::string_view source) {
+  InitialErrors one;
+  if (source == "initial.position") one.position = errors.position;
+  if (source == "initial.velocity") one.velocity = errors.velocity;
+  if (source == "initial.level") one.level = errors.level;
+  if (source == "initial.heading") one.heading = errors.heading;
+  return one;
+}
+
 CoreMatrix initial_core(const InitialErrors& errors, const Matrix3d& C_el) {
   CoreMatrix core = CoreMatrix::Zero();
   for (const Source& source : initial_sources(errors, C_el)) core += source.core;
@@ -135,10 +156,10 @@ CoreMatrix initial_core(const InitialErrors& errors, const Matrix3d& C_el) {
 }
 
 Source uncompensated_earth_rate() {
-  Source source =
-      vectors("earth_rate_uncompensated", Carrier::gyro, 1, [](const StepInput& input, int) -> Vector3d {
-        return input.C_eb.transpose() * Vector3d(0, 0, earth::wgs84::kEarthRate);
-      });
+  Source source = vectors(std::string(kUncompensatedEarthRate), Carrier::gyro, 1,
+                          [](const StepInput& input, int) -> Vector3d {
+                            return input.C_eb.transpose() * Vector3d(0, 0, earth::wgs84::kEarthRate);
+                          });
   source.sensed = false;
   return source;
 }

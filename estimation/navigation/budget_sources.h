@@ -7,13 +7,14 @@
 #include "gyrobudget/navigation/sensor_states.h"
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace gyrobudget::inline v0::navigation {
 
 /// gyro.arw, gyro.bias_instability, gyro.rrw, gyro.turn_on_bias, gyro.scale_factor, gyro.misalignment,
-/// gyro.g_sensitivity, gyro.g2_sensitivity, gyro.vibration_rectification, gyro.gauss_markov, accelerometer.vrw ...: what the file has, each with the true model
-/// of sensor_states() since the scene's epoch. What linear covariance has no state for (quantization, ramp,
+/// gyro.g_sensitivity, gyro.g2_sensitivity, gyro.vibration_rectification, gyro.gauss_markov,
+/// accelerometer.vrw ...: what the file has, each with the true model of sensor_states() since the scene's epoch. What linear covariance has no state for (quantization, ramp,
 /// sinusoid, bandwidth, range) is in `left_out`.
 struct SensorSources {
   std::vector<Source> sources;
@@ -32,10 +33,13 @@ struct InitialErrors {
 };
 /// initial.position, initial.velocity, initial.level, initial.heading: those that are not zero.
 [[nodiscard]] std::vector<Source> initial_sources(const InitialErrors&, const Eigen::Matrix3d& C_el);
+/// What the source of that name stands for, and nothing else; all zero for a name that is none of them.
+[[nodiscard]] InitialErrors only(const InitialErrors&, std::string_view source);
 /// Their sum, as the core of a filter's P0.
 [[nodiscard]] CoreMatrix initial_core(const InitialErrors&, const Eigen::Matrix3d& C_el);
 
-/// earth_rate_uncompensated: a navigator that takes the gyros' rate as that against Earth. Not random: one sigma is
+inline constexpr std::string_view kUncompensatedEarthRate = "earth_rate_uncompensated";
+/// A source of that name: a navigator that takes the gyros' rate as that against Earth. Not random: one sigma is
 /// the error itself.
 [[nodiscard]] Source uncompensated_earth_rate();
 

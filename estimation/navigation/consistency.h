@@ -3,6 +3,8 @@
 // Tracking and Navigation (2001), section 5.4.
 #pragma once
 
+#include <vector>
+
 #include <Eigen/Core>
 
 namespace gyrobudget::inline v0::navigation {
@@ -12,6 +14,35 @@ namespace gyrobudget::inline v0::navigation {
 /// @throws std::invalid_argument for sizes that differ.
 [[nodiscard]] double nees(const Eigen::Ref<const Eigen::VectorXd>& error,
                           const Eigen::Ref<const Eigen::MatrixXd>& P);
+
+/// NEES of errors of a chain that P describes to first order only. With D the diagonal of P, u_k and l_k the
+/// eigenvectors and eigenvalues of the correlations D^-1/2 P D^-1/2,
+///   NEES = sum_k (u_k . D^-1/2 e)^2 / l_k   over the directions with l_k > threshold,
+/// chi-square with as many degrees of freedom. In a direction with less, a hundredth of a percent of a sigma
+/// squared and below, what the first order leaves out may be all there is: an attitude error psi adds about
+/// psi^2 of an axis' variance there, which no P of first order knows.
+class FirstOrderNees {
+ public:
+  struct Direction {
+    Eigen::VectorXd weights;  ///< of the errors, each in units of its sigma; [its own unit] where that is 0
+    double variance = 0;      ///< of the sum by P, in these units
+  };
+  /// @param threshold variance of a direction in units of sigma^2; below rounding: rounding
+  /// @throws std::invalid_argument where P is not square or the threshold not below 1.
+  FirstOrderNees(const Eigen::Ref<const Eigen::MatrixXd>& P, double threshold);
+
+  /// @throws std::invalid_argument for another size than that of P.
+  [[nodiscard]] double operator()(const Eigen::Ref<const Eigen::VectorXd>& error) const;
+  [[nodiscard]] int dof() const { return static_cast<int>(counted_.size()); }
+  /// Those that do not count.
+  [[nodiscard]] const std::vector<Direction>& left_out() const { return left_out_; }
+  /// Component of an error along one of them.
+  [[nodiscard]] double along(const Direction&, const Eigen::Ref<const Eigen::VectorXd>& error) const;
+
+ private:
+  Eigen::VectorXd scale_;  ///< one over each sigma; 1 where that is 0
+  std::vector<Direction> counted_, left_out_;
+};
 
 /// Central band that holds the mean of `count` independent chi-square numbers of `dof` with `probability`.
 struct Band {

@@ -61,8 +61,10 @@ class Covariance {
   /// P h, so that innovations i and k covary by h_i . (P h_k). @throws as update for a wrong size.
   [[nodiscard]] StateVector times(const StateVector& h) const;
 
-  /// The update by one row; returns the gain, 0 for considered states. `considered` is empty or one flag a
-  /// state. Allocates nothing.
+  /// The update by one row: gain k = P h/(h^T P h + r), 0 for considered states, then
+  /// P <- (I - k h^T) P (I - k h^T)^T + r k k^T. Returns k [state per unit of the measurement]. `considered` is empty
+  /// or one flag a state. Allocates nothing.
+  /// @throws std::invalid_argument for a row of another size or not finite and a variance that is not above 0.
   StateVector update(const MeasurementRow&, std::span<const bool> considered = {});
 
   /// The update by one row with any gain k, (I - k h) P (I - k h)^T + r k k^T, r may be 0. Allocates nothing.

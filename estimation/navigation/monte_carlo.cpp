@@ -4,10 +4,14 @@
 #include "gyrobudget/earth/attitude.h"
 #include "gyrobudget/navigation/simulated_navigator.h"
 
+#include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <mutex>
+#include <stdexcept>
 #include <utility>
 
 namespace gyrobudget::inline v0::navigation {
@@ -18,7 +22,7 @@ using CoreVector = Eigen::Matrix<double, kCoreStates, 1>;
 struct Flown {
   std::vector<CoreVector> errors;  ///< at the times of interest; none where no heading was found
   bool aligned = true;
-  std::uint64_t saturated = 0;
+  Saturated saturated;
 };
 
 CoreVector error(const NavigationState& truth, const NavigationState& estimate) {
@@ -53,18 +57,52 @@ Flown fly(const SimulatedScene& scene, std::uint64_t run) {
   return flown;
 }
 
+void check(const MonteCarlo& flown, std::size_t i) {
+  if (flown.runs < 1) throw std::invalid_argument("no run of Monte Carlo was flown to its end");
+  if (i >= flown.times.size()) throw std::out_of_range(fmt::format("time {} of {}", i, flown.times.size()));
+}
+
 }  // namespace
 
+Saturated& Saturated::operator+=(const Saturated& more) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    gyro[i] += more.gyro[i];
+    accelerometer[i] += more.accelerometer[i];
+  }
+  return *this;
+}
+
+std::uint64_t Saturated::sum() const {
+  std::uint64_t all = 0;
+  for (std::size_t i = 0; i < 3; ++i) all += gyro[i] + accelerometer[i];
+  return all;
+}
+
 CoreMatrix MonteCarlo::covariance(std::size_t i) const {
+  check(*this, i);
   CoreMatrix sum = CoreMatrix::Zero();
   for (const auto& run : errors) sum += run[i] * run[i].transpose();
   return sum / runs;
 }
 
-double MonteCarlo::mean_nees(std::size_t i, const CoreMatrix& P) const {
-  double sum = 0;
-  for (const auto& run : errors) sum += nees(run[i], P);
-  return sum / runs;
+double second_order(const CoreMatrix& P) {
+  constexpr double kTerms = 10, kMost = 0.01, kLeast = 1e-12;
+  return std::clamp(kTerms * P.block<3, 3>(kAttitude, kAttitude).trace(), kLeast, kMost);
+}
+
+MonteCarlo::Nees MonteCarlo::nees(std::size_t i, const CoreMatrix& P, const Eigen::Matrix3d& C_el) const {
+  check(*this, i);
+  CoreMatrix local = CoreMatrix::Zero();
+  for (int k = 0; k < kCoreStates; k += 3) local.block<3, 3>(k, k) = C_el.transpose();
+  const FirstOrderNees directions(local * P * local.transpose(), second_order(P));
+  Nees result{.dof = directions.dof()};
+  for (const auto& run : errors) result.mean += directions(local * run[i]) / runs;
+  for (const auto& direction : directions.left_out()) {
+    double sum = 0;
+    for (const auto& run : errors) sum += std::pow(directions.along(direction, local * run[i]), 2);
+    result.left_out.push_back({direction.weights, std::sqrt(direction.variance), std::sqrt(sum / runs)});
+  }
+  return result;
 }
 
 MonteCarlo monte_carlo(const Timeline& timeline, const noise::SensorModel& sensor,
@@ -75,7 +113,6 @@ MonteCarlo monte_carlo(const Timeline& timeline, const noise::SensorModel& senso
   MonteCarlo result;
   result.times = timeline.report();
   std::vector<std::vector<CoreVector>> errors(static_cast<std::size_t>(options.runs));
-  std::atomic<std::uint64_t> saturated = 0;
   std::atomic<int> unaligned = 0;
   std::atomic<bool> stopped = false;
   std::mutex mutex;
@@ -84,16 +121,15 @@ MonteCarlo monte_carlo(const Timeline& timeline, const noise::SensorModel& senso
     if (stopped) return;
     Flown flown = fly(scene, static_cast<std::uint64_t>(run));
     errors[static_cast<std::size_t>(run)] = std::move(flown.errors);
-    saturated += flown.saturated;
     unaligned += flown.aligned ? 0 : 1;
     const std::lock_guard lock(mutex);
+    result.saturated += flown.saturated;
     ++done;
     if (options.progress && !options.progress(done)) stopped = true;
   });
   std::erase_if(errors, [](const auto& run) { return run.empty(); });
   result.errors = std::move(errors);
   result.runs = static_cast<int>(result.errors.size());
-  result.saturated = saturated;
   result.unaligned = unaligned;
   return result;
 }

@@ -250,16 +250,20 @@ class Builder {
   // Linear covariance knows nothing of a sensor that saturates.
   static void check_range(BudgetScene& scene, const std::optional<double>& range, Carrier carrier) {
     if (!range) return;
-    for (const auto& step : scene.timeline.steps()) {
-      const Vector3d& u = carrier == Carrier::gyro ? step.input.w_ib_b : step.input.f_ib_b;
-      if (u.cwiseAbs().maxCoeff() < *range) continue;
-      scene.warnings.push_back(
-          fmt::format("from {:.4g} s on the {} is out of its range of {:.4g} {}: linear covariance knows "
-                      "nothing of that, "
-                      "look at Monte Carlo",
-                      step.from, carrier == Carrier::gyro ? "gyro" : "accelerometer", *range,
-                      carrier == Carrier::gyro ? "rad/s" : "m/s^2"));
-      return;
+    const bool gyro = carrier == Carrier::gyro;
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      double peak = 0, from = 0;
+      for (const auto& step : scene.timeline.steps()) {
+        const double u = std::abs((gyro ? step.input.w_ib_b : step.input.f_ib_b)[axis]);
+        if (u >= *range && peak < *range) from = step.from;
+        peak = std::max(peak, u);
+      }
+      if (peak < *range) continue;
+      scene.warnings.push_back(fmt::format(
+          "{} {} is cut off from {:.4g} s on: it senses up to {:.3g} {} where its range is {:.3g}; the "
+          "covariance "
+          "knows nothing of that and does not hold, look at Monte Carlo",
+          gyro ? "gyro" : "accelerometer", "xyz"[axis], from, peak, gyro ? "rad/s" : "m/s^2", *range));
     }
   }
 

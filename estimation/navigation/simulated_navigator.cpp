@@ -102,7 +102,7 @@ SimulatedScene::SimulatedScene(const Timeline& timeline, const noise::SensorMode
   for (const PlannedFix& fix : aids.starts) {
     StartFromFix from = start_from(fix, timeline.at(timeline.start()), aids.model);
     Eigen::MatrixXd white = root(from.white);
-    taken_.push_back({std::move(from), std::move(white)});
+    taken_.push_back({std::move(from), std::move(white), aid_of(fix)});
   }
 }
 
@@ -191,7 +191,7 @@ std::optional<Eigen::Quaterniond> SimulatedNavigator::coarse_alignment() {
   if (scene_.options_.heading_sigma) {
     GivenHeading& given = options.heading.emplace(
         heading_of(Eigen::Quaterniond(C_en).conjugate() * truth.q_eb, *scene_.options_.heading_sigma));
-    given.azimuth += given.sigma * start_();
+    given.azimuth += scene_.initial_.heading * start_();
   }
   const Alignment found = align(pad_, scene_.options_.imu_interval, options);
   if (!found.q_nb) return std::nullopt;
@@ -207,7 +207,6 @@ NavigationState SimulatedNavigator::wrong_start() {
   };
   const InitialErrors& e = scene_.initial_;
   const Vector3d p = draw(e.position), v = draw(e.velocity), psi = draw({e.level, e.level, e.heading});
-  if (!scene_.options_.initial_errors) return state;
   state.p_eb_e -= p;  // errors are truth minus estimate
   state.v_eb_e -= v;
   state.q_eb = earth::exp_rotation(-psi) * state.q_eb;
@@ -216,10 +215,10 @@ NavigationState SimulatedNavigator::wrong_start() {
 
 // What the fixes that the start is taken from have wrong, it has.
 void SimulatedNavigator::take_start(NavigationState& state) {
-  if (!scene_.options_.fix_noise) return;
-  for (const auto& [from, white] : scene_.taken_) {
+  for (const auto& [from, white, aid] : scene_.taken_) {
     Eigen::VectorXd draw(white.cols());
     for (auto& x : draw) x = aids_();
+    if (!noisy(aid)) draw.setZero();
     const Eigen::VectorXd error = from.by_terms * aid_terms_ + white * draw;
     state.p_eb_e -= error.segment<3>(kPosition);
     state.v_eb_e -= error.segment<3>(kVelocity);
@@ -260,8 +259,8 @@ void SimulatedNavigator::use(const PlannedFix& planned, const Timeline::Instant&
   for (int i = 0; i < measurement.rows; ++i) {
     const auto& row = of_errors.row[static_cast<std::size_t>(i)];
     const double white = std::sqrt(row.variance) * aids_();
-    if (scene_.options_.fix_noise)
-      measurement.residual[i] += white + row.h.tail(aid_terms_.size()).dot(aid_terms_);
+    if (noisy(aid_of(planned))) measurement.residual[i] += white;
+    measurement.residual[i] += row.h.tail(aid_terms_.size()).dot(aid_terms_);
   }
   filter_->update(measurement);
 }
@@ -276,10 +275,8 @@ void SimulatedNavigator::move_aids() {
   }
 }
 
-std::uint64_t SimulatedNavigator::saturated() const {
-  std::uint64_t sum = 0;
-  for (std::size_t i = 0; i < 3; ++i) sum += imu_.gyro_saturated()[i] + imu_.accelerometer_saturated()[i];
-  return sum;
+Saturated SimulatedNavigator::saturated() const {
+  return {imu_.gyro_saturated(), imu_.accelerometer_saturated()};
 }
 
 }  // namespace gyrobudget::inline v0::navigation

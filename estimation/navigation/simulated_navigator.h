@@ -55,6 +55,7 @@ class SimulatedScene {
   struct Taken {
     StartFromFix from;
     Eigen::MatrixXd root;  ///< of its white noise
+    int aid = 0;
   };
   std::vector<Taken> taken_;  ///< parts of the start
   struct Vectors {
@@ -95,7 +96,7 @@ class SimulatedNavigator {
   [[nodiscard]] const std::optional<Filter>& filter() const { return filter_; }
   [[nodiscard]] const earth::ImuIncrement& sensed() const { return sensed_; }  ///< last
   [[nodiscard]] std::size_t samples() const { return samples_; }               ///< so far
-  [[nodiscard]] std::uint64_t saturated() const;  ///< samples out of an axis' range
+  [[nodiscard]] Saturated saturated() const;
 
  private:
   // Standard normal numbers one after the other.
@@ -112,6 +113,8 @@ class SimulatedNavigator {
   };
 
   [[nodiscard]] earth::ImuIncrement measure_imu(const earth::ImuIncrement& exact, std::size_t sample);
+  /// White noise is on its fixes.
+  [[nodiscard]] bool noisy(int aid) const { return scene_.options_.noisy_aid.value_or(aid) == aid; }
   [[nodiscard]] NavigationState wrong_start();
   void take_start(NavigationState&);
   [[nodiscard]] std::optional<Eigen::Quaterniond> coarse_alignment();

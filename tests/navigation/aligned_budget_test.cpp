@@ -5,6 +5,7 @@
 #include "gyrobudget/navigation/alignment.h"
 #include "gyrobudget/navigation/alignment_time.h"
 #include "gyrobudget/navigation/scene_budget.h"
+#include "gyrobudget/navigation/scene_runs.h"
 #include "gyrobudget/noise/imu.h"
 
 #include <gtest/gtest.h>
@@ -13,6 +14,8 @@
 #include <cmath>
 #include <string>
 
+#include "sensors.h"
+
 using namespace gyrobudget;  // NOLINT
 using Eigen::Vector3d;
 using navigation::Budget;
@@ -20,12 +23,11 @@ using navigation::BudgetQuestion;
 using navigation::BudgetScene;
 using navigation::CoreMatrix;
 using navigation::Scenario;
-using noise::ErrorSource;
+using tests::kDegreePerHour;
+using tests::kMicroG;
 
 namespace {
 
-constexpr double kMicroG = 9.80665e-6;
-constexpr double kDegreePerHour = earth::kDegree / 3600;
 constexpr double kPad = 60;
 
 /// Every kind of error, none so large that linear theory fails.
@@ -137,19 +139,16 @@ TEST(AlignedBudget, EachSourceAloneAgreesWithMonteCarlo) {
   const BudgetScene scene = budget_scene(scenario, short_climb(), question);
   const Budget budget = error_budget(scene.timeline, scene.sources, scene.design);
   constexpr double kRight = 1 - 1e-4;
-  const auto fly = [&](std::string_view source, noise::ErrorSources gyro, noise::ErrorSources accelerometer) {
+  const auto expect_line = [&](std::string_view source) {
     navigation::MonteCarlo::Options options;
     options.runs = 250;
     options.imu_interval = 0.1;
-    options.imu.gyro = gyro;
-    options.imu.accelerometer = accelerometer;
-    options.initial_errors = options.fix_noise = false;
-    options.self_alignment = true;
-    const auto flown = monte_carlo(scene.timeline, scenario.sensor, scene.initial, scene.C_enu, scene.design,
-                                   scene.aids, options);
+    const auto flown = fly_alone(
+        scene, scenario, *std::ranges::find(scene.sources, source, &navigation::Source::name), options);
+    ASSERT_TRUE(flown);
     const auto band = navigation::sigma_ratio_band(options.runs, kRight);
     for (std::size_t i = 0; i < budget.times.size(); ++i) {
-      const auto found = navigation::local_sigmas(flown.covariance(i), scene.C_enu);
+      const auto found = navigation::local_sigmas(flown->covariance(i), scene.C_enu);
       const auto linear = navigation::local_sigmas(covariance_of(budget, source, i), scene.C_enu);
       // The axis that a source is felt in: heading and what it does across for gyros, level for accelerometers.
       const int axis = source.starts_with("gyro") ? 2 : 0;
@@ -159,12 +158,9 @@ TEST(AlignedBudget, EachSourceAloneAgreesWithMonteCarlo) {
       EXPECT_TRUE(band.holds(position)) << source << " at " << budget.times[i] << ", position " << position;
     }
   };
-  fly("gyro.arw", {ErrorSource::white}, {});
-  fly("gyro.rrw", {ErrorSource::rate_random_walk}, {});
-  fly("gyro.turn_on_bias", {ErrorSource::turn_on_bias}, {});
-  fly("accelerometer.vrw", {}, {ErrorSource::white});
-  fly("accelerometer.accel_rw", {}, {ErrorSource::rate_random_walk});
-  fly("accelerometer.turn_on_bias", {}, {ErrorSource::turn_on_bias});
+  for (const auto* source : {"gyro.arw", "gyro.rrw", "gyro.turn_on_bias", "accelerometer.vrw",
+                             "accelerometer.accel_rw", "accelerometer.turn_on_bias"})
+    expect_line(source);
 }
 
 // A heading from outside keeps its own line; the sensors are charged with level alone.

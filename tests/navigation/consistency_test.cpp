@@ -72,3 +72,31 @@ TEST(Consistency, IsLostWithoutFlickerStatesAndNISIsBlindToIt) {
   EXPECT_GT(Verdict::mean(v.bias), 1.5);
   EXPECT_NEAR(Verdict::mean(v.nis), 6, 0.12);
 }
+
+// Two directions of three hold variance: the sum of the first two axes has none of first order.
+TEST(Consistency, NEESOfFirstOrderSaysWhatItLeavesOut) {
+  Matrix3d P;
+  P << 4, -4, 0, -4, 4, 0, 0, 0, 9;
+  const navigation::FirstOrderNees nees(P, 1e-6);
+  EXPECT_EQ(nees.dof(), 2);
+  ASSERT_EQ(nees.left_out().size(), 1U);
+  const auto& direction = nees.left_out()[0];
+  EXPECT_NEAR(std::abs(direction.weights.dot(Vector3d(1, 1, 0))), std::sqrt(2), 1e-12);
+  // Half of (2, -2) over variance 2 along (1, -1)/sqrt(2), in sigmas of 2; one sigma of the third; and an error of
+  // second order that does not count.
+  const Vector3d error(2 + 1e-3, -2 + 1e-3, 3);
+  EXPECT_NEAR(nees(error), 1 + 1, 1e-12);
+  EXPECT_NEAR(std::abs(nees.along(direction, error)), std::sqrt(2) * 1e-3 / 2, 1e-12);
+  // An axis without variance is a direction of its own, in its own unit.
+  P.setZero();
+  P(0, 0) = 4;
+  const navigation::FirstOrderNees one(P, 0);
+  EXPECT_EQ(one.dof(), 1);
+  ASSERT_EQ(one.left_out().size(), 2U);
+  EXPECT_NEAR(one(Vector3d(2, 1e-9, 5)), 1, 1e-12);
+  EXPECT_NEAR(std::hypot(one.along(one.left_out()[0], Vector3d(2, 3, 4)),
+                         one.along(one.left_out()[1], Vector3d(2, 3, 4))),
+              5, 1e-12);
+  EXPECT_THROW((void)navigation::FirstOrderNees(P, 1), std::invalid_argument);
+  EXPECT_THROW((void)one(Eigen::Vector2d::Zero()), std::invalid_argument);
+}

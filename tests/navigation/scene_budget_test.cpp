@@ -5,12 +5,15 @@
 #include "gyrobudget/earth/attitude.h"
 #include "gyrobudget/earth/frames.h"
 #include "gyrobudget/earth/paths.h"
+#include "gyrobudget/navigation/scene_runs.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <random>
+
+#include "sensors.h"
 
 using namespace gyrobudget;  // NOLINT
 using Eigen::Matrix3d;
@@ -25,30 +28,12 @@ using navigation::Source;
 
 namespace {
 
-constexpr double kMicroG = 9.80665e-6;
-constexpr double kDegreePerHour = earth::kDegree / 3600;
-
-noise::SensorModel tactical() {
-  noise::SensorModel sensor;
-  sensor.gyro.white = 0.15 * earth::kDegree / 60;
-  sensor.gyro.bias_instability = 0.7 * kDegreePerHour;
-  sensor.gyro.rate_random_walk = 4.32 * kDegreePerHour / 60;
-  sensor.gyro.turn_on_bias = 10 * kDegreePerHour;
-  sensor.gyro.scale_factor = 5e-4;
-  sensor.gyro.misalignment = 1e-3;
-  sensor.gyro.powered_on_before = 600;
-  sensor.accelerometer.emplace();
-  sensor.accelerometer->white = 1e-3;
-  sensor.accelerometer->bias_instability = 50 * kMicroG;
-  sensor.accelerometer->turn_on_bias = 1000 * kMicroG;
-  sensor.accelerometer->scale_factor = 5e-4;
-  sensor.accelerometer->misalignment = 1e-3;
-  return sensor;
-}
+using tests::kDegreePerHour;
+using tests::kMicroG;
 
 Scenario given_start() {
   Scenario scenario;
-  scenario.sensor = tactical();
+  scenario.sensor = tests::mems_imu();
   scenario.alignment.position_sigma = Vector3d(1, 1, 2);
   scenario.alignment.velocity_sigma = Vector3d::Constant(0.05);
   scenario.alignment.level_sigma = 1e-3;
@@ -263,11 +248,7 @@ navigation::MonteCarlo fly(const BudgetScene& scene, const Scenario& scenario, i
   navigation::MonteCarlo::Options options;
   options.runs = runs;
   options.imu_interval = 0.02;
-  options.self_alignment = scene.self_alignment;
-  options.heading_sigma = scene.heading_sigma;
-  options.filter = scenario.filter;
-  return monte_carlo(scene.timeline, scenario.sensor, scene.initial, scene.C_enu, scene.design, scene.aids,
-                     options);
+  return navigation::fly(scene, scenario, options);
 }
 
 // Nine ratios and a NEES at 1e-4 each: one alarm in a thousand seeds.
@@ -282,8 +263,9 @@ void expect_agreement(const BudgetScene& scene, const navigation::MonteCarlo& fl
     EXPECT_TRUE(band.holds(found.velocity[k] / linear.velocity[k])) << found.velocity[k] / linear.velocity[k];
     EXPECT_TRUE(band.holds(found.attitude[k] / linear.attitude[k])) << found.attitude[k] / linear.attitude[k];
   }
-  const double nees = flown.mean_nees(i, budget.total[i]);
-  EXPECT_TRUE(navigation::chi_square_mean_band(9, flown.runs, kRight).holds(nees)) << nees;
+  const auto nees = flown.nees(i, budget.total[i], scene.C_enu);
+  EXPECT_GE(nees.dof, 6);
+  EXPECT_TRUE(navigation::chi_square_mean_band(nees.dof, flown.runs, kRight).holds(nees.mean)) << nees.mean;
 }
 
 }  // namespace
@@ -493,7 +475,7 @@ TEST(SceneBudget, RefusesThirtyYearsAtOnceAndMoreSamplesThanCount) {
 
 TEST(SceneBudget, SaysWhereTheHeadingIsNotObservable) {
   Scenario scenario;
-  scenario.sensor = tactical();
+  scenario.sensor = tests::mems_imu();
   scenario.alignment.attitude = navigation::SelfAlignment{.duration = 60, .heading = std::nullopt};
   const BudgetScene scene = budget_scene(scenario, earth::ascent({}), quick(1));
   ASSERT_FALSE(scene.warnings.empty());
