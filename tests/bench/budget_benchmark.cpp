@@ -155,7 +155,7 @@ void by_states(const Scenario& scenario, Points& points) {
 void by_runs(const Scenario& scenario, const std::string& way, Points& points) {
   const BudgetScene scene = scene_of(scenario, 0.4);
   const double linear = position(error_budget(scene.timeline, scene.sources, scene.design).total.back());
-  fmt::print("\n{:<24} found/linear   99 % band of an axis   run time   of a run of strapdown alone\n", way);
+  fmt::print("\n{:<25} found/linear   99 % band of an axis   run time   of a run of strapdown alone\n", way);
   for (const int runs : {50, 200, 1000}) {
     navigation::MonteCarlo::Options options;
     options.runs = runs;
@@ -163,7 +163,7 @@ void by_runs(const Scenario& scenario, const std::string& way, Points& points) {
     const double cost = seconds([&] { found = position(fly(scene, scenario, options).covariance(0)); });
     const auto band = navigation::sigma_ratio_band(runs, 0.99);
     points[way].push_back({cost, (band.upper - band.lower) / 2});
-    fmt::print("  {:5} runs                {:5.3f}       {:5.3f} to {:5.3f}         {:5.2f} s    {:4.1f} x\n",
+    fmt::print("  {:5} runs                 {:5.3f}       {:5.3f} to {:5.3f}         {:5.2f} s    {:4.1f} x\n",
                runs, found / linear, band.lower, band.upper, cost, cost / runs / strapdown_alone());
   }
 }
@@ -198,7 +198,7 @@ int main(int argc, char** argv) {
   by_states(scenario, points);
   if (std::ranges::find(words, "quick") == words.end()) {
     by_runs(scenario, "Monte Carlo, 100 Hz", points);
-    by_runs(aided(), "the same with a filter", points);
+    by_runs(aided(), "Monte Carlo with a filter", points);
   }
   const auto plot = std::ranges::find(words, "--plot");
   if (plot != words.end() && plot + 1 != words.end()) io::write_file(std::string(plot[1]), picture(points));
