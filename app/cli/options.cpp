@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: MIT
+// Options that verbs share.
+#include "options.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "values.h"
+
+namespace gyrobudget::inline v0::cli {
+
+void add_common(CLI::App& app, Common& common, bool has_json) {
+  auto* group = app.add_option_group("Common");
+  if (has_json) group->add_flag("--json", common.json, "one JSON object on stdout and nothing else");
+  group->add_flag("-q,--quiet", common.quiet, "no messages on stderr");
+  group
+      ->add_option("--threads", common.threads,
+                   "number of threads (all cores); the result does not depend on it")
+      ->check(CLI::Range(0, 4096));
+}
+
+void add_pictures(CLI::App& app, Pictures& pictures) {
+  auto* group = app.add_option_group("Pictures");
+  group->add_option("--report", pictures.report, "write a self-contained HTML page")->type_name("FILE.html");
+  group->add_option("--plot", pictures.plot, "write the figure")->type_name("FILE.svg|.png|.pdf");
+}
+
+void add_format(CLI::App& app, Texts& texts, const std::string& help) {
+  app.add_option("--format", texts.format, help)
+      ->check(CLI::IsMember({"csv", "f32", "f64", "npy"}))
+      ->type_name("FORMAT");
+}
+
+void add_log(CLI::App& app, CurveArguments& curve, Texts& texts) {
+  auto* group = app.add_option_group("Log");
+  group->add_option("--rate", texts.rate, "sample rate, where the log has no time column")->type_name("HZ");
+  group->add_option(
+      "--unit", curve.log.unit,
+      "unit of the data columns without one in the header, e.g. deg/s, rad/s, deg/h, g; 1 is dimensionless");
+  group->add_option("--input", texts.input, "what a sample is: rate, increment (angle per sample) or angle")
+      ->check(CLI::IsMember({"rate", "increment", "angle"}));
+  group->add_option("--scale", curve.log.scale, "units per count");
+  group->add_option("--column", curve.log.columns, "names or numbers (from 1) of the columns to use")
+      ->type_name("NAME|N ...");
+  add_format(*group, texts,
+             "csv, or binary: f32, f64 (raw, little-endian), npy; needs --rate and --unit [by the ending]");
+  group->add_option("--columns", curve.log.file_columns, "numbers a sample has in a raw binary log [1]")
+      ->check(CLI::Range(1, 65536))
+      ->type_name("K");
+  group
+      ->add_option(
+          "--resample", texts.resample,
+          "average readings at uneven times over even intervals of this rate; only where asked for, and "
+          "it is said what that does to short taus")
+      ->type_name("HZ");
+  group->add_flag("--strict-gaps", curve.strict_gaps,
+                  "use a cluster only where none of its samples is missing (else 95 %)");
+}
+
+void add_curve(CLI::App& app, CurveArguments& curve, const std::string& default_taus) {
+  curve.taus = default_taus;
+  auto* group = app.add_option_group("Curve");
+  group
+      ->add_option("--taus", curve.taus,
+                   "averaging times: octave, decade, all, or a number of log-spaced ones")
+      ->type_name("octave|decade|all|N")
+      ->capture_default_str();
+  group->add_flag("--ieee", curve.ieee_form,
+                  "n - 2m terms as IEEE Std 952 and MATLAB count (else n - 2m + 1)");
+}
+
+void finish_log(CurveArguments& curve, const Texts& texts) {
+  if (!texts.rate.empty()) curve.log.rate_hz = rate("--rate", texts.rate);
+  if (!texts.resample.empty()) curve.log.resample_hz = rate("--resample", texts.resample);
+  curve.log.input = texts.input == "angle"       ? io::Input::angle
+                    : texts.input == "increment" ? io::Input::increment
+                                                 : io::Input::rate;
+  if (!texts.format.empty()) curve.log.format = io::format_named(texts.format);
+  const bool named = curve.taus == "octave" || curve.taus == "decade" || curve.taus == "all";
+  const bool count = !curve.taus.empty() && curve.taus.size() < 7 &&
+                     curve.taus.find_first_not_of("0123456789") == std::string::npos &&
+                     std::stoi(curve.taus) > 1;
+  if (!named && !count) {
+    throw std::invalid_argument(
+        fmt::format("--taus {}: must be octave, decade, all, or a number from 2 on", curve.taus));
+  }
+  if (curve.log.scale == 0 || !std::isfinite(curve.log.scale)) {
+    throw std::invalid_argument(fmt::format("--scale {}: must be a number other than 0", curve.log.scale));
+  }
+}
+
+}  // namespace gyrobudget::inline v0::cli

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: MIT
+// Inside the command line: the options of the verbs. The one header that includes CLI11.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "arguments.h"
+
+namespace gyrobudget::inline v0::cli {
+
+/// Options as text, before they become values with units.
+struct Texts {
+  std::string rate, duration, terms, tau_min, tau_max, input = "rate", method = "gls", axes = "x,y,z";
+  std::string seed = "1", skip, taps, noise_type, variant, rrw, correlation_time;
+  std::string records, methods, axis = "gyro", require;
+  std::string estimators = "oadev", stride = "1", format, psd, window, gap, resample;
+  std::string trajectory, truth, fixes, attitude, flight_input, vibration, run;
+  std::string at, step, limit;
+  std::vector<std::string> wishes, mask, logs;
+};
+
+/// A verb on the command line.
+struct Verb {
+  CLI::App* app;
+  std::function<Arguments()> arguments;  ///< once it is parsed; throws std::invalid_argument
+};
+
+/// A verb that `add` declares and `finish` turns from text into values.
+template <class A>
+Verb make_verb(CLI::App& app, CLI::App* (*add)(CLI::App&, A&, Texts&), void (*finish)(A&, const Texts&)) {
+  struct State {
+    A arguments;
+    Texts texts;
+  };
+  const auto state = std::make_shared<State>();
+  return {add(app, state->arguments, state->texts), [state, finish] {
+            finish(state->arguments, state->texts);
+            return Arguments(state->arguments);
+          }};
+}
+
+// Each adds its verb to the program.
+[[nodiscard]] Verb simulate_verb(CLI::App&);
+[[nodiscard]] Verb allan_verb(CLI::App&);
+[[nodiscard]] Verb calibrate_verb(CLI::App&);
+[[nodiscard]] Verb plan_verb(CLI::App&);
+[[nodiscard]] Verb accuracy_verb(CLI::App&);
+[[nodiscard]] Verb paper_verb(CLI::App&);
+[[nodiscard]] Verb navigate_verb(CLI::App&);
+[[nodiscard]] Verb budget_verb(CLI::App&);
+[[nodiscard]] Verb fly_verb(CLI::App&);
+
+// Options that verbs share.
+void add_common(CLI::App&, Common&, bool has_json = true);
+void add_pictures(CLI::App&, Pictures&);
+void add_format(CLI::App&, Texts&, const std::string& help);
+void add_log(CLI::App&, CurveArguments&, Texts&);
+void add_curve(CLI::App&, CurveArguments&, const std::string& default_taus);
+void finish_log(CurveArguments&, const Texts&);
+
+}  // namespace gyrobudget::inline v0::cli

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: MIT
+// Options of the verbs that study: plan, accuracy and paper.
+#include "gyrobudget/fit/requirement.h"
+#include "gyrobudget/noise/units.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "options.h"
+#include "values.h"
+
+namespace gyrobudget::inline v0::cli {
+namespace {
+
+CLI::App* add_plan(CLI::App& app, PlanArguments& a, Texts& texts) {
+  auto* verb =
+      app.add_subcommand("plan",
+                         "How long to record for a wanted accuracy, or what accuracy a recording buys.\n\n"
+                         "  gyrobudget plan examples/sensors/mems.yaml --want B=10%\n"
+                         "  gyrobudget plan sensor.yaml --duration 2h --rate 200\n");
+  verb->add_option("sensor", a.sensor, "sensor file with the expected coefficients")
+      ->required()
+      ->type_name("SENSOR");
+  verb->add_option("--rate", texts.rate, "sample rate [100 Hz]")->type_name("HZ");
+  verb->add_option("--duration", texts.duration, "what will a record of this length buy?")->type_name("TIME");
+  verb->add_option("--want", texts.wishes,
+                   "how long for this accuracy (one sigma, relative), e.g. B=10% or arw=1%")
+      ->type_name("TERM=ACCURACY ...");
+  add_common(*verb, a.common);
+  return verb;
+}
+
+void finish(PlanArguments& a, const Texts& texts) {
+  if (!texts.rate.empty()) a.rate_hz = rate("--rate", texts.rate);
+  if (!texts.duration.empty()) a.duration_s = duration("--duration", texts.duration);
+  for (const auto& text : texts.wishes) a.wishes.push_back(wish(text));
+}
+
+CLI::App* add_accuracy(CLI::App& app, AccuracyArguments& a, Texts& texts) {
+  auto* verb = app.add_subcommand(
+      "accuracy",
+      "How wrong the fits are: simulates records of known truth and compares.\n\n"
+      "  gyrobudget accuracy examples/sensors/mems.yaml --report accuracy.html\n"
+      "  gyrobudget accuracy sensor.yaml --duration 2h --rate 10 --require \"arw.rmse<1.1*crlb, coverage in "
+      "0.92..0.98\"\n"
+      "  gyrobudget accuracy sensor.yaml --sweep\n");
+  verb->add_option("sensor", a.sensor, "sensor file: the truth")->required()->type_name("SENSOR");
+  verb->add_option("--duration", texts.duration, "length of a record [10h]")->type_name("TIME");
+  verb->add_option("--rate", texts.rate, "sample rate [1 Hz]")->type_name("HZ");
+  verb->add_option("--records", texts.records, "how many [500; 200 for --sweep]")->type_name("N");
+  verb->add_option("--methods", texts.methods, "of gls, edf, loglog, slope, visual, whittle [gls,whittle]")
+      ->type_name("LIST");
+  verb->add_option("--terms", texts.terms,
+                   "terms to fit, of Q,N,B,K,R [N,B,K, and Q and R where the sensor has them]")
+      ->type_name("LIST");
+  verb->add_option("--axis", texts.axis, "which of the sensor's two")
+      ->check(CLI::IsMember({"gyro", "accelerometer"}))
+      ->capture_default_str();
+  verb->add_option("--seed", texts.seed, "of the random numbers; printed into every output")
+      ->capture_default_str();
+  verb->add_option("--require", texts.require,
+                   "limits, [METHOD.][COEFFICIENT.]QUANTITY < NUMBER[*crlb|*likelihood] or in LOW..HIGH; "
+                   "quantities: rmse, bias, coverage, coverage_identified, identified, missed, false_terms, "
+                   "p05, p01, unconverged, seconds; exit code 1 where one is broken")
+      ->type_name("LIMITS");
+  verb->add_option("--report", a.report, "write a self-contained HTML page")->type_name("FILE.html");
+  verb->add_flag("--sweep", a.sweep,
+                 "error against run time instead: over methods, taus an octave, strides and record lengths");
+  verb->add_option("--longest", a.longest, "longest record of the sweep, samples from 1e4 to 1e8 [1e7]")
+      ->check(CLI::Range(1e4, 1e8))
+      ->type_name("N");
+  add_common(*verb, a.common);
+  return verb;
+}
+
+void finish_sweep(AccuracyArguments& a, const Texts& texts) {
+  for (const auto& [option, text] : {std::pair{"--methods", texts.methods}, {"--require", texts.require}}) {
+    if (a.sweep && !text.empty()) {
+      throw std::invalid_argument(fmt::format("{}: --sweep takes every method and has no limits", option));
+    }
+  }
+  if (a.longest && !a.sweep) throw std::invalid_argument("--longest belongs to --sweep");
+}
+
+void finish(AccuracyArguments& a, const Texts& texts) {
+  if (!texts.duration.empty()) a.duration_s = duration("--duration", texts.duration);
+  if (!texts.rate.empty()) a.rate_hz = rate("--rate", texts.rate);
+  constexpr double kFewestSamples = 16, kMostSamples = 1e8;
+  const double samples = std::round(a.duration_s * a.rate_hz);
+  if (!(samples >= kFewestSamples && samples <= kMostSamples)) {
+    throw std::invalid_argument(fmt::format("{:g} s at {:g} Hz are {:.3g} samples; a record has 16 to 1e8",
+                                            a.duration_s, a.rate_hz, samples));
+  }
+  if (!texts.records.empty()) {
+    constexpr std::uint64_t kMostRecords = 10'000'000;
+    const std::uint64_t records = whole_number("--records", texts.records);
+    if (records < 1 || records > kMostRecords) {
+      throw std::invalid_argument(fmt::format("--records {}: must be from 1 to {}", records, kMostRecords));
+    }
+    a.records = static_cast<int>(records);
+  }
+  for (const auto& name : split(texts.methods.empty() ? "gls,whittle" : texts.methods, ',')) {
+    const fit::Method method = method_named(name);
+    if (std::ranges::find(a.methods, method) == a.methods.end()) a.methods.push_back(method);
+  }
+  if (!texts.terms.empty()) a.terms = terms(texts.terms);
+  if (texts.axis == "accelerometer") a.signal = noise::Signal::specific_force;
+  a.seed = seed(texts.seed);
+  if (!texts.require.empty()) a.requirements = fit::parse_requirements(texts.require);
+  finish_sweep(a, texts);
+}
+
+CLI::App* add_paper(CLI::App& app, PaperArguments& a, Texts& texts) {
+  auto* verb = app.add_subcommand(
+      "paper",
+      "The tables and figures of Nunes et al. beside ours, and why they differ: gyro noise,\n"
+      "the first stage flown in closed loop on each gyro, and what could have made its\n"
+      "distances.\n\n"
+      "  gyrobudget paper --report paper.html\n"
+      "  gyrobudget paper --seed 7 --json\n");
+  verb->add_option("--seed", texts.seed, "of the random numbers; printed into every output")
+      ->capture_default_str();
+  verb->add_option("--report", a.report, "write a self-contained HTML page with the figures")
+      ->type_name("FILE.html");
+  add_common(*verb, a.common);
+  return verb;
+}
+
+void finish(PaperArguments& a, const Texts& texts) { a.seed = seed(texts.seed); }
+
+}  // namespace
+
+Verb plan_verb(CLI::App& app) { return make_verb<PlanArguments>(app, add_plan, finish); }
+Verb accuracy_verb(CLI::App& app) { return make_verb<AccuracyArguments>(app, add_accuracy, finish); }
+Verb paper_verb(CLI::App& app) { return make_verb<PaperArguments>(app, add_paper, finish); }
+
+}  // namespace gyrobudget::inline v0::cli
