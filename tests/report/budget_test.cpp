@@ -50,7 +50,7 @@ BudgetResult full() {
   r.monte_carlo = BudgetResult::MonteCarlo{.runs = 100,
                                            .seed = 7,
                                            .covariance = diagonal(5, 0.5, 0.05),
-                                           .nees = 9.1,
+                                           .nees = {.mean = 9.1, .dof = 9, .left_out = {}},
                                            .points = {{1, 2, 3}, {-1, 0, 2}}};
   r.limit = BudgetResult::Limit{.text = "rss < 10 m",
                                 .component = "rss",
@@ -66,7 +66,7 @@ BudgetResult empty() {
   for (auto& line : r.budget.lines) line.covariance.assign(2, CoreMatrix::Zero());
   r.budget.total.assign(2, CoreMatrix::Zero());
   r.exact = std::vector<CoreMatrix>(2, CoreMatrix::Zero());
-  r.monte_carlo->nees = std::numeric_limits<double>::quiet_NaN();
+  r.monte_carlo->nees = {.mean = std::numeric_limits<double>::quiet_NaN(), .dof = 0, .left_out = {}};
   return r;
 }
 
