@@ -163,8 +163,9 @@ void by_runs(const Scenario& scenario, const std::string& way, Points& points) {
     const double cost = seconds([&] { found = position(fly(scene, scenario, options).covariance(0)); });
     const auto band = navigation::sigma_ratio_band(runs, 0.99);
     points[way].push_back({cost, (band.upper - band.lower) / 2});
-    fmt::print("  {:5} runs                 {:5.3f}       {:5.3f} to {:5.3f}         {:5.2f} s    {:4.1f} x\n",
-               runs, found / linear, band.lower, band.upper, cost, cost / runs / strapdown_alone());
+    fmt::print(
+        "  {:5} runs                 {:5.3f}       {:5.3f} to {:5.3f}         {:5.2f} s    {:4.1f} x\n", runs,
+        found / linear, band.lower, band.upper, cost, cost / runs / strapdown_alone());
   }
 }
 
