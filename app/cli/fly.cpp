@@ -68,7 +68,8 @@ FlightResult fly(const FlyArguments& a, Case& c, Progress& progress, const Inter
                  .plan = source.plan,
                  .dispersion = source.dispersion,
                  .study = study(source.plan, source.dispersion, c.file.scenario, options)};
-  if (c.file.sensor.empty()) r.study.notes.emplace_back("the IMU is ideal: the scene names no sensor file");
+  if (c.file.sensor.empty() && a.sensors.empty())
+    r.study.notes.emplace_back("the IMU is ideal: the scene names no sensor file");
   return r;
 }
 
