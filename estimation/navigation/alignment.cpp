@@ -2,9 +2,11 @@
 #include "gyrobudget/navigation/alignment.h"
 
 #include "gyrobudget/navigation/detail/gauss_markov.h"
+#include "gyrobudget/navigation/sensor_states.h"
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -23,7 +25,6 @@ constexpr std::size_t kParts = 6;
 constexpr double kStudent =
     2.570582 / 1.959964;  // t of 95 % with kParts - 1 degrees of freedom, beside normal's
 constexpr double kUnknownHeading = pi * std::numbers::inv_sqrt3;  // sigma of an angle that may be any
-constexpr double kFlat = 2 * std::numbers::ln2 / pi;              // Allan variance of flicker beside B^2
 constexpr double kSteepest = 1e-3;                                // horizontal part of a heading's axis
 
 /// From errors of mean specific force and rate in east, north, up to psi.
@@ -35,6 +36,7 @@ struct Jacobian {
 /// Variances of the means over T, per body axis.
 struct Variances {
   Vector3d bias, calibration, noise;
+  Vector3d wander;  ///< by which slow errors alone make the means of the record's parts scatter
 };
 
 double squared(double x) { return x * x; }
@@ -44,15 +46,62 @@ Vector3d squares(const std::optional<noise::PerAxis>& sigma) {
   return Vector3d((*sigma)[0], (*sigma)[1], (*sigma)[2]).cwiseAbs2();
 }
 
+// How far means over T lie from where a slow process was known last: [0, T] against the value at -P, or against the
+// mean over [-C, 0]. Variances beside that of the process' unit.
+
+double moved_walk(const Epoch& epoch, double T) {
+  return T / 3 + (epoch.calibrated_over ? *epoch.calibrated_over / 3 : epoch.powered_on_before);
+}
+
+double moved_gauss_markov(const Epoch& epoch, double T, double correlation_time) {
+  using detail::mean_exponential, detail::mean_variance;
+  const double t = T / correlation_time;
+  if (!epoch.calibrated_over) return mean_variance(t);  // stationary
+  const double c = *epoch.calibrated_over / correlation_time;
+  return std::max(0.0, mean_variance(t) + mean_variance(c) - 2 * mean_exponential(t) * mean_exponential(c));
+}
+
+double x_log_x(double x) { return x > 0 ? x * std::log(x) : 0; }
+
+// D(u) = (2 B^2/pi) (ln(4 u/dt) + gamma) at many samples of dt: E (y - z)^2 of two means is the mean of D between them
+// less half of that within each, which is ln T - 3/2 of a mean's ln u.
+double moved_flicker(const Epoch& epoch, double T, double dt) {
+  constexpr double kWithin = 1.5;
+  if (epoch.calibrated_over) {
+    const double C = *epoch.calibrated_over, both = T + C;
+    const double between = (both * x_log_x(both) - T * x_log_x(T) - C * x_log_x(C)) / (2 * T * C) - kWithin;
+    return 2 / pi * (between - (std::log(T) + std::log(C)) / 2 + kWithin);
+  }
+  const double P = epoch.powered_on_before;
+  const double between = (x_log_x(T + P) - x_log_x(P)) / T - 1;
+  const double fast = std::log(4 / dt) + std::numbers::egamma;
+  return 2 / pi * std::max(0.0, fast / 2 + between - (std::log(T) - kWithin) / 2);
+}
+
+// Expected scatter() by what varies slowly: means of n parts differ as D within the record does from that within a part.
+double wander(const noise::ErrorModel& model, double T) {
+  constexpr double n = kParts;
+  double within = squared(model.rate_random_walk) * T / 3 * (1 - 1 / n) +
+                  squared(model.bias_instability) * 2 / pi * std::log(n);
+  for (const noise::GaussMarkov& process : model.gauss_markov) {
+    const double t = T / process.correlation_time;
+    within += 2 * squared(process.sigma) * (detail::mean_variance(t / n) - detail::mean_variance(t));
+  }
+  return within / (2 * (n - 1));
+}
+
 /// `signal` is what the triad senses, `force` what it is under.
-Variances variances(const noise::ErrorModel& model, const Vector3d& signal, const Vector3d& force, double T) {
+Variances variances(const noise::ErrorModel& model, const Vector3d& signal, const Vector3d& force, double T,
+                    double interval) {
+  const Epoch epoch = epoch_of(model);
   // The mean of R t from power-on, or from the middle of the calibration, to the middle of the record.
   const double ramped =
-      T / 2 + (model.calibrated_over ? *model.calibrated_over / 2 : model.powered_on_before.value_or(0));
-  double moved = kFlat * squared(model.bias_instability) + squared(model.rate_random_walk) * T / 3 +
-                 squared(model.rate_ramp * ramped);
+      T / 2 + (epoch.calibrated_over ? *epoch.calibrated_over / 2 : epoch.powered_on_before);
+  double moved = squared(model.rate_random_walk) * moved_walk(epoch, T) + squared(model.rate_ramp * ramped);
+  if (model.bias_instability != 0)
+    moved += squared(model.bias_instability) * moved_flicker(epoch, T, interval);
   for (const noise::GaussMarkov& process : model.gauss_markov)
-    moved += squared(process.sigma) * detail::mean_variance(T / process.correlation_time);
+    moved += squared(process.sigma) * moved_gauss_markov(epoch, T, process.correlation_time);
   const Vector3d constant = model.calibrated_over
                                 ? Vector3d(Vector3d::Constant(squared(model.white) / *model.calibrated_over))
                                 : squares(model.turn_on_bias);
@@ -62,7 +111,8 @@ Variances variances(const noise::ErrorModel& model, const Vector3d& signal, cons
                                squares(model.g_sensitivity) * force.squaredNorm() +
                                squares(model.g2_sensitivity).cwiseProduct(force.cwiseAbs2().cwiseAbs2());
   const double noise = squared(model.white) / T + 2 * squared(model.quantization / T);
-  return {constant + Vector3d::Constant(moved), calibration, Vector3d::Constant(noise)};
+  return {constant + Vector3d::Constant(moved), calibration, Vector3d::Constant(noise),
+          Vector3d::Constant(wander(model, T))};
 }
 
 /// C_lb of east, north, up from the vertical and any vector with a part to the north.
@@ -90,6 +140,10 @@ void check(const AlignmentOptions& options) {
   if (!(options.heading_limit > 0) || !std::isfinite(options.heading_limit))
     throw std::invalid_argument(
         fmt::format("limit {} rad of the heading must be positive, finite", options.heading_limit));
+  if (!(options.interval > 0) || !std::isfinite(options.interval))
+    throw std::invalid_argument(fmt::format("interval {} s of the IMU must be positive", options.interval));
+  check(epoch_of(options.sensor.gyro), "gyro");
+  if (options.sensor.accelerometer) check(epoch_of(*options.sensor.accelerometer), "accelerometer");
   if (!options.heading) return;
   const GivenHeading& heading = *options.heading;
   if (!std::isfinite(heading.azimuth) || !(heading.sigma >= 0) || !std::isfinite(heading.sigma))
@@ -116,9 +170,9 @@ class Aligner {
     a_.means = means;
     g_ = means.f_ib_b.norm();
     a_.up_b = means.f_ib_b / g_;
-    gyro_ = variances(options.sensor.gyro, means.w_ib_b, means.f_ib_b, means.duration);
+    gyro_ = variances(options.sensor.gyro, means.w_ib_b, means.f_ib_b, means.duration, options.interval);
     accelerometer_ = variances(options.sensor.accelerometer.value_or(noise::ErrorModel{}), means.f_ib_b,
-                               means.f_ib_b, means.duration);
+                               means.f_ib_b, means.duration, options.interval);
   }
 
   Alignment run() {
@@ -218,7 +272,9 @@ class Aligner {
     const Matrix3d bias = mapped(rate, gyro_.bias) + mapped(force, accelerometer_.bias);
     const Matrix3d calibration = mapped(rate, gyro_.calibration) + mapped(force, accelerometer_.calibration);
     const Matrix3d noise = mapped(rate, gyro_.noise) + mapped(force, accelerometer_.noise);
-    const Vector3d motion = (scatter(rate, force) - noise.diagonal()).cwiseMax(0);
+    const Vector3d known =
+        noise.diagonal() + (mapped(rate, gyro_.wander) + mapped(force, accelerometer_.wander)).diagonal();
+    const Vector3d motion = squared(kStudent) * (scatter(rate, force) - known).cwiseMax(0);
     a_.parts = {.bias = bias.diagonal().cwiseSqrt(),
                 .calibration = calibration.diagonal().cwiseSqrt(),
                 .noise = noise.diagonal().cwiseSqrt(),
@@ -230,14 +286,16 @@ class Aligner {
     a_.accelerometer_bias_covariance = force * accelerometer_.bias.asDiagonal();
     a_.gyro_bias_variance = gyro_.bias;
     a_.accelerometer_bias_variance = accelerometer_.bias;
+    a_.mean_error_variance << gyro_.bias + gyro_.calibration,
+        accelerometer_.bias + accelerometer_.calibration;
   }
 
-  /// Variance of psi over the whole record as the parts show it.
+  /// Variance of the mean psi over the whole record as the parts show it.
   Vector3d scatter(const Matrix3d& rate, const Matrix3d& force) const {
     Vector3d sum = Vector3d::Zero();
     for (const StaticMeans& part : parts_)
       sum += (rate * (part.w_ib_b - a_.means.w_ib_b) + force * (part.f_ib_b - a_.means.f_ib_b)).cwiseAbs2();
-    return squared(kStudent) / (kParts * (kParts - 1)) * sum;
+    return sum / (kParts * (kParts - 1));
   }
 
   /// sin L = u.w/|w|: dL = (cos L dw_U - sin L dw_N)/Omega - df_N/g.
@@ -298,7 +356,9 @@ Alignment align(std::span<const earth::ImuIncrement> imu, double dt, const Align
     const std::size_t from = k * imu.size() / kParts;
     parts[k] = means_of(imu.subspan(from, (k + 1) * imu.size() / kParts - from), dt);
   }
-  return Aligner(means_of(imu, dt), options, parts).run();
+  AlignmentOptions sampled = options;
+  sampled.interval = dt;
+  return Aligner(means_of(imu, dt), sampled, parts).run();
 }
 
 Alignment align(const StaticMeans& means, const AlignmentOptions& options) {

@@ -35,7 +35,11 @@ struct GivenHeading {
 [[nodiscard]] GivenHeading heading_of(const Eigen::Quaterniond& q_nb, double sigma);
 
 struct AlignmentOptions {
-  noise::SensorModel sensor;            ///< one sigma of what the record cannot show
+  /// One sigma of what the record cannot show. Its epoch is where the record starts: slow errors have moved since the
+  /// sensor was switched on or calibrated before that.
+  noise::SensorModel sensor;
+  /// Of the IMU [s], that of the increments where these are given: after power-on flicker holds all of its band.
+  double interval = 0.01;
   std::optional<double> latitude;       ///< [rad]; not given: found from the record
   std::optional<GivenHeading> heading;  ///< not given: by Earth's rate
   double heading_limit =
@@ -54,11 +58,14 @@ struct AlignmentOptions {
 struct Alignment {
   /// One sigma of the parts of psi [rad]: east, north, up (heading).
   struct Parts {
-    Eigen::Vector3d bias = Eigen::Vector3d::Zero();  ///< turn-on bias, flicker, random walk, Gauss-Markov
+    /// Turn-on bias, or what a calibration left of it, and the mean since the epoch of flicker, random walk, ramp and
+    /// Gauss-Markov.
+    Eigen::Vector3d bias = Eigen::Vector3d::Zero();
     Eigen::Vector3d calibration = Eigen::Vector3d::Zero();  ///< scale, misalignment, g-sensitivity
     Eigen::Vector3d noise = Eigen::Vector3d::Zero();        ///< white noise and quantization
     /// What the record itself shows beyond that: sway, people, thermal creep. From the scatter of the means
-    /// of six equal parts, widened by Student's t so that 1.96 sigma hold 95 %. Zero where only means were
+    /// of six equal parts beyond what the sensor's own errors make of it, widened by Student's t so that 1.96 sigma hold
+    /// 95 %. Zero where only means were
     /// given.
     Eigen::Vector3d motion = Eigen::Vector3d::Zero();
     Eigen::Vector3d heading = Eigen::Vector3d::Zero();  ///< of a heading from outside
@@ -74,7 +81,9 @@ struct Alignment {
   /// [rad per rad/s, rad per m/s^2]: to first order all of psi but for a given heading's own error. A heading that
   /// is not known has a row of zeros.
   Eigen::Matrix<double, 3, 6> by_means;
-  /// E[psi b'] with the biases of the sensors in body axes, as in "reads true + b".
+  /// What bias and calibration are assumed to add to the means, in the order of by_means.
+  Eigen::Matrix<double, 6, 1> mean_error_variance;
+  /// E[psi b'] with the mean biases of the sensors in body axes, as in "reads true + b".
   Eigen::Matrix3d gyro_bias_covariance;           ///< [rad rad/s]
   Eigen::Matrix3d accelerometer_bias_covariance;  ///< [rad m/s^2]
   Eigen::Vector3d gyro_bias_variance;             ///< per axis, as the covariances assume [rad^2/s^2]
@@ -93,7 +102,7 @@ struct Alignment {
 /// At a pitch of 90 degrees, as on a launch pad, nothing changes.
 /// @throws std::invalid_argument for fewer than 12 increments, dt not positive, numbers that are not finite
 /// or a mean specific force of zero; a latitude beyond 90 degrees; a limit or sigma out of range; a
-/// heading's axis of zero.
+/// heading's axis of zero; an interval of the IMU or an epoch of the sensor out of range.
 [[nodiscard]] Alignment align(std::span<const earth::ImuIncrement>, double dt, const AlignmentOptions&);
 /// The same from means alone: what the body did in the meantime is not seen.
 [[nodiscard]] Alignment align(const StaticMeans&, const AlignmentOptions&);

@@ -131,6 +131,8 @@ StartFromFix start_from(const PlannedFix& planned, const Timeline::Instant& at,
   for (const MeasurementRow& row : rows.row) {  // of a residual that the start makes zero
     const Vector3d axis = row.h.segment<3>(first);
     start.by_terms.middleRows<3>(first) -= axis * row.h.tail(start.by_terms.cols()).transpose();
+    if (first != kAttitude)
+      start.by_attitude.middleRows<3>(first) -= axis * row.h.segment<3>(kAttitude).transpose();
     start.white.block<3, 3>(first, first) += row.variance * axis * axis.transpose();
   }
   return start;

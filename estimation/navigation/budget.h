@@ -139,9 +139,11 @@ struct FrozenGains {
 /// Rows of a planned fix for a model's terms; the residual is zero.
 [[nodiscard]] Measurement linearise(const PlannedFix&, const Timeline::Instant&, const ErrorStateModel&);
 /// A start that is taken from a fix is wrong as the fix is: x = by_terms s + v, s the errors of the aid, cov v = white.
-/// A position is that of the IMU, the lever arm taken off.
+/// A position is that of the IMU, the lever arm taken off; taken off in an attitude wrong by psi it adds
+/// by_attitude psi.
 struct StartFromFix {
   Eigen::Matrix<double, kCoreStates, Eigen::Dynamic> by_terms;
+  Eigen::Matrix<double, kCoreStates, 3> by_attitude = Eigen::Matrix<double, kCoreStates, 3>::Zero();
   CoreMatrix white = CoreMatrix::Zero();
 };
 /// @throws std::invalid_argument for a height, which gives no start.

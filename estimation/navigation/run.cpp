@@ -87,18 +87,6 @@ SensorStates states(const Scenario& scenario, double length, double step) {
   return result;
 }
 
-// The covariance of terms some time later.
-StateMatrix moved_on(const std::vector<ErrorTerm>& terms, StateMatrix P, double dt) {
-  for (std::size_t k = 0; k < terms.size(); ++k) {
-    const auto i = static_cast<Eigen::Index>(k);
-    const double left = decay(terms[k], dt);
-    P.row(i) *= left;
-    P.col(i) *= left;
-    P(i, i) += terms[k].walk * terms[k].walk * dt * mean_decay(terms[k], 2 * dt);
-  }
-  return P;
-}
-
 // --- Measurements --------------------------------------------------------------------------------------------
 
 Measurement measure_fix(const Aid& aid, int number, const Fix& fix, const Estimate& estimate,
@@ -321,8 +309,7 @@ class Runner {
     const Span aligning = std::get<Span>(span);
     end_ = std::min(scenario_.until, stamp(recording_.imu.stamps.size() - 1));
     check_counts(aligning);
-    SensorStates sensors = states(scenario_, end_ - aligning.from, recording_.imu.typical_interval);
-    sensors.initial = moved_on(sensors.model.terms, sensors.initial, aligning.to - aligning.from);
+    const SensorStates sensors = states(scenario_, end_ - aligning.from, recording_.imu.typical_interval);
     const auto start =
         detail::start(scenario_, recording_, tracks_, aligning, sensors.model, sensors.initial);
     if (const auto* no = std::get_if<detail::NoStart>(&start)) return refuse(*no);
@@ -330,8 +317,9 @@ class Runner {
     result_.model = sensors.model;
     result_.left_out = sensors.left_out;
     result_.alignment = begin.result;
-    for (Eigen::Index k = 0; k < sensors.initial.rows(); ++k)
-      result_.initial.push_back(std::sqrt(sensors.initial(k, k)));
+    for (Eigen::Index k = kCoreStates; k < begin.P0.rows(); ++k)
+      result_.initial.push_back(std::sqrt(begin.P0(k, k)));
+    used_to_ = begin.used_to;
     Filter filter(begin.result.state, sensors.model, begin.P0, scenario_.filter);
     now_ = aligning.to;
     skip_to(now_);
@@ -427,7 +415,7 @@ class Runner {
       const Aid& aid = scenario_.aids[i];
       if (!aid.used) continue;
       const auto add = [&](double t, std::size_t fix) {
-        if (t > now_ + kSame && t <= end_ + kSame && in_use(aid, t))
+        if (t > used_to_[i] + kSame && t <= end_ + kSame && in_use(aid, t))
           list.push_back({t, i, fix});
         else
           ++sums.of(i).left_out;
@@ -538,7 +526,8 @@ class Runner {
   std::vector<FixTrack> tracks_;
   Run result_;
   double now_ = 0, end_ = 0;
-  std::size_t next_ = 0;  ///< interval of the IMU that is being used
+  std::vector<double> used_to_;  ///< by the start, of each aid's fixes
+  std::size_t next_ = 0;         ///< interval of the IMU that is being used
 };
 
 }  // namespace

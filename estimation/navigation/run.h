@@ -41,8 +41,9 @@ struct AidSummary {
   std::size_t aid = 0;
   int rows = 0;
   std::int64_t used = 0, gated = 0, not_finite = 0;
-  std::int64_t left_out = 0;         ///< before the start, after the end, in an outage, outside its validity
-  double nis_mean = 0;               ///< of those used
+  std::int64_t left_out =
+      0;                ///< before the start or in it, after the end, in an outage, outside its validity
+  double nis_mean = 0;  ///< of those used
   double nis_low = 0, nis_high = 0;  ///< 95 % of nis_mean for right sigmas: chi-square of used * rows
   double inside_95 = 0;              ///< share of those used, and gated, below the 95 % point of chi-square
   Eigen::Vector3d residual_mean = Eigen::Vector3d::Zero();  ///< of those used, in the aid's components
@@ -107,6 +108,9 @@ struct Run {
 /// one instant are used in the order of the aids. A reference that is an aid with estimated errors (mounting,
 /// lever arm) is compared as that aid sees it, with these estimates; it is interpolated to the solutions: positions
 /// by cubics through position and velocity where it has both, else straight; attitudes along the shortest turn.
+///
+/// A start that is taken from an aid is one error with that aid's bias and correlated error; its lever arm is taken off
+/// with the attitude of the start. Where no fix holds just then it is interpolated, and the fix behind is used no more.
 ///
 /// Earth rate, gravity and the rest as in strapdown.h and filter.h. The same bytes for the same input.
 /// @throws std::invalid_argument for a scene whose numbers are out of range, more than 1e7 solutions or fixes of rest,

@@ -210,6 +210,7 @@ class Builder {
     const earth::Geodetic at = earth::to_geodetic(start.p_eb_e);
     AlignmentOptions options;
     options.sensor = scenario_.sensor;
+    options.interval = question_.imu_interval;
     options.latitude = at.latitude;
     const Matrix3d C_en = earth::C_e_ned(at.latitude, at.longitude);
     if (self.heading)

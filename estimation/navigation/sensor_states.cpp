@@ -81,16 +81,6 @@ class BeyondBand {
   double offset_;
 };
 
-void check(const Triad& triad) {
-  const Epoch& epoch = triad.epoch;
-  if (!(epoch.powered_on_before >= 0) || !std::isfinite(epoch.powered_on_before))
-    throw std::invalid_argument(fmt::format("{}: powered on {} s before the scene, expected 0 or more",
-                                            triad.name, epoch.powered_on_before));
-  if (epoch.calibrated_over && (!(*epoch.calibrated_over > 0) || !std::isfinite(*epoch.calibrated_over)))
-    throw std::invalid_argument(
-        fmt::format("{}: calibrated over {} s, expected above 0 s", triad.name, *epoch.calibrated_over));
-}
-
 class Builder {
  public:
   explicit Builder(const SensorStates::Options& options) : options_(options) {
@@ -110,7 +100,7 @@ class Builder {
   }
 
   void add(const Triad& triad) {
-    check(triad);
+    check(triad.epoch, triad.name);
     auto& white =
         triad.carrier == Carrier::gyro ? result_.model.gyro_white : result_.model.accelerometer_white;
     white.setConstant(triad.errors.white);
@@ -284,6 +274,15 @@ class Builder {
 
 Epoch epoch_of(const noise::ErrorModel& errors) {
   return {errors.powered_on_before.value_or(0), errors.calibrated_over};
+}
+
+void check(const Epoch& epoch, std::string_view triad) {
+  if (!(epoch.powered_on_before >= 0) || !std::isfinite(epoch.powered_on_before))
+    throw std::invalid_argument(fmt::format("{}: powered on {} s before the scene, expected 0 or more", triad,
+                                            epoch.powered_on_before));
+  if (epoch.calibrated_over && (!(*epoch.calibrated_over > 0) || !std::isfinite(*epoch.calibrated_over)))
+    throw std::invalid_argument(
+        fmt::format("{}: calibrated over {} s, expected above 0 s", triad, *epoch.calibrated_over));
 }
 
 SensorStates sensor_states(const noise::SensorModel& sensor, const SensorStates::Options& options) {

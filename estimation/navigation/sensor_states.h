@@ -6,6 +6,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace gyrobudget::inline v0::navigation {
@@ -22,6 +23,8 @@ struct Epoch {
 
 /// That of a sensor file, which counts from the scene's start.
 [[nodiscard]] Epoch epoch_of(const noise::ErrorModel&);
+/// @throws std::invalid_argument for a calibration of 0 s or less, a negative powered_on_before, naming the triad.
+void check(const Epoch&, std::string_view triad);
 
 /// What becomes of a constant that a datasheet gives: a state to be estimated, one that is only counted
 /// (Schmidt), or none.

@@ -7,6 +7,7 @@
 #include "gyrobudget/earth/frames.h"
 #include "gyrobudget/earth/gravity.h"
 #include "gyrobudget/earth/paths.h"
+#include "gyrobudget/noise/imu.h"
 #include "gyrobudget/noise/normal.h"
 
 #include <gtest/gtest.h>
@@ -302,6 +303,68 @@ TEST(Alignment, RingLaserInAParkedVehicle) {
   EXPECT_LT(a.latitude_sigma, 2 * kDegree);
 }
 
+// Variance that the alignment counts with for the mean bias of a gyro axis over T.
+double assumed_variance(const noise::ErrorModel& gyro, double T, double dt) {
+  noise::SensorModel sensor;
+  sensor.gyro = gyro;
+  return align(standing(attitude(0, 0, 0), kLatitude, T),
+               {.sensor = sensor, .interval = dt, .latitude = kLatitude})
+      .gyro_bias_variance[0];
+}
+
+TEST(Alignment, SlowErrorsCountFromTheirEpoch) {
+  constexpr double T = 60, before = 1000;
+  constexpr double k = 1e-9, b = 1e-8;
+  const auto variance = [](const noise::ErrorModel& gyro) { return assumed_variance(gyro, T, 0.01); };
+  EXPECT_NEAR(variance({.rate_random_walk = k}) / (k * k * T / 3), 1, 1e-12);
+  EXPECT_NEAR(variance({.rate_random_walk = k, .powered_on_before = before}) / (k * k * (before + T / 3)), 1,
+              1e-12);
+  EXPECT_NEAR(variance({.rate_random_walk = k, .calibrated_over = before}) / (k * k * (before + T) / 3), 1,
+              1e-12);
+  // The difference of two neighbouring means is twice the Allan variance, 2 ln2/pi B^2, whatever their length.
+  EXPECT_NEAR(variance({.bias_instability = b, .calibrated_over = T}) / (4 * std::numbers::ln2 / pi * b * b),
+              1, 1e-12);
+  // A calibration takes off what does not change, to the white noise in it.
+  EXPECT_NEAR(
+      variance({.white = k, .gauss_markov = {{b, 1e9}}, .turn_on_bias = 1.0, .calibrated_over = before}) /
+          (k * k / before + 2 * b * b * (before + T) / 3 / 1e9),
+      1, 1e-5);
+}
+
+// Means of simulated IMUs over a record of 60 s, for the epochs that a sensor file can state.
+TEST(Alignment, MeansOfASimulatedImuScatterAsAssumed) {
+  constexpr int kRuns = 500, kAxes = 6, kSamples = 600;
+  constexpr double dt = 0.1, T = kSamples * dt;
+  constexpr double kSampled =
+      0.01;  // what half a sample in the record's length and the poles of flicker cost
+  const double tolerance = kStands * std::sqrt(2.0 / (kRuns * kAxes)) + kSampled;  // 0.14
+  for (const noise::ErrorModel& process :
+       {noise::ErrorModel{.bias_instability = 1}, noise::ErrorModel{.rate_random_walk = 1},
+        noise::ErrorModel{.gauss_markov = {{1, 40}}}})
+    for (const auto& [before, calibrated] :
+         {std::pair<double, double>{0, 0}, {10, 0}, {600, 0}, {0, 30}, {0, 300}}) {
+      noise::SensorModel sensor;
+      sensor.gyro = process;
+      if (before > 0) sensor.gyro.powered_on_before = before;
+      if (calibrated > 0) sensor.gyro.calibrated_over = calibrated;
+      sensor.accelerometer = sensor.gyro;
+      double sum = 0;
+      for (std::uint64_t run = 0; run < kRuns; ++run) {
+        noise::Imu imu(sensor, dt, {.seed = 20261122, .run = run}, {.duration = T});
+        Vector3d angle = Vector3d::Zero(), velocity = Vector3d::Zero();
+        for (int k = 0; k < kSamples; ++k) {
+          const noise::ImuReading read = imu.next({});
+          angle += Eigen::Map<const Vector3d>(read.angle.data());
+          velocity += Eigen::Map<const Vector3d>(read.velocity.data());
+        }
+        sum += (angle / T).squaredNorm() + (velocity / T).squaredNorm();
+      }
+      EXPECT_NEAR(sum / (kRuns * kAxes) / assumed_variance(sensor.gyro, T, dt), 1, tolerance)
+          << "flicker " << process.bias_instability << ", walk " << process.rate_random_walk << ", on for "
+          << before << " s, calibrated over " << calibrated << " s";
+    }
+}
+
 TEST(Alignment, RefusesMisuse) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   const StaticMeans good = standing(attitude(0, 0, 0), kLatitude, 60);
@@ -329,6 +392,15 @@ TEST(Alignment, RefusesMisuse) {
   wrong.heading = {.azimuth = nan};
   EXPECT_THROW((void)align(good, wrong), std::invalid_argument);
   wrong.heading = {.azimuth = 0, .sigma = 0, .axis = Vector3d::Zero()};
+  EXPECT_THROW((void)align(good, wrong), std::invalid_argument);
+  wrong = options;
+  wrong.interval = 0;
+  EXPECT_THROW((void)align(good, wrong), std::invalid_argument);
+  wrong = options;
+  wrong.sensor.gyro.powered_on_before = -1;
+  EXPECT_THROW((void)align(good, wrong), std::invalid_argument);
+  wrong = options;
+  wrong.sensor.accelerometer->calibrated_over = 0;
   EXPECT_THROW((void)align(good, wrong), std::invalid_argument);
 }
 

@@ -4,6 +4,7 @@
 
 #include "gyrobudget/earth/frames.h"
 #include "gyrobudget/earth/paths.h"
+#include "gyrobudget/noise/imu.h"
 
 #include <gtest/gtest.h>
 
@@ -23,13 +24,13 @@ constexpr std::int64_t kEpoch = 1'700'000'000'000'000'000;  // clocks of logs st
 std::int64_t stamp(double t) { return kEpoch + std::llround(t * 1e9); }
 
 // An ideal log of a trajectory, on a clock of its own.
-Recording record(const earth::Trajectory& truth) {
+Recording record(const earth::Trajectory& truth, double interval = kInterval) {
   Recording recording;
   recording.origin = kEpoch;
-  recording.imu.increments = truth.increments(kInterval);
-  recording.imu.typical_interval = kInterval;
+  recording.imu.increments = truth.increments(interval);
+  recording.imu.typical_interval = interval;
   for (std::size_t k = 0; k <= recording.imu.increments.size(); ++k)
-    recording.imu.stamps.push_back(stamp(static_cast<double>(k) * kInterval));
+    recording.imu.stamps.push_back(stamp(static_cast<double>(k) * interval));
   recording.imu.bridged.assign(recording.imu.increments.size(), false);
   return recording;
 }
@@ -295,21 +296,261 @@ TEST(NavigationRun, HeadingAtRestCostsTheGyrosBias) {
 }
 
 // Switched on where the alignment starts, the bias is zero there and walks in its course, to K sqrt(T) at its end. The
-// mean is off by K sqrt(T/3) and the heading with it; taken for one number with the bias at the end, by no more than
-// that.
-TEST(NavigationRun, HeadingAtRestCostsWhatTheBiasWalkedMeanwhile) {
-  constexpr double kTime = 60;
-  const double walk = 0.1 * kDegree / 3600 / 60;  // 0.1 deg/h/sqrt(h)
-  Scenario scene = pad_scene(0, 1e-9);
+// mean, and with it heading and level, is off by K sqrt(T/3).
+TEST(NavigationRun, WhatTheBiasWalkedMeanwhileIsHalfKnown) {
+  constexpr double kTime = 60, kAfter = 10;
+  const double walk = 0.1 * kDegree / 3600 / 60, force_walk = 1e-5;  // 0.1 deg/h/sqrt(h)
+  Scenario scene = pad_scene(0, 0);
   scene.sensor.gyro.rate_random_walk = walk;
-  const auto found = run(scene, record(earth::stand({.duration = kTime + 10})));
-  ASSERT_EQ(found.status, navigation::Run::Status::navigated) << found.why;
+  const auto turned = run(scene, record(earth::stand({.duration = kTime + kAfter})));
+  ASSERT_EQ(turned.status, navigation::Run::Status::navigated) << turned.why;
   const double rate = earth::wgs84::kEarthRate * std::cos(earth::alcantara().position.latitude);
-  const Solution& start = found.solutions.front();
-  EXPECT_GE(start.attitude_sigma[2], 0.999 * walk * std::sqrt(kTime / 3) / rate);
-  EXPECT_LE(start.attitude_sigma[2], 1.001 * walk * std::sqrt(kTime) / rate);
+  const Solution& start = turned.solutions.front();
+  constexpr double kExact = 1e-3;
+  EXPECT_NEAR(start.attitude_sigma[2] / (walk * std::sqrt(kTime / 3) / rate), 1, kExact);
   for (int axis = 0; axis < 3; ++axis)
     EXPECT_NEAR(start.gyro_bias_sigma[axis], walk * std::sqrt(kTime), 1e-6 * walk);
+
+  // Tilt takes the mean off the horizontal accelerometers. What is left at the end, sqrt(K^2 T/3) by its covariance
+  // K^2 T/2 with the mean, moves the body by t^2/2 of it and by K sqrt(t^5/20) of its further walk. Where the two were
+  // one number only the latter would be left, 0.35 of it all; where they were none, 2.2 times.
+  scene = pad_scene(0, 0);
+  scene.sensor.accelerometer->rate_random_walk = force_walk;
+  scene.alignment.attitude = SelfAlignment{.duration = kTime, .heading = 0};
+  scene.alignment.heading_sigma = 1e-9;
+  const auto tilted = run(scene, record(earth::stand({.duration = kTime + kAfter})));
+  ASSERT_EQ(tilted.status, navigation::Run::Status::navigated) << tilted.why;
+  const double t = kAfter;
+  const double moved = force_walk * std::sqrt(kTime / 3 * std::pow(t, 4) / 4 + std::pow(t, 5) / 20);
+  for (int axis = 0; axis < 2; ++axis) {
+    EXPECT_NEAR(tilted.solutions.front().attitude_sigma[axis] / (force_walk * std::sqrt(kTime / 3) / 9.781),
+                1, kExact);
+    EXPECT_NEAR(tilted.solutions.back().position_sigma[axis] / moved, 1, kExact);
+  }
+}
+
+// 100 IMUs that wander while they align themselves, tilted and with axes that are not square, and then navigate for a
+// minute at rest: position, velocity and attitude together against the covariance that they claim, at the start and at
+// the end, are chi-square of 900. False alarm of each limit: 1e-4.
+constexpr int kManyRuns = 100;
+constexpr double kManyLow = 750.7, kManyHigh = 1066.4;
+
+// NEES in sum over the runs, where the alignment ends and at the end.
+std::pair<double, double> nees_of_self_aligned(noise::ErrorModel gyro, noise::ErrorModel accelerometer) {
+  constexpr double kAlign = 60, kAfter = 60, dt = 0.1;
+  const earth::Trajectory truth =
+      earth::stand({.q_nb = earth::from_euler({1, 0.3, -0.2}), .duration = kAlign + kAfter});
+  Scenario scene = pad_scene(0, 0);
+  scene.sensor.gyro = std::move(gyro);
+  scene.sensor.accelerometer = std::move(accelerometer);
+  scene.solution_interval = kAfter;
+  scene.aids = {aid(Aid::Kind::position, 1), aid(Aid::Kind::velocity, 1), aid(Aid::Kind::attitude, 1)};
+  scene.reference = {0, 1, 2};
+  Recording ideal = record(truth, dt);
+  for (Aid& a : scene.aids) {
+    a.used = false;
+    ideal.fixes.push_back(fixes(a.kind, truth, 0, 1));
+  }
+  std::pair<double, double> sum{0, 0};
+  for (std::uint64_t i = 0; i < kManyRuns; ++i) {
+    noise::Imu imu(scene.sensor, dt, {.seed = 20261122, .run = i});
+    Recording recording = ideal;
+    for (auto& increment : recording.imu.increments) {
+      noise::ImuReading exact;
+      Eigen::Map<Vector3d>(exact.angle.data()) = increment.angle;
+      Eigen::Map<Vector3d>(exact.velocity.data()) = increment.velocity;
+      const noise::ImuReading read = imu.next(exact);
+      increment.angle = Eigen::Map<const Vector3d>(read.angle.data());
+      increment.velocity = Eigen::Map<const Vector3d>(read.velocity.data());
+    }
+    const auto found = run(scene, recording);
+    if (found.status != navigation::Run::Status::navigated || found.reference->errors.size() != 2)
+      return {0, 0};
+    sum.first += found.reference->errors.front().nees;
+    sum.second += found.reference->errors.back().nees;
+  }
+  return sum;
+}
+
+TEST(NavigationRun, ASelfAlignedStartIsConsistentWithSensorsThatWander) {
+  constexpr double kLow = 215.4, kHigh = 398.0;  // chi-square of 300 at 1e-4 and 1 - 1e-4
+  const auto walking = [](double walk) { return noise::ErrorModel{.white = walk, .rate_random_walk = walk}; };
+  const auto correlated = [](double sigma) {
+    return noise::ErrorModel{.white = sigma / 10, .gauss_markov = {{sigma, 30}}};
+  };
+  const auto all = [](double size) {
+    return noise::ErrorModel{.white = size / 10,
+                             .rate_random_walk = size / 10,
+                             .gauss_markov = {{size, 30}},
+                             .turn_on_bias = size,
+                             .misalignment = noise::PerAxis(3e-3),
+                             .powered_on_before = 20.0};
+  };
+  for (const auto& [gyro, accelerometer] : {std::pair{walking(2e-8), walking(1e-4)},
+                                            {correlated(2e-7), correlated(1e-3)},
+                                            {all(2e-7), all(1e-3)}}) {
+    const auto [at_start, at_end] = nees_of_self_aligned(gyro, accelerometer);
+    // Where it starts there is nothing wrong but attitude.
+    EXPECT_GT(at_start, kLow);
+    EXPECT_LT(at_start, kHigh);
+    EXPECT_GT(at_end, kManyLow);
+    EXPECT_LT(at_end, kManyHigh);
+  }
+}
+
+// --- A start from GNSS ---------------------------------------------------------------------------------------------
+
+// What an antenna at the aid's lever arm has.
+Fix antenna_fix(const Aid& aid, const earth::TrajectoryPoint& at, double stamped) {
+  Fix fix = fix_of(aid.kind, at, stamped);
+  const earth::Geodetic place = earth::to_geodetic(at.p_eb_e);
+  const Vector3d w_eb_b = at.w_ib_b - at.q_eb.conjugate() * Vector3d(0, 0, earth::wgs84::kEarthRate);
+  if (aid.kind == Aid::Kind::position) fix.value += at.q_eb * aid.lever_arm;
+  if (aid.kind == Aid::Kind::velocity)
+    fix.value +=
+        earth::C_e_ned(place.latitude, place.longitude).transpose() * (at.q_eb * w_eb_b.cross(aid.lever_arm));
+  return fix;
+}
+
+std::vector<Fix> antenna_fixes(const Aid& aid, const earth::Trajectory& truth, double first,
+                               double interval) {
+  std::vector<Fix> list;
+  for (double t = first; t <= truth.duration(); t += interval)
+    list.push_back(antenna_fix(aid, truth.at(t), t));
+  return list;
+}
+
+// Starts at 0.5 s with a GNSS receiver's first fix, attitude given.
+Scenario from_gnss(const earth::Trajectory& truth) {
+  Scenario scene;
+  const auto start = truth.at(0.5);
+  const earth::Geodetic place = earth::to_geodetic(start.p_eb_e);
+  const Eigen::Matrix3d C_en = earth::C_e_ned(place.latitude, place.longitude);
+  scene.alignment.position = FromAid{0};
+  scene.alignment.velocity = FromAid{1};
+  scene.alignment.attitude = earth::to_euler(Eigen::Quaterniond(C_en).conjugate() * start.q_eb);
+  scene.aids = {aid(Aid::Kind::position, 0.05), aid(Aid::Kind::velocity, 0.02)};
+  return scene;
+}
+
+TEST(NavigationRun, TheLeverArmIsTakenOffTheStart) {
+  const earth::Trajectory truth = flight();
+  Scenario scene = from_gnss(truth);
+  scene.alignment.level_sigma = 1e-3;
+  scene.alignment.heading_sigma = 0.02;
+  scene.aids[0].lever_arm = scene.aids[1].lever_arm = {3, -1, 2};
+  Recording recording = record(truth);
+  for (const Aid& a : scene.aids) recording.fixes.push_back(antenna_fixes(a, truth, 0.5, 1));
+  const auto found = run(scene, recording);
+  ASSERT_EQ(found.status, navigation::Run::Status::navigated) << found.why;
+  const auto at = truth.at(0.5);
+  constexpr double kFrame = 2e-6;  // m: the attitude is given in axes of the antenna's place
+  EXPECT_LT((found.alignment.state.p_eb_e - at.p_eb_e).norm(), kFrame);
+  EXPECT_LT((found.alignment.state.v_eb_e - at.v_eb_e).norm(), 1e-3);
+  EXPECT_LT(largest_residual(found), 2e-3);
+  // A heading that is off takes the lever arm off in a wrong direction: dp = [l x] psi.
+  const CoreMatrix& P = found.alignment.covariance;
+  const Eigen::Matrix3d psi = P.block<3, 3>(kAttitude, kAttitude);
+  const Eigen::Matrix3d arm = earth::skew(at.q_eb * scene.aids[0].lever_arm);
+  EXPECT_LT((P.block<3, 3>(kPosition, kAttitude) - arm * psi).norm(), 1e-6 * (arm * psi).norm());
+  const Eigen::Matrix3d expected = arm * psi * arm.transpose() + 0.05 * 0.05 * Eigen::Matrix3d::Identity();
+  EXPECT_LT((P.block<3, 3>(kPosition, kPosition) - expected).norm(), 1e-6 * expected.norm());
+}
+
+// Neither the first fix nor all the later ones tell a constant error of the aid from one of position.
+TEST(NavigationRun, AnAidsBiasInTheStartStaysThere) {
+  constexpr double kBias = 3;
+  const earth::Trajectory truth = flight();
+  Scenario scene = from_gnss(truth);
+  scene.alignment.level_sigma = scene.alignment.heading_sigma = 1e-6;
+  scene.aids[0].bias_sigma.setConstant(kBias);
+  Recording recording = record(truth);
+  for (const Aid& a : scene.aids) recording.fixes.push_back(antenna_fixes(a, truth, 0.5, 1));
+  const auto found = run(scene, recording);
+  ASSERT_EQ(found.status, navigation::Run::Status::navigated) << found.why;
+  const double first = std::hypot(kBias, scene.aids[0].sigma[0]);
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(found.solutions.front().position_sigma[axis] / first, 1, 1e-9);
+    EXPECT_NEAR(found.solutions.back().position_sigma[axis] / kBias, 1, 5e-3);  // for errors apart: 1/sqrt(2)
+  }
+  // Where the scene says how wrong the start is, it is the scene's.
+  scene.alignment.position_sigma = Vector3d::Constant(kBias);
+  EXPECT_NEAR(run(scene, recording).solutions.back().position_sigma[0] / kBias, std::sqrt(0.5), 0.01);
+}
+
+// Between two fixes the start is made of both.
+TEST(NavigationRun, AFixIsUsedOnce) {
+  const earth::Trajectory truth = flight();
+  Scenario scene = from_gnss(truth);
+  scene.alignment.level_sigma = scene.alignment.heading_sigma = 1e-3;
+  Recording recording = record(truth);
+  recording.fixes = {antenna_fixes(scene.aids[0], truth, 0.3, 1),
+                     antenna_fixes(scene.aids[1], truth, 0.5, 1)};
+  const auto found = run(scene, recording);
+  ASSERT_EQ(found.status, navigation::Run::Status::navigated) << found.why;
+  EXPECT_NEAR(found.alignment.to, 1.3, 1e-9);
+  EXPECT_EQ(found.aids.at(0).left_out, 2);  // 0.3, 1.3
+  EXPECT_EQ(found.aids.at(1).left_out, 2);  // 0.5, and 1.5 with it
+}
+
+TEST(NavigationRun, AStartFromGnssIsConsistent) {
+  const earth::Trajectory truth = flight();
+  Scenario scene = from_gnss(truth);
+  scene.sensor.gyro.white = 1e-5;
+  scene.sensor.accelerometer.emplace();
+  scene.sensor.accelerometer->white = 1e-3;
+  scene.alignment.level_sigma = 0.002;
+  scene.alignment.heading_sigma = 0.03;
+  scene.aids[0].lever_arm = scene.aids[1].lever_arm = {3, -1, 2};
+  scene.aids[0].bias_sigma.setConstant(0.3);
+  scene.aids[0].correlated_sigma.setConstant(0.2);
+  scene.aids[0].correlation_time = 10;
+  scene.solution_interval = 29;
+  scene.reference = {2, 3, 4};
+  for (const auto kind : {Aid::Kind::position, Aid::Kind::velocity, Aid::Kind::attitude}) {
+    scene.aids.push_back(aid(kind, 1));
+    scene.aids.back().used = false;
+  }
+  Recording ideal = record(truth);
+  for (const Aid& a : scene.aids) ideal.fixes.push_back(antenna_fixes(a, truth, 0.5, 1));
+  std::mt19937_64 engine(20261122);
+  std::normal_distribution<double> unit;
+  const auto draw = [&](double sigma) {
+    return Vector3d(sigma * unit(engine), sigma * unit(engine), sigma * unit(engine));
+  };
+  const double phi = std::exp(-1 / scene.aids[0].correlation_time);
+  double at_start = 0, at_end = 0;
+  for (int i = 0; i < kManyRuns; ++i) {
+    Recording recording = ideal;
+    for (auto& increment : recording.imu.increments) {
+      increment.angle += draw(1e-5 * std::sqrt(kInterval));
+      increment.velocity += draw(1e-3 * std::sqrt(kInterval));
+    }
+    const Vector3d bias = draw(0.3);
+    Vector3d correlated = draw(0.2);
+    for (Fix& fix : recording.fixes[0]) {
+      const earth::Geodetic at = earth::to_geodetic(fix.value);
+      fix.value += earth::C_e_enu(at.latitude, at.longitude) * (bias + correlated + draw(0.05));
+      correlated = phi * correlated + draw(0.2 * std::sqrt(1 - phi * phi));
+    }
+    for (Fix& fix : recording.fixes[1]) fix.value += draw(0.02);
+    Scenario one = scene;
+    const auto start = truth.at(0.5);
+    const earth::Geodetic place = earth::to_geodetic(start.p_eb_e);
+    const Eigen::Matrix3d C_en = earth::C_e_ned(place.latitude, place.longitude);
+    const Vector3d psi_n(0.002 * unit(engine), 0.002 * unit(engine), 0.03 * unit(engine));
+    one.alignment.attitude =
+        earth::to_euler(earth::exp_rotation(psi_n) * (Eigen::Quaterniond(C_en).conjugate() * start.q_eb));
+    const auto found = run(one, recording);
+    ASSERT_EQ(found.status, navigation::Run::Status::navigated) << found.why;
+    ASSERT_EQ(found.reference->errors.size(), 2U);
+    at_start += found.reference->errors.front().nees;
+    at_end += found.reference->errors.back().nees;
+  }
+  EXPECT_GT(at_start, kManyLow);
+  EXPECT_LT(at_start, kManyHigh);
+  EXPECT_GT(at_end, kManyLow);
+  EXPECT_LT(at_end, kManyHigh);
 }
 
 // What is known exactly stays so, and never without a number.

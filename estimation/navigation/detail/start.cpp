@@ -5,6 +5,7 @@
 #include "gyrobudget/earth/frames.h"
 #include "gyrobudget/earth/gravity.h"
 #include "gyrobudget/navigation/alignment.h"
+#include "gyrobudget/navigation/budget.h"
 
 #include <fmt/format.h>
 
@@ -31,15 +32,6 @@ double log_end(const ImuLog& imu, std::int64_t origin) {
 template <class Variant>
 const FromAid* from_aid(const Variant& v) {
   return std::get_if<FromAid>(&v);
-}
-
-// What a fix says where an aid gives the quantity, else what the scene says.
-template <class Variant>
-const Fix* fix_at(const Variant& v, const std::vector<FixTrack>& tracks, double t, std::optional<Fix>& kept) {
-  const FromAid* from = from_aid(v);
-  if (from == nullptr) return nullptr;
-  kept = tracks[from->aid].at(t);
-  return kept ? &*kept : nullptr;
 }
 
 // --- The IMU at rest -----------------------------------------------------------------------------------------
@@ -73,37 +65,58 @@ Piece piece_of(const Recording& recording, const Span& span) {
           static_cast<double>(imu.stamps[last] - imu.stamps[first]) * kNanosecond};
 }
 
-// psi of the alignment is J times the biases it assumed, plus the rest. The model's terms are these biases where the
-// alignment ends, with a variance that may differ: psi then moves with them by the same J. What the alignment assumed
-// beyond them, how the bias moved in its course, stays.
-void correlate(const Alignment& alignment, Carrier carrier, const ErrorStateModel& model,
-               const StateMatrix& terms, AtRest& result) {
-  const bool gyro = carrier == Carrier::gyro;
-  const Matrix3d& with = gyro ? alignment.gyro_bias_covariance : alignment.accelerometer_bias_covariance;
-  const Vector3d& assumed = gyro ? alignment.gyro_bias_variance : alignment.accelerometer_bias_variance;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (assumed[axis] == 0) continue;
-    const Vector3d J = with.col(axis) / assumed[axis];
-    StateVector pick = StateVector::Zero(terms.cols());
-    for (std::size_t k = 0; k < model.terms.size(); ++k) {
-      const ErrorTerm& term = model.terms[k];
-      if (term.carrier == carrier && term.effect == Effect::bias && term.axis == axis)
-        pick[static_cast<Eigen::Index>(k)] = 1;
-    }
-    const StateVector covariance = terms * pick;
-    result.cross += J * covariance.transpose();
-    result.covariance += J * J.transpose() * std::max(0.0, pick.dot(covariance) - assumed[axis]);
+// Mean errors of gyro x, y, z and accelerometer x, y, z over some time that come from the model's terms, as in "reads
+// true + b": one step of the error model that long.
+struct MeanErrors {
+  Eigen::Matrix<double, 6, 1> variance;
+  Eigen::Matrix<double, 6, Eigen::Dynamic> with_terms;  ///< covariance with the terms where the time ends
+};
+
+MeanErrors mean_errors(ErrorStateModel model, const StateMatrix& terms, const StepInput& over) {
+  model.gyro_white.setZero();  // what it adds is no term's
+  model.accelerometer_white.setZero();
+  Lineariser lineariser(std::move(model));
+  const Transition& step = lineariser(over);
+  Eigen::Matrix<double, 6, Eigen::Dynamic> by_terms = decltype(by_terms)::Zero(6, terms.cols());
+  Eigen::VectorXd decay(terms.cols());
+  for (Eigen::Index k = 0; k < terms.cols(); ++k) {
+    const Transition::Term& term = step.terms[static_cast<std::size_t>(k)];
+    decay[k] = term.decay;
+    if (term.signal >= 0) by_terms(term.signal, k) = -term.gain;
   }
+  MeanErrors result;
+  result.with_terms = by_terms * terms;
+  result.variance = step.input_noise + result.with_terms.cwiseProduct(by_terms).rowwise().sum();
+  result.with_terms = result.with_terms * decay.asDiagonal();
+  for (Eigen::Index k = 0; k < terms.cols(); ++k) {
+    const Transition::Term& term = step.terms[static_cast<std::size_t>(k)];
+    if (term.signal < 0) continue;
+    result.with_terms(term.signal, k) -= term.spill * term.noise;
+    result.variance[term.signal] += term.spill * term.spill * term.noise;
+  }
+  return result;
 }
 
-// By which an accelerometer that senses gravity may be off, one sigma.
-double sigma_of_force(const noise::SensorModel& sensor, double gravity) {
-  if (!sensor.accelerometer) return 0;
-  const auto largest = [](const std::optional<noise::PerAxis>& value) {
-    return value ? std::max({(*value)[0], (*value)[1], (*value)[2]}) : 0;
+// psi of the alignment is J times mean errors, plus the rest. What it assumed of them beyond the terms, such as a ramp,
+// stays.
+void correlate(const Alignment& alignment, const MeanErrors& of_terms, AtRest& result) {
+  const auto& J = alignment.by_means;
+  const Eigen::Matrix<double, 6, 1> more = (of_terms.variance - alignment.mean_error_variance).cwiseMax(0);
+  result.cross = J * of_terms.with_terms;
+  result.covariance += J * more.asDiagonal() * J.transpose();
+}
+
+// The file's errors with the epoch that the states have.
+noise::SensorModel sensor_at_epoch(const Scenario& scenario) {
+  noise::SensorModel sensor = scenario.sensor;
+  const auto set = [](noise::ErrorModel& errors, const std::optional<Epoch>& epoch) {
+    if (!epoch) return;
+    errors.powered_on_before = epoch->powered_on_before;
+    errors.calibrated_over = epoch->calibrated_over;
   };
-  return std::hypot(largest(sensor.accelerometer->turn_on_bias),
-                    gravity * largest(sensor.accelerometer->scale_factor));
+  set(sensor.gyro, scenario.states.gyro);
+  if (sensor.accelerometer) set(*sensor.accelerometer, scenario.states.accelerometer);
+  return sensor;
 }
 
 std::variant<NoStart, AtRest> align_at_rest(const Scenario& scenario, const Recording& recording,
@@ -117,7 +130,7 @@ std::variant<NoStart, AtRest> align_at_rest(const Scenario& scenario, const Reco
                    fmt::format("{} IMU samples from {:g} s to {:g} s, the alignment needs {}",
                                piece.increments.size(), span.from, span.to, kFewest)};
   AlignmentOptions options;
-  options.sensor = scenario.sensor;
+  options.sensor = sensor_at_epoch(scenario);
   options.latitude = earth::to_geodetic(p_eb_e).latitude;
   const double dt = piece.seconds / static_cast<double>(piece.increments.size());
   Alignment found = align(piece.increments, dt, options);
@@ -131,7 +144,8 @@ std::variant<NoStart, AtRest> align_at_rest(const Scenario& scenario, const Reco
   const double force = found.means.f_ib_b.norm(), gravity = earth::normal_gravity(p_eb_e).norm();
   // Gravity's anomalies, and what the sensor may read wrong.
   constexpr double kAnomaly = 1e-3, kSigmas = 5;
-  const double may_err = kAnomaly * gravity + kSigmas * sigma_of_force(scenario.sensor, gravity);
+  const double of_sensor = std::sqrt(found.mean_error_variance.tail<3>().dot(found.up_b.cwiseAbs2()));
+  const double may_err = kAnomaly * gravity + kSigmas * of_sensor;
   if (!(std::abs(force - gravity) < may_err)) {
     return NoStart{
         Run::Status::not_at_rest,
@@ -145,9 +159,10 @@ std::variant<NoStart, AtRest> align_at_rest(const Scenario& scenario, const Reco
     return NoStart{
         Run::Status::heading_not_observable,
         found.message + " The alignment takes heading and heading_sigma, or the attitude of an aid."};
-  AtRest result{*found.q_nb, found.covariance, decltype(AtRest::cross)::Zero(3, terms.cols()), found.message};
-  correlate(found, Carrier::gyro, model, terms, result);
-  correlate(found, Carrier::accelerometer, model, terms, result);
+  AtRest result{*found.q_nb, found.covariance, {}, found.message};
+  const StepInput over{span.to - span.from, p_eb_e, Matrix3d::Identity(), found.means.w_ib_b,
+                       found.means.f_ib_b};
+  correlate(found, mean_errors(model, terms, over), result);
   return result;
 }
 
@@ -166,26 +181,6 @@ Place axes_at(const Vector3d& p_eb_e) {
   return {earth::C_e_enu(at.latitude, at.longitude), earth::C_e_ned(at.latitude, at.longitude)};
 }
 
-// Attitude from an aid or as given, with the covariance of psi in ECEF axes.
-Quaterniond given_attitude(const Scenario& scenario, const std::vector<FixTrack>& tracks, double t,
-                           const Vector3d& p_eb_e, Matrix3d& covariance) {
-  const AlignmentPlan& a = scenario.alignment;
-  const Place axes = axes_at(p_eb_e);
-  std::optional<Fix> kept;
-  double level = 0, heading = 0;
-  Quaterniond q_nb = Quaterniond::Identity();
-  if (const Fix* fix = fix_at(a.attitude, tracks, t, kept)) {
-    q_nb = fix->q_nb;
-    level = heading = total_sigma(scenario.aids[from_aid(a.attitude)->aid]).maxCoeff();
-  } else if (const auto* euler = std::get_if<earth::Euler>(&a.attitude)) {
-    q_nb = earth::from_euler(*euler);
-  }
-  level = a.level_sigma.value_or(level);
-  heading = a.heading_sigma.value_or(heading);
-  covariance = squares({level, level, heading}, axes.C_enu);
-  return to_ecef_axes(q_nb, p_eb_e);
-}
-
 void say_attitude(AlignmentResult& result, const Quaterniond& q_nb, const Matrix3d& covariance_enu) {
   const earth::Euler euler = earth::to_euler(q_nb);
   result.words.push_back(
@@ -196,6 +191,229 @@ void say_attitude(AlignmentResult& result, const Quaterniond& q_nb, const Matrix
                   result.to, std::sqrt(covariance_enu(2, 2)) / earth::kDegree,
                   std::sqrt(std::max(covariance_enu(0, 0), covariance_enu(1, 1))) / earth::kDegree));
 }
+
+// The covariance of terms some time later.
+StateMatrix moved_on(const std::vector<ErrorTerm>& terms, StateMatrix P, double dt) {
+  for (std::size_t k = 0; k < terms.size(); ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    const double left = decay(terms[k], dt);
+    P.row(i) *= left;
+    P.col(i) *= left;
+    P(i, i) += terms[k].walk * terms[k].walk * dt * mean_decay(terms[k], 2 * dt);
+  }
+  return P;
+}
+
+// The start, part by part: attitude, then velocity and position, for which a lever arm needs it, then what they have
+// in common.
+class Starter {
+ public:
+  Starter(const Scenario& scenario, const Recording& recording, const std::vector<FixTrack>& tracks,
+          const Span& span, const ErrorStateModel& model, const StateMatrix& terms)
+      : scenario_(scenario),
+        plan_(scenario.alignment),
+        recording_(recording),
+        tracks_(tracks),
+        span_(span),
+        model_(model),
+        terms_at_start_(terms),
+        terms_(moved_on(model.terms, terms, span.to - span.from)) {
+    result_.result.from = span.from;
+    result_.result.to = span.to;
+    result_.used_to.assign(scenario.aids.size(), span.to);
+  }
+
+  std::variant<NoStart, Start> operator()() {
+    std::optional<NoStart> no = place();
+    if (!no) no = attitude();
+    if (!no) no = velocity();
+    if (no) return *no;
+    take_off_lever_arm();
+    covariance();
+    if (std::min(scenario_.until, log_end(recording_.imu, recording_.origin)) <= span_.to)
+      result_.result.words.emplace_back("the log ends with the alignment: there is nothing to navigate");
+    say_attitude(result_.result, Quaterniond(axes_.C_ned).conjugate() * state().q_eb,
+                 axes_.C_enu.transpose() * psi_ * axes_.C_enu);
+    return std::move(result_);
+  }
+
+ private:
+  using Cross = Eigen::Matrix<double, 3, Eigen::Dynamic>;
+
+  NavigationState& state() { return result_.result.state; }
+
+  // What a fix says where an aid gives the quantity.
+  template <typename Given>
+  std::optional<Fix> fix(const Given& given) {
+    const auto* from = std::get_if<FromAid>(&given);
+    if (from == nullptr) return std::nullopt;
+    const FixTrack& track = tracks_[from->aid];
+    const std::optional<Fix> found = track.at(span_.to);
+    constexpr double kSame = 1e-8;  // s: rounded stamps
+    const std::size_t next = track.first_from(span_.to - kSame);
+    if (found && next < track.size()) result_.used_to[from->aid] = track.time(next);
+    return found;
+  }
+  template <typename Given>
+  [[nodiscard]] const Aid& aid_of(const Given& given) const {
+    return scenario_.aids[std::get<FromAid>(given).aid];
+  }
+
+  // Where, but for the lever arm.
+  std::optional<NoStart> place() {
+    if (const auto* given = std::get_if<earth::Geodetic>(&plan_.position)) {
+      state().p_eb_e = earth::to_ecef(*given);
+    } else if (const auto found = fix(plan_.position)) {
+      state().p_eb_e = found->value;
+    } else {
+      return NoStart{Run::Status::no_start,
+                     "the aid that gives the position has no fix where the alignment ends"};
+    }
+    axes_ = axes_at(state().p_eb_e);
+    return std::nullopt;
+  }
+
+  std::optional<NoStart> attitude() {
+    cross_ = Cross::Zero(3, terms_.cols());
+    Quaterniond q_nb = Quaterniond::Identity();
+    if (std::holds_alternative<SelfAlignment>(plan_.attitude)) {
+      auto aligned = align_at_rest(scenario_, recording_, span_, state().p_eb_e, model_, terms_at_start_);
+      if (auto* no = std::get_if<NoStart>(&aligned)) return *no;
+      const auto& at_rest = std::get<AtRest>(aligned);
+      q_nb = at_rest.q_nb;
+      psi_ = axes_.C_enu * at_rest.covariance * axes_.C_enu.transpose();
+      cross_ = axes_.C_enu * at_rest.cross;
+      if (!at_rest.message.empty()) result_.result.words.push_back(at_rest.message);
+    } else {
+      double sigma = 0;
+      if (const auto* euler = std::get_if<earth::Euler>(&plan_.attitude)) {
+        q_nb = earth::from_euler(*euler);
+      } else if (const auto found = fix(plan_.attitude)) {
+        q_nb = found->q_nb;
+        sigma = total_sigma(aid_of(plan_.attitude)).maxCoeff();
+      } else {
+        return NoStart{Run::Status::no_start,
+                       "the aid that gives the attitude has no fix where the alignment ends"};
+      }
+      const double level = plan_.level_sigma.value_or(sigma);
+      psi_ = squares({level, level, plan_.heading_sigma.value_or(sigma)}, axes_.C_enu);
+    }
+    state().q_eb = to_ecef_axes(q_nb, state().p_eb_e);
+    return std::nullopt;
+  }
+
+  std::optional<NoStart> velocity() {
+    look_at_imu();
+    if (const auto* v_n = std::get_if<Vector3d>(&plan_.velocity)) {
+      state().v_eb_e = axes_.C_ned * *v_n;
+    } else if (const auto found = fix(plan_.velocity)) {
+      state().v_eb_e =
+          axes_.C_ned * found->value - state().q_eb * w_eb_b_.cross(aid_of(plan_.velocity).lever_arm);
+    } else {
+      return NoStart{Run::Status::no_start,
+                     "the aid that gives the velocity has no fix where the alignment ends"};
+    }
+    return std::nullopt;
+  }
+
+  void take_off_lever_arm() {
+    if (std::holds_alternative<FromAid>(plan_.position))
+      state().p_eb_e -= state().q_eb * aid_of(plan_.position).lever_arm;
+  }
+
+  // How the body turns, and what it is under, by the sample in which the start falls.
+  void look_at_imu() {
+    const ImuLog& imu = recording_.imu;
+    const auto at = recording_.origin + std::llround(span_.to / kNanosecond);
+    const auto end = std::ranges::upper_bound(imu.stamps, at);
+    const auto k = static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(
+        end - imu.stamps.begin() - 1, 0, static_cast<std::ptrdiff_t>(imu.increments.size()) - 1));
+    const double dt = static_cast<double>(imu.stamps[k + 1] - imu.stamps[k]) * kNanosecond;
+    w_eb_b_ =
+        imu.increments[k].angle / dt - state().q_eb.conjugate() * Vector3d(0, 0, earth::wgs84::kEarthRate);
+    f_ib_b_ = imu.increments[k].velocity / dt;
+  }
+
+  // --- Covariance ---
+
+  // One error with the aid's own: not where the filter never sees it, nor where the scene says how wrong the start is.
+  template <typename Given>
+  [[nodiscard]] bool is_the_aids(const Given& given, bool told) const {
+    return std::holds_alternative<FromAid>(given) && !told && aid_of(given).used;
+  }
+  template <typename Given>
+  [[nodiscard]] Matrix3d told(const Given& given, const std::optional<Vector3d>& sigma) const {
+    const Vector3d of_aid =
+        std::holds_alternative<FromAid>(given) ? total_sigma(aid_of(given)) : Vector3d::Zero();
+    return squares(sigma.value_or(of_aid), axes_.C_enu);
+  }
+  template <typename Given>
+  [[nodiscard]] static int number(const Given& given) {
+    return static_cast<int>(std::get<FromAid>(given).aid);
+  }
+
+  void covariance() {
+    const Timeline::Instant at = instant();
+    if (is_the_aids(plan_.attitude, plan_.level_sigma || plan_.heading_sigma)) {
+      const StartFromFix from = start_from(
+          {0, AttitudeFix{state().q_eb, aid_of(plan_.attitude).sigma, number(plan_.attitude)}}, at, model_);
+      const Cross by_terms = from.by_terms.middleRows<3>(kAttitude);
+      cross_ = by_terms * terms_;
+      psi_ = cross_ * by_terms.transpose() + from.white.block<3, 3>(kAttitude, kAttitude);
+    }
+    // What the start has wrong by psi and the terms, and what is its own.
+    const Eigen::Index n = terms_.cols();
+    Eigen::MatrixXd joint(3 + n, 3 + n), by = Eigen::MatrixXd::Zero(kCoreStates + n, 3 + n);
+    joint << psi_, cross_, cross_.transpose(), terms_;
+    by.block<3, 3>(kAttitude, 0).setIdentity();
+    by.bottomRightCorner(n, n).setIdentity();
+    CoreMatrix own = CoreMatrix::Zero();
+    const auto take = [&](const StartFromFix& from) {
+      by.topLeftCorner<kCoreStates, 3>() += from.by_attitude;
+      by.topRightCorner(kCoreStates, n) += from.by_terms;
+      own += from.white;
+    };
+    if (is_the_aids(plan_.position, plan_.position_sigma.has_value())) {
+      const Aid& aid = aid_of(plan_.position);
+      take(start_from(
+          {0, PositionFix{state().p_eb_e, aid.sigma, axes_.C_enu, aid.lever_arm, number(plan_.position)}}, at,
+          model_));
+    } else {
+      own.block<3, 3>(kPosition, kPosition) = told(plan_.position, plan_.position_sigma);
+    }
+    if (is_the_aids(plan_.velocity, plan_.velocity_sigma.has_value())) {
+      const Aid& aid = aid_of(plan_.velocity);
+      take(start_from(
+          {0, VelocityFix{state().v_eb_e, aid.sigma, axes_.C_enu, aid.lever_arm, number(plan_.velocity)}}, at,
+          model_));
+    } else {
+      own.block<3, 3>(kVelocity, kVelocity) = told(plan_.velocity, plan_.velocity_sigma);
+    }
+    StateMatrix P = by * joint * by.transpose();
+    P.topLeftCorner<kCoreStates, kCoreStates>() += own;
+    result_.P0 = (P + P.transpose()) / 2;
+    result_.result.covariance = result_.P0.topLeftCorner<kCoreStates, kCoreStates>();
+  }
+
+  [[nodiscard]] Timeline::Instant instant() {
+    const Vector3d coriolis = 2 * Vector3d(0, 0, earth::wgs84::kEarthRate).cross(state().v_eb_e);
+    return {state(), w_eb_b_, state().q_eb * f_ib_b_ + earth::normal_gravity(state().p_eb_e) - coriolis};
+  }
+
+  const Scenario& scenario_;
+  const AlignmentPlan& plan_;
+  const Recording& recording_;
+  const std::vector<FixTrack>& tracks_;
+  const Span& span_;
+  const ErrorStateModel& model_;
+  const StateMatrix& terms_at_start_;
+  StateMatrix terms_;  ///< where the alignment ends
+  Start result_;
+  Place axes_;
+  Matrix3d psi_;
+  Cross cross_;  ///< of psi with the terms
+  Vector3d w_eb_b_ = Vector3d::Zero(), f_ib_b_ = Vector3d::Zero();
+};
 
 }  // namespace
 
@@ -231,58 +449,7 @@ std::variant<NoStart, Span> start_span(const Scenario& scenario, const ImuLog& i
 std::variant<NoStart, Start> start(const Scenario& scenario, const Recording& recording,
                                    const std::vector<FixTrack>& tracks, const Span& span,
                                    const ErrorStateModel& model, const StateMatrix& terms) {
-  const AlignmentPlan& a = scenario.alignment;
-  Start result;
-  AlignmentResult& r = result.result;
-  r.from = span.from;
-  r.to = span.to;
-  std::optional<Fix> kept;
-  Vector3d position_sigma = Vector3d::Zero(), velocity_sigma = Vector3d::Zero();
-  if (const Fix* fix = fix_at(a.position, tracks, span.to, kept)) {
-    r.state.p_eb_e = fix->value;
-    position_sigma = total_sigma(scenario.aids[from_aid(a.position)->aid]);
-  } else if (const auto* place = std::get_if<earth::Geodetic>(&a.position)) {
-    r.state.p_eb_e = earth::to_ecef(*place);
-  } else {
-    return NoStart{Run::Status::no_start,
-                   "the aid that gives the position has no fix where the alignment ends"};
-  }
-  const Place axes = axes_at(r.state.p_eb_e);
-  if (const Fix* fix = fix_at(a.velocity, tracks, span.to, kept)) {
-    r.state.v_eb_e = axes.C_ned * fix->value;
-    velocity_sigma = total_sigma(scenario.aids[from_aid(a.velocity)->aid]);
-  } else if (const auto* v_n = std::get_if<Vector3d>(&a.velocity)) {
-    r.state.v_eb_e = axes.C_ned * *v_n;
-  } else {
-    return NoStart{Run::Status::no_start,
-                   "the aid that gives the velocity has no fix where the alignment ends"};
-  }
-  CoreMatrix& P = r.covariance;
-  P.block<3, 3>(kPosition, kPosition) = squares(a.position_sigma.value_or(position_sigma), axes.C_enu);
-  P.block<3, 3>(kVelocity, kVelocity) = squares(a.velocity_sigma.value_or(velocity_sigma), axes.C_enu);
-
-  Eigen::Matrix<double, 3, Eigen::Dynamic> cross = decltype(cross)::Zero(3, terms.cols());
-  Matrix3d psi;
-  if (std::holds_alternative<SelfAlignment>(a.attitude)) {
-    auto aligned = align_at_rest(scenario, recording, span, r.state.p_eb_e, model, terms);
-    if (auto* no = std::get_if<NoStart>(&aligned)) return *no;
-    const auto& at_rest = std::get<AtRest>(aligned);
-    r.state.q_eb = to_ecef_axes(at_rest.q_nb, r.state.p_eb_e);
-    psi = axes.C_enu * at_rest.covariance * axes.C_enu.transpose();
-    cross = axes.C_enu * at_rest.cross;
-    if (!at_rest.message.empty()) r.words.push_back(at_rest.message);
-  } else {
-    r.state.q_eb = given_attitude(scenario, tracks, span.to, r.state.p_eb_e, psi);
-  }
-  P.block<3, 3>(kAttitude, kAttitude) = psi;
-  result.P0 = initial_covariance(P, terms);
-  result.P0.block(kAttitude, kCoreStates, 3, terms.cols()) = cross;
-  result.P0.block(kCoreStates, kAttitude, terms.rows(), 3) = cross.transpose();
-  if (std::min(scenario.until, log_end(recording.imu, recording.origin)) <= span.to)
-    r.words.emplace_back("the log ends with the alignment: there is nothing to navigate");
-  say_attitude(r, Quaterniond(axes.C_ned).conjugate() * r.state.q_eb,
-               axes.C_enu.transpose() * psi * axes.C_enu);
-  return result;
+  return Starter(scenario, recording, tracks, span, model, terms)();
 }
 
 }  // namespace gyrobudget::inline v0::navigation::detail

@@ -22,12 +22,18 @@ struct NoStart {
 
 struct Start {
   AlignmentResult result;
-  StateMatrix P0;  ///< of the model's states
+  StateMatrix P0;  ///< of the model's states at span.to
+  /// By the aid's number, the time up to which its fixes are in the start: each is used once.
+  std::vector<double> used_to;
 };
 
-/// State and covariance at span.to. `terms` is the covariance of the model's terms; where the sensors have
-/// aligned themselves it is correlated with the attitude: levelled by an accelerometer of bias b, the body is
-/// off level by b/g just so that this accelerometer sees none of it.
+/// State and covariance at span.to. `terms` is the covariance of the model's terms at span.from.
+///
+/// All that is one error enters as one. What the IMU aligned itself by is the mean of its errors over the span, with
+/// which the terms at its end are correlated: levelled by an accelerometer of bias b, the body is off level by b/g just
+/// so that this accelerometer sees none of it; a bias that has walked meanwhile, by as much of it as the mean has seen.
+/// A start that is taken from an aid has that aid's errors, and where a lever arm leads to its antenna those of the
+/// attitude. Of an aid that is not used, and where the scene gives a sigma beside it, only sigmas count.
 [[nodiscard]] std::variant<NoStart, Start> start(const Scenario&, const Recording&,
                                                  const std::vector<FixTrack>&, const Span&,
                                                  const ErrorStateModel&, const StateMatrix& terms);
