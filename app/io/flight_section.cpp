@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/io/flight_section.h"
-
+#include "gyrobudget/io/scene_yaml.h"
 #include "gyrobudget/io/text.h"
 
 #include <fmt/format.h>
@@ -20,7 +19,7 @@ namespace dimension = noise::dimension;
 
 class FlightReader {
  public:
-  FlightReader(const YamlReader& yaml, const std::filesystem::path& folder) : yaml_(yaml), folder_(folder) {}
+  explicit FlightReader(const SceneYaml& yaml) : yaml_(yaml) {}
 
   FlightSource read(const Node& node) {
     if (!node["vehicle"])
@@ -97,9 +96,7 @@ class FlightReader {
   // --- Vehicle and control ---
 
   void read_vehicle_key(const Node& node) {
-    const std::string text = yaml_.text("vehicle", node);
-    const std::filesystem::path path(text);
-    result_.vehicle.path = path.is_absolute() ? text : (folder_ / path).lexically_normal().string();
+    result_.vehicle.path = yaml_.path("vehicle", node);
     try {
       VehicleFile file = read_vehicle(result_.vehicle.path);
       flight().vehicle = std::move(file.vehicle);
@@ -295,17 +292,14 @@ class FlightReader {
     }
   }
 
-  const YamlReader& yaml_;
-  const std::filesystem::path& folder_;
+  const SceneYaml& yaml_;
   FlightSource result_;
   bool notch_given_ = false;
 };
 
 }  // namespace
 
-FlightSource read_flight(const YamlReader& yaml, const Node& node, const std::filesystem::path& folder) {
-  return FlightReader(yaml, folder).read(node);
-}
+FlightSource read_flight(const SceneYaml& yaml, const Node& node) { return FlightReader(yaml).read(node); }
 
 void place_flight(FlightSource& source, const navigation::Scenario& scenario) {
   flight::Plan& plan = source.plan;

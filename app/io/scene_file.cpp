@@ -3,20 +3,17 @@
 #include "gyrobudget/io/scene_file.h"
 
 #include "gyrobudget/earth/site.h"
-#include "gyrobudget/io/flight_section.h"
 #include "gyrobudget/io/scene_columns.h"
+#include "gyrobudget/io/scene_yaml.h"
 #include "gyrobudget/io/sensor_file.h"
 #include "gyrobudget/io/text.h"
 #include "gyrobudget/io/trajectory_file.h"
 #include "gyrobudget/io/trajectory_spec.h"
-#include "gyrobudget/io/yaml_reader.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <functional>
 #include <stdexcept>
 #include <utility>
 
@@ -26,7 +23,6 @@ namespace {
 using Eigen::Vector3d;
 using navigation::Aid;
 using navigation::FromAid;
-using navigation::Span;
 using noise::Dimension;
 using YAML::Node;
 namespace dimension = noise::dimension;
@@ -34,21 +30,6 @@ namespace dimension = noise::dimension;
 using noise::dimension::kLength;
 
 constexpr std::string_view kIdeal = "ideal";  // in place of a sensor file
-
-constexpr std::array kKinds{Aid::Kind::position, Aid::Kind::velocity, Aid::Kind::height, Aid::Kind::attitude,
-                            Aid::Kind::rest};
-
-Dimension dimension_of(Aid::Kind kind) {
-  switch (kind) {
-    case Aid::Kind::position:
-    case Aid::Kind::height:
-      return kLength;
-    case Aid::Kind::attitude:
-      return dimension::kAngle;
-    default:
-      return dimension::kVelocity;
-  }
-}
 
 // The scene's epoch in place of the sensor file's.
 void set_epoch(SceneFile& scene) {
@@ -62,37 +43,35 @@ void set_epoch(SceneFile& scene) {
 
 class SceneReader {
  public:
-  SceneReader(const std::string& path, const std::string& data_folder)
-      : yaml_(path, "a scene", "site: alcantara", "imu:"),
-        folder_(path == "-" ? std::filesystem::path() : std::filesystem::path(path).parent_path()),
-        data_folder_(data_folder.empty() ? folder_ : std::filesystem::path(data_folder)) {}
+  SceneReader(const std::string& path, const std::string& data_folder) : yaml_(path, data_folder) {}
 
   SceneFile read() {
     const Node& root = yaml_.root();
     recorded_ = root["imu"].IsDefined();
     result_.path = yaml_.name();
     if (root["site"]) read_site(root["site"]);  // others refer to these two
-    if (root["aids"]) read_aids(root["aids"]);
+    if (root["aids"]) read_aids(yaml_, root["aids"], result_);
     const auto done = [](const Node&) {};
-    yaml_.section(root, "a scene",
-                  {{"name", [&](const Node& v) { scenario().name = yaml_.text("name", v); }},
-                   {"site", done},
-                   {"azimuth",
-                    [&](const Node& v) {
-                      scenario().azimuth = yaml_.quantity("azimuth", v, dimension::kAngle, Sign::any);
-                    }},
-                   {"trajectory", [&](const Node& v) { read_trajectory_key(v); }},
-                   {"flight", [&](const Node& v) { result_.flight = read_flight(yaml_, v, folder_); }},
-                   {"imu", [&](const Node& v) { read_imu(v); }},
-                   {"sensor", [&](const Node& v) { read_sensor_key(v); }},
-                   {"states", [&](const Node& v) { read_states(v); }},
-                   {"alignment", [&](const Node& v) { read_alignment(v); }},
-                   {"aids", done},
-                   {"world", [&](const Node& v) { read_world(v); }},
-                   {"filter", [&](const Node& v) { read_filter(v); }},
-                   {"until", [&](const Node& v) { scenario().until = time("until", v, Sign::above_zero); }},
-                   {"solution", [&](const Node& v) { read_solution(v); }},
-                   {"reference", [&](const Node& v) { read_reference(v); }}});
+    yaml_.section(
+        root, "a scene",
+        {{"name", [&](const Node& v) { scenario().name = yaml_.text("name", v); }},
+         {"site", done},
+         {"azimuth",
+          [&](const Node& v) {
+            scenario().azimuth = yaml_.quantity("azimuth", v, dimension::kAngle, Sign::any);
+          }},
+         {"trajectory", [&](const Node& v) { read_trajectory_key(v); }},
+         {"flight", [&](const Node& v) { result_.flight = read_flight(yaml_, v); }},
+         {"imu", [&](const Node& v) { read_imu(v); }},
+         {"sensor", [&](const Node& v) { read_sensor_key(v); }},
+         {"states", [&](const Node& v) { read_states(v); }},
+         {"alignment", [&](const Node& v) { read_alignment(v); }},
+         {"aids", done},
+         {"world", [&](const Node& v) { read_world(v); }},
+         {"filter", [&](const Node& v) { read_filter(v); }},
+         {"until", [&](const Node& v) { scenario().until = yaml_.time("until", v, Sign::above_zero); }},
+         {"solution", [&](const Node& v) { read_solution(v); }},
+         {"reference", [&](const Node& v) { read_reference(v); }}});
     if (!result_.imu && result_.trajectory.empty() && !result_.flight)
       yaml_.fail_here(
           root, "found none of \"imu:\", \"trajectory:\" and \"flight:\", expected one of them: what moves");
@@ -105,41 +84,7 @@ class SceneReader {
  private:
   navigation::Scenario& scenario() { return result_.scenario; }
 
-  // --- Values ---
-
-  [[nodiscard]] double time(std::string_view key, const Node& value, Sign sign) const {
-    return yaml_.quantity(key, value, dimension::kTime, sign);
-  }
-
-  // One for all three, or a list of three.
-  [[nodiscard]] Vector3d triple(std::string_view key, const Node& value, const Dimension& d,
-                                Sign sign) const {
-    if (!value.IsSequence()) return Vector3d::Constant(yaml_.quantity(key, value, d, sign));
-    if (value.size() != 3)
-      yaml_.fail_here(value,
-                      fmt::format("{}: found a list of {}, expected one value or three", key, value.size()));
-    return {yaml_.quantity(key, value[0], d, sign), yaml_.quantity(key, value[1], d, sign),
-            yaml_.quantity(key, value[2], d, sign)};
-  }
-
-  [[nodiscard]] std::string path_from(const std::filesystem::path& folder, const std::string& path) const {
-    if (path == "-" || std::filesystem::path(path).is_absolute()) return path;
-    return (folder / path).lexically_normal().string();
-  }
-  [[nodiscard]] std::string data_path(std::string_view key, const Node& value) const {
-    return path_from(data_folder_, yaml_.text(key, value));
-  }
-
-  [[nodiscard]] std::map<std::string, std::string> columns(const Node& node,
-                                                           const std::vector<std::string>& known) const {
-    std::map<std::string, std::string> result;
-    yaml_.for_each(node, "columns", [&](const Node& key, const Node& value) {
-      if (std::ranges::find(known, key.Scalar()) == known.end())
-        yaml_.fail_unknown_key(key, "columns", known);
-      result[key.Scalar()] = yaml_.text(key.Scalar(), value);
-    });
-    return result;
-  }
+  // --- Site ---
 
   [[nodiscard]] earth::Geodetic place(std::string_view where, const Node& node) const {
     std::optional<double> latitude, longitude, height;
@@ -180,7 +125,7 @@ class SceneReader {
   void read_trajectory_key(const Node& node) {
     const std::string text = yaml_.text("trajectory", node);
     try {
-      result_.trajectory = is_named_trajectory(text) ? text : path_from(folder_, text);
+      result_.trajectory = is_named_trajectory(text) ? text : yaml_.path("trajectory", node);
     } catch (const std::invalid_argument& error) {
       yaml_.fail_here(node, error.what());
     }
@@ -189,8 +134,8 @@ class SceneReader {
   void read_imu(const Node& node) {
     ImuSource imu;
     yaml_.section(node, "imu",
-                  {{"file", [&](const Node& v) { imu.path = data_path("file", v); }},
-                   {"columns", [&](const Node& v) { imu.columns = columns(v, imu_column_names()); }},
+                  {{"file", [&](const Node& v) { imu.path = yaml_.data_path("file", v); }},
+                   {"columns", [&](const Node& v) { imu.columns = yaml_.columns(v, imu_column_names()); }},
                    {"axes", [&](const Node& v) { read_axes(v, imu); }},
                    {"rate",
                     [&](const Node& v) {
@@ -247,23 +192,24 @@ class SceneReader {
       return;
     }
     bool file = false;
-    yaml_.section(
-        node, "sensor",
-        {{"file",
-          [&](const Node& v) {
-            load_sensor(v);
-            file = true;
-          }},
-         {"powered_on_before",
-          [&](const Node& v) {
-            result_.powered_on_before = time("powered_on_before", v, Sign::not_negative);
-          }},
-         {"calibrated_over",
-          [&](const Node& v) { result_.calibrated_over = time("calibrated_over", v, Sign::above_zero); }},
-         {"vibration", [&](const Node& v) {
-            scenario().states.vibration =
-                yaml_.quantity("vibration", v, dimension::kSpecificForce, Sign::not_negative);
-          }}});
+    yaml_.section(node, "sensor",
+                  {{"file",
+                    [&](const Node& v) {
+                      load_sensor(v);
+                      file = true;
+                    }},
+                   {"powered_on_before",
+                    [&](const Node& v) {
+                      result_.powered_on_before = yaml_.time("powered_on_before", v, Sign::not_negative);
+                    }},
+                   {"calibrated_over",
+                    [&](const Node& v) {
+                      result_.calibrated_over = yaml_.time("calibrated_over", v, Sign::above_zero);
+                    }},
+                   {"vibration", [&](const Node& v) {
+                      scenario().states.vibration =
+                          yaml_.quantity("vibration", v, dimension::kSpecificForce, Sign::not_negative);
+                    }}});
     if (!file) yaml_.fail_here(node, "sensor: found no \"file:\", expected the sensor file's path");
     set_epoch(result_);
   }
@@ -271,7 +217,7 @@ class SceneReader {
   void load_sensor(const Node& node) {
     const std::string text = yaml_.text("sensor", node);
     if (text == kIdeal) return;
-    result_.sensor = path_from(folder_, text);
+    result_.sensor = yaml_.path("sensor", node);
     try {
       scenario().sensor = read_sensor(result_.sensor);
     } catch (const InputError& error) {  // its own place, behind that of the line which named it
@@ -339,19 +285,19 @@ class SceneReader {
     bool self = false;
     yaml_.section(
         node, "alignment",
-        {{"start", [&](const Node& v) { a.start = time("start", v, Sign::any); }},
+        {{"start", [&](const Node& v) { a.start = yaml_.time("start", v, Sign::any); }},
          {"position", [&](const Node& v) { read_position(v); }},
          {"position_sigma",
           [&](const Node& v) {
-            a.position_sigma = triple("position_sigma", v, kLength, Sign::not_negative);
+            a.position_sigma = yaml_.triple("position_sigma", v, kLength, Sign::not_negative);
           }},
          {"velocity", [&](const Node& v) { read_velocity(v); }},
          {"velocity_sigma",
           [&](const Node& v) {
-            a.velocity_sigma = triple("velocity_sigma", v, dimension::kVelocity, Sign::not_negative);
+            a.velocity_sigma = yaml_.triple("velocity_sigma", v, dimension::kVelocity, Sign::not_negative);
           }},
          {"attitude", [&](const Node& v) { self = read_attitude(v); }},
-         {"duration", [&](const Node& v) { duration = time("duration", v, Sign::above_zero); }},
+         {"duration", [&](const Node& v) { duration = yaml_.time("duration", v, Sign::above_zero); }},
          {"heading",
           [&](const Node& v) { heading = yaml_.quantity("heading", v, dimension::kAngle, Sign::any); }},
          {"level_sigma", [&](const Node& v) { a.level_sigma = sigma("level_sigma", v); }},
@@ -449,130 +395,6 @@ class SceneReader {
     return false;
   }
 
-  // --- Aids ---
-
-  // What a device says once for all it measures.
-  struct Device {
-    AidSource source;
-    Aid common;
-    std::vector<std::pair<Aid::Kind, Node>> measures;
-  };
-
-  std::vector<YamlKey> use_keys(Aid& aid) const {
-    return {{"from", [this, &aid](const Node& v) { aid.valid.from = time("from", v, Sign::any); }},
-            {"until", [this, &aid](const Node& v) { aid.valid.to = time("until", v, Sign::any); }},
-            {"outages", [this, &aid](const Node& v) { aid.outages = spans("outages", v); }},
-            {"used", [this, &aid](const Node& v) { aid.used = yaml_.flag("used", v); }}};
-  }
-
-  [[nodiscard]] std::vector<Span> spans(std::string_view key, const Node& node) const {
-    const auto refuse = [&](const Node& at) {
-      yaml_.fail_here(at, fmt::format("{}: found {}, expected pairs of times as in [[60 s, 120 s]]", key,
-                                      YamlReader::kind(at)));
-    };
-    if (!node.IsSequence()) refuse(node);
-    std::vector<Span> result;
-    for (const Node& pair : node) {
-      if (!pair.IsSequence() || pair.size() != 2) refuse(pair);
-      const Span span{time(key, pair[0], Sign::any), time(key, pair[1], Sign::any)};
-      if (span.to < span.from)
-        yaml_.fail_here(
-            pair, fmt::format("{}: ends at {:g} s, before it begins at {:g} s", key, span.to, span.from));
-      result.push_back(span);
-    }
-    return result;
-  }
-
-  void read_aids(const Node& node) {
-    yaml_.for_each(node, "aids", [&](const Node& key, const Node& value) {
-      const std::string where = "aids." + key.Scalar();
-      Device device;
-      device.common.name = key.Scalar();
-      Aid& common = device.common;
-      std::vector<YamlKey> keys = use_keys(common);
-      const auto add = [&](const char* name, std::function<void(const Node&)> read) {
-        keys.push_back({name, std::move(read)});
-      };
-      add("file", [&](const Node& v) { device.source.path = data_path("file", v); });
-      add("columns", [&](const Node& v) { device.source.columns = columns(v, aid_column_names()); });
-      add("rate", [&](const Node& v) {
-        common.rate = yaml_.quantity("rate", v, dimension::kFrequency, Sign::above_zero);
-      });
-      add("lever_arm", [&](const Node& v) { common.lever_arm = lever_arm(v); });
-      add("lever_arm_sigma", [&](const Node& v) {
-        common.lever_arm_sigma = triple("lever_arm_sigma", v, kLength, Sign::not_negative);
-      });
-      add("time_tag", [&](const Node& v) { common.time_tag = time("time_tag", v, Sign::any); });
-      add("time_tag_sigma",
-          [&](const Node& v) { common.time_tag_sigma = time("time_tag_sigma", v, Sign::not_negative); });
-      for (const Aid::Kind kind : kKinds) {
-        keys.push_back({std::string(navigation::name(kind)),
-                        [&device, kind](const Node& v) { device.measures.emplace_back(kind, v); }});
-      }
-      yaml_.section(value, where, keys);
-      if (device.measures.empty())
-        yaml_.fail_here(value, fmt::format("{}: found nothing that it measures, expected position, velocity, "
-                                           "height, attitude or rest",
-                                           where));
-      for (const auto& [kind, v] : device.measures) add_aid(device, kind, v);
-    });
-  }
-
-  [[nodiscard]] Vector3d lever_arm(const Node& v) const {
-    if (!v.IsSequence())
-      yaml_.fail_here(v,
-                      fmt::format("lever_arm: found {}, expected [forward, right, down] as in [0.2 m, 0 m, "
-                                  "-1 m]",
-                                  YamlReader::kind(v)));
-    return triple("lever_arm", v, kLength, Sign::any);
-  }
-
-  void add_aid(const Device& device, Aid::Kind kind, const Node& node) {
-    Aid aid = device.common;
-    aid.kind = kind;
-    aid.name = fmt::format("{}.{}", device.common.name, navigation::name(kind));
-    const Dimension d = dimension_of(kind);
-    bool sigma = true;
-    const auto read_sigma = [&](const Node& v) {
-      aid.sigma = triple("sigma", v, d, Sign::above_zero);
-      sigma = true;
-    };
-    if (node.IsMap()) {
-      sigma = false;
-      std::vector<YamlKey> keys = use_keys(aid);
-      keys.push_back({"sigma", read_sigma});
-      keys.push_back({"bias_sigma", [&](const Node& v) {
-                        aid.bias_sigma = triple("bias_sigma", v, d, Sign::not_negative);
-                      }});
-      keys.push_back({"correlated", [&](const Node& v) { read_correlated(v, d, aid); }});
-      yaml_.section(node, "aids." + aid.name, keys);
-    } else {
-      read_sigma(node);
-    }
-    if (!sigma)
-      yaml_.fail_here(node, fmt::format("aids.{}: found no \"sigma:\", expected its white noise", aid.name));
-    AidSource source = device.source;
-    if (kind == Aid::Kind::rest) source = {};
-    scenario().aids.push_back(std::move(aid));
-    result_.aids.push_back(std::move(source));
-  }
-
-  void read_correlated(const Node& node, const Dimension& d, Aid& aid) const {
-    bool both[2] = {false, false};
-    yaml_.section(node, "correlated",
-                  {{"sigma",
-                    [&](const Node& v) {
-                      aid.correlated_sigma = triple("sigma", v, d, Sign::not_negative);
-                      both[0] = true;
-                    }},
-                   {"time", [&](const Node& v) {
-                      aid.correlation_time = time("time", v, Sign::above_zero);
-                      both[1] = true;
-                    }}});
-    if (!both[0] || !both[1])
-      yaml_.fail_here(node, "correlated: expected both, as in {sigma: 1 m, time: 5 min}");
-  }
-
   // --- Filter, solution, reference ---
 
   void read_filter(const Node& node) {
@@ -594,7 +416,7 @@ class SceneReader {
           }},
          {"covariance_interval",
           [&](const Node& v) {
-            filter.covariance_interval = time("covariance_interval", v, Sign::not_negative);
+            filter.covariance_interval = yaml_.time("covariance_interval", v, Sign::not_negative);
           }},
          {"order",
           [&](const Node& v) {
@@ -617,11 +439,11 @@ class SceneReader {
                     }},
                    {"at", [&](const Node& v) {
                       if (!v.IsSequence()) {
-                        scenario().at = {time("at", v, Sign::any)};
+                        scenario().at = {yaml_.time("at", v, Sign::any)};
                         return;
                       }
                       scenario().at.clear();
-                      for (const Node& one : v) scenario().at.push_back(time("at", one, Sign::any));
+                      for (const Node& one : v) scenario().at.push_back(yaml_.time("at", one, Sign::any));
                     }}});
   }
 
@@ -643,9 +465,10 @@ class SceneReader {
       return;
     }
     AidSource source;
-    yaml_.section(node, "reference",
-                  {{"file", [&](const Node& v) { source.path = data_path("file", v); }},
-                   {"columns", [&](const Node& v) { source.columns = columns(v, aid_column_names()); }}});
+    yaml_.section(
+        node, "reference",
+        {{"file", [&](const Node& v) { source.path = yaml_.data_path("file", v); }},
+         {"columns", [&](const Node& v) { source.columns = yaml_.columns(v, aid_column_names()); }}});
     if (source.path.empty())
       yaml_.fail_here(node, "reference: found no \"file:\", expected the path of a CSV");
     for (const Aid::Kind kind : kCompared) {
@@ -659,8 +482,7 @@ class SceneReader {
     }
   }
 
-  YamlReader yaml_;
-  std::filesystem::path folder_, data_folder_;
+  SceneYaml yaml_;
   bool recorded_ = false;  ///< an IMU log, not a trajectory
   SceneFile result_;
 };
