@@ -18,6 +18,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "notes.h"
 #include "paths.h"
 #include "terminal.h"
 #include "verbs.h"
@@ -30,13 +31,9 @@ using report::BudgetResult;
 
 navigation::BudgetQuestion question(const BudgetArguments& a, const navigation::Scenario& scenario,
                                     double at) {
-  navigation::BudgetQuestion q;
+  navigation::BudgetQuestion q = question_of(scenario, 1 / a.rate);
   q.step = a.step;
-  q.imu_interval = 1 / a.rate;
   q.at = {at};
-  q.gravity = scenario.gravity_sigma;
-  q.deflection = scenario.deflection_sigma;
-  q.earth_rate_compensated = scenario.filter.strapdown.earth_rate_in_attitude;
   return q;
 }
 
@@ -98,6 +95,10 @@ void add_monte_carlo(BudgetResult& r, const BudgetArguments& a, const BudgetScen
     r.notes.push_back(fmt::format(
         "{} runs of Monte Carlo found no heading on the pad and do not count: give the alignment one",
         flown.unaligned));
+  r.interrupted = flown.runs + flown.unaligned < a.runs;
+  if (r.interrupted)
+    r.notes.push_back(fmt::format("Monte Carlo was interrupted: {} of {} runs", flown.runs, a.runs));
+  note_refused(r.notes, flown.fixes, flown.refused);
   if (flown.runs == 0) return;
   const std::size_t i = index_of(flown.times, r.at);
   const auto all = error_budget(scene.timeline, scene.sources, gains);
@@ -109,10 +110,17 @@ void add_monte_carlo(BudgetResult& r, const BudgetArguments& a, const BudgetScen
   for (const auto& run : flown.errors) mc.points.emplace_back(r.C_enu.transpose() * run[i].head<3>());
   for (const auto& line : r.budget.lines) {
     if (!a.each_source) break;
+    auto& one = mc.sources.emplace_back();
+    if (r.interrupted) continue;
     const auto source = std::ranges::find(scene.sources, line.name, &navigation::Source::name);
     const auto alone = fly_alone(scene, scenario, *source, flights.options());
     flights.flown();
-    auto& one = mc.sources.emplace_back();
+    if (alone && alone->runs + alone->unaligned < a.runs) {
+      r.interrupted = true;
+      r.notes.push_back(fmt::format(
+          "Monte Carlo was interrupted at {}: it and the sources behind it are not compared", line.name));
+      continue;
+    }
     if (alone && alone->runs > 0) one = {alone->runs, alone->covariance(i)};
   }
   r.monte_carlo = std::move(mc);
@@ -165,6 +173,15 @@ void note_large_angles(BudgetResult& r) {
                   kAxes[static_cast<std::size_t>(axis)], largest / earth::kDegree, when));
 }
 
+void note_short_flight(std::vector<std::string>& notes, const io::SceneFile& file,
+                       const earth::Trajectory& trajectory) {
+  const flight::Flight& flight = file.flight->plan.flight;
+  const double asked = std::isfinite(flight.duration) ? flight.duration : flight.vehicle.burn_time;
+  if (trajectory.duration() < asked - flight.period)
+    notes.push_back(fmt::format("the flight ends at {:.4g} s and not at {:.4g} s: gyrobudget fly says why",
+                                trajectory.duration(), asked));
+}
+
 BudgetResult budget(const BudgetArguments& a, const io::SceneFile& file,
                     const earth::Trajectory& trajectory) {
   const navigation::Scenario& scenario = file.scenario;
@@ -208,13 +225,18 @@ int run(const BudgetArguments& a) {
   io::SceneFile file = io::read_scene(a.scene);
   for (const std::string& input : {file.sensor, file.trajectory}) check_outputs(input, outputs);
   for (const std::string& input : a.sensors) check_outputs(input, outputs);
+  if (file.flight) check_outputs(file.flight->vehicle.path, outputs);
   const earth::Trajectory trajectory = io::planned_trajectory(file);
+  std::vector<std::string> notes;
+  if (file.flight) note_short_flight(notes, file, trajectory);
   std::vector<BudgetResult> results;
   if (a.sensors.empty()) results.push_back(budget(a, file, trajectory));
   for (const std::string& sensor : a.sensors) {
+    if (!results.empty() && results.back().interrupted) break;
     change_sensor(file, sensor);
     results.push_back(budget(a, file, trajectory));
   }
+  for (auto& r : results) r.notes.insert(r.notes.begin(), notes.begin(), notes.end());
   print(a.common.json ? report::budget_json(results) : report::budget_text(results));
   if (!a.report.empty()) {
     io::write_file(a.report, report::budget_page(results));
@@ -223,6 +245,7 @@ int run(const BudgetArguments& a) {
   const bool broken = std::any_of(results.begin(), results.end(), [](const auto& r) {
     return r.limit && !(r.limit->found <= r.limit->limit);
   });
+  if (results.back().interrupted) return exit_interrupted;
   return broken ? exit_no_answer : exit_done;
 }
 

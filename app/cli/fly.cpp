@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "notes.h"
 #include "paths.h"
 #include "terminal.h"
 #include "verbs.h"
@@ -49,10 +50,34 @@ std::vector<Case> cases(const FlyArguments& a) {
   return result;
 }
 
+closed_loop::Study study_of(const Case& c, const closed_loop::Study::Options& options) {
+  try {
+    return study(c.file.flight->plan, c.file.flight->dispersion, c.file.scenario, options);
+  } catch (const std::invalid_argument& error) {  // of numbers that only together cannot be
+    throw io::InputError(fmt::format("{}: {}", c.scene, error.what()));
+  }
+}
+
+void add_notes(closed_loop::Study& s, const flight::Plan& plan, int runs) {
+  note_faults(s.notes, plan);
+  if (s.stopped) s.notes.push_back(fmt::format("interrupted: {} of {} flights of each kind", s.runs, runs));
+  for (const auto& [kind, flights] :
+       {std::pair{"sensors", &s.sensors}, std::pair{"vehicle", &s.vehicle}, std::pair{"all", &s.all}})
+    note_lost(s.notes, kind, *flights);
+  std::int64_t fixes = 0, refused = 0;
+  for (const closed_loop::Outcome& o : s.sensors.outcomes) {
+    fixes += o.fixes;
+    refused += o.refused;
+  }
+  note_refused(s.notes, fixes, refused);
+}
+
 FlightResult fly(const FlyArguments& a, Case& c, Progress& progress, const Interruption& interruption) {
   io::FlightSource& source = *c.file.flight;
   flight::Flight& flight = source.plan.flight;
-  flight.record_every = std::max(1, static_cast<int>(std::lround(1 / (a.rate * flight.period))));
+  constexpr double kMostPeriods = 1e6;
+  flight.record_every =
+      static_cast<int>(std::clamp(std::round(1 / (a.rate * flight.period)), 1.0, kMostPeriods));
   closed_loop::Study::Options options{.runs = a.runs, .seed = a.seed};
   options.progress = [&](int done, int of) {
     progress.update(done, of);
@@ -67,17 +92,11 @@ FlightResult fly(const FlyArguments& a, Case& c, Progress& progress, const Inter
                  .vehicle_left_out = source.vehicle.left_out,
                  .plan = source.plan,
                  .dispersion = source.dispersion,
-                 .study = study(source.plan, source.dispersion, c.file.scenario, options)};
+                 .study = study_of(c, options)};
+  add_notes(r.study, source.plan, a.runs);
   if (c.file.sensor.empty() && a.sensors.empty())
     r.study.notes.emplace_back("the IMU is ideal: the scene names no sensor file");
   return r;
-}
-
-std::string output_of(const FlyArguments& a, std::size_t i, std::size_t of) {
-  if (of == 1 || a.output.empty()) return a.output;
-  throw std::invalid_argument(
-      fmt::format("-o {}: {} flights do not go into one file; write them one by one (this is number {})",
-                  a.output, of, i + 1));
 }
 
 bool flew_to_the_end(const FlightResult& r) {
@@ -97,17 +116,22 @@ int run(const FlyArguments& a) {
   for (const Case& c : all)
     for (const std::string& input : {c.file.sensor, c.file.flight->vehicle.path})
       check_outputs(input, outputs);
-  (void)output_of(a, 0, all.size());
+  if (all.size() > 1 && !a.output.empty())
+    throw std::invalid_argument(fmt::format(
+        "-o {}: {} flights do not go into one file; write them one by one", a.output, all.size()));
   std::vector<FlightResult> results;
   {
     Progress progress(a.common, "flights");
     const Interruption interruption;
-    for (Case& c : all) results.push_back(fly(a, c, progress, interruption));
+    for (Case& c : all) {
+      if (interruption.asked()) break;
+      results.push_back(fly(a, c, progress, interruption));
+    }
   }
   if (!a.output.empty()) {
     const FlightResult& r = results.front();
-    io::write_flight(a.output, r.study.flown.value_or(r.study.nominal), r.plan.flight, r.plan.control.azimuth,
-                     a.common.command_line);
+    io::write_flight(a.output, r.study.flown.value_or(r.study.nominal), r.plan.flight.world.site,
+                     r.plan.control.azimuth, a.common.command_line);
     if (a.output != "-") say(a.common, "flight: " + a.output);
   }
   if (a.output != "-") print(a.common.json ? report::flight_json(results) : report::flight_text(results));
@@ -115,6 +139,7 @@ int run(const FlyArguments& a) {
     io::write_file(a.report, report::flight_page(results));
     say(a.common, "report page: " + a.report);
   }
+  if (results.size() < all.size() || results.back().study.stopped) return exit_interrupted;
   return std::ranges::all_of(results, flew_to_the_end) ? exit_done : exit_no_answer;
 }
 

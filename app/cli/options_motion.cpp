@@ -92,7 +92,7 @@ CLI::App* add_fly(CLI::App& app, FlyArguments& a, Texts& texts) {
       "fly",
       "A launch vehicle in closed loop, steered by what its sensors tell.\n\n"
       "  gyrobudget fly examples/scenes/vlm1-ifog.yaml examples/scenes/vlm1-mems.yaml --report flight.html\n"
-      "  gyrobudget fly scene.yaml --sensor ideal --sensor mems.yaml --runs 200 -o flight.csv\n");
+      "  gyrobudget fly scene.yaml --sensor ideal --sensor mems.yaml --runs 200 --report flight.html\n");
   verb->add_option("scene", a.scenes,
                    "scene files with a flight: site, vehicle, control, sensor, alignment, aids")
       ->required()

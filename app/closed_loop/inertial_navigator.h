@@ -2,7 +2,7 @@
 // What joins flight and navigation: a simulated IMU and what navigates on it, as navigator of the closed loop.
 #pragma once
 
-#include "gyrobudget/earth/ellipsoid.h"
+#include "gyrobudget/earth/attitude.h"
 #include "gyrobudget/flight/body.h"
 #include "gyrobudget/navigation/simulated_navigator.h"
 
@@ -21,30 +21,29 @@ class InertialNavigator {
   }
 
   void step(const earth::ImuIncrement& exact, double dt) {
-    exact_ = exact;
     dt_ = dt;
     inside_.step(exact);
   }
   void know(const flight::Body::Pose& truth) {
     if (dt_ > 0 && inside_.fix_due()) inside_.use_fixes(instant(truth));
     v_eb_e_ = truth.v_eb_e;
+    q_eb_ = truth.q_eb;
   }
   [[nodiscard]] const navigation::NavigationState& state() const { return inside_.state(); }
   [[nodiscard]] const earth::ImuIncrement& sensed() const { return inside_.sensed(); }
   [[nodiscard]] const navigation::SimulatedNavigator& inside() const { return inside_; }
 
  private:
-  // Rate and acceleration are means over the last period.
+  // Rate and acceleration are means over the last period, of the truth, whatever the gyros sense of it.
   [[nodiscard]] navigation::Timeline::Instant instant(const flight::Body::Pose& truth) const {
-    const Eigen::Vector3d w_ie_b = truth.q_eb.conjugate() * Eigen::Vector3d(0, 0, earth::wgs84::kEarthRate);
     return {{truth.p_eb_e, truth.v_eb_e, truth.q_eb},
-            exact_.angle / dt_ - w_ie_b,
+            earth::log_rotation(q_eb_.conjugate() * truth.q_eb) / dt_,
             (truth.v_eb_e - v_eb_e_) / dt_};
   }
 
   navigation::SimulatedNavigator inside_;
-  earth::ImuIncrement exact_{};
   Eigen::Vector3d v_eb_e_ = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond q_eb_ = Eigen::Quaterniond::Identity();
   double dt_ = 0;
 };
 

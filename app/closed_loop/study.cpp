@@ -4,6 +4,7 @@
 #include "gyrobudget/closed_loop/inertial_navigator.h"
 #include "gyrobudget/earth/attitude.h"
 #include "gyrobudget/earth/frames.h"
+#include "gyrobudget/navigation/scene_runs.h"
 
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -25,7 +26,6 @@ using flight::FlightRecord;
 using navigation::CoreMatrix;
 using navigation::kCoreStates;
 
-constexpr double kShortest = 1;        // [s] of a flight that is worth navigating
 constexpr double kMarginsUntil = 0.2;  // of the mean thrust
 constexpr int kMarginPoints = 83;      // along the flight
 constexpr std::array kModeFactors{1.0, 0.9, 1.1};
@@ -43,15 +43,6 @@ bool varies(const noise::SensorModel& sensor, const navigation::BudgetScene& sce
   return !scene.sources.empty() || sensor.accelerometer.has_value();
 }
 
-navigation::BudgetQuestion question(const navigation::Scenario& scenario, double period) {
-  navigation::BudgetQuestion q;
-  q.imu_interval = period;
-  q.gravity = scenario.gravity_sigma;
-  q.deflection = scenario.deflection_sigma;
-  q.earth_rate_compensated = scenario.filter.strapdown.earth_rate_in_attitude;
-  return q;
-}
-
 MarginsAt margins_along(const flight::Plan& plan, const FlightRecord& nominal) {
   MarginsAt result;
   flight::AttitudeControlOptions options = plan.control;
@@ -61,7 +52,8 @@ MarginsAt margins_along(const flight::Plan& plan, const FlightRecord& nominal) {
   const std::size_t every = std::max<std::size_t>(1, nominal.points.size() / kMarginPoints);
   for (std::size_t i = 0; i < nominal.points.size(); i += every) {
     const flight::FlightPoint& p = nominal.points[i];
-    if (p.flow.thrust < kMarginsUntil * vehicle.mean_thrust()) continue;
+    // At burnout the flow is that of just before, the control's gain that of after.
+    if (p.t >= vehicle.burn_time || p.flow.thrust < kMarginsUntil * vehicle.mean_thrust()) continue;
     result.until = p.t;
     for (const double factor : kModeFactors) {
       if (factor != 1 && !vehicle.bending) continue;
@@ -70,6 +62,15 @@ MarginsAt margins_along(const flight::Plan& plan, const FlightRecord& nominal) {
     }
   }
   return result;
+}
+
+// Truth less estimate, axes of e.
+template <class State>
+Eigen::Matrix<double, kCoreStates, 1> error(const flight::Body::Pose& truth, const State& estimate) {
+  Eigen::Matrix<double, kCoreStates, 1> e;
+  e << truth.p_eb_e - estimate.p_eb_e, truth.v_eb_e - estimate.v_eb_e,
+      earth::log_rotation(truth.q_eb * estimate.q_eb.conjugate());
+  return e;
 }
 
 // Flights of the plan, with what they share.
@@ -98,8 +99,15 @@ class Flyer {
     flown.duration = plan_.flight.duration;
     flown.record_every = 0;
     if (sensors) {
-      const auto record = with_sensors(flown, run);
-      return record ? outcome_of(*record) : Outcome{.aligned = false};
+      InertialNavigator navigator(*scene_, run);
+      if (!navigator.inside().aligned()) return Outcome{.aligned = false};
+      const FlightRecord record = fly(plan_, flown, reference_, navigator);
+      Outcome o = outcome_of(record);
+      // Not what the controller was told, which may be late.
+      if (o.counts()) o.navigation = error(record.end.truth, navigator.state());
+      o.fixes = navigator.inside().fixes();
+      o.refused = navigator.inside().refused();
+      return o;
     }
     flight::PerfectNavigator navigator;
     return outcome_of(fly(plan_, flown, reference_, navigator));
@@ -116,8 +124,7 @@ class Flyer {
     o.position = local(end.truth.p_eb_e - planned.truth.p_eb_e);
     o.velocity = local(end.truth.v_eb_e - planned.truth.v_eb_e);
     o.attitude = local(turn(end.truth.q_eb, planned.truth.q_eb));
-    o.navigation << end.truth.p_eb_e - end.seen.p_eb_e, end.truth.v_eb_e - end.seen.v_eb_e,
-        turn(end.truth.q_eb, end.seen.q_eb);
+    o.navigation = error(end.truth, end.seen);
     return o;
   }
 
@@ -156,25 +163,11 @@ void fly_many(Study& study, const Flyer& flyer, const std::vector<Kind>& kinds,
     if (options.progress && !options.progress(done, flights)) stopped = true;
   });
   study.runs = static_cast<int>(std::ranges::count(flown, 1));
+  study.stopped = stopped;
   for (const Kind& kind : kinds) {
     std::size_t k = 0;
     std::erase_if(kind.flights->outcomes, [&](const Outcome&) { return flown[k++] == 0; });
   }
-}
-
-navigation::MonteCarlo::Options simulation(const navigation::Scenario& scenario,
-                                           const navigation::BudgetScene& scene, double period,
-                                           const Study::Options& asked) {
-  navigation::MonteCarlo::Options options;
-  options.runs = std::max(asked.runs, 1);
-  options.seed = asked.seed;
-  options.imu_interval = period;
-  options.filter = scenario.filter;
-  options.self_alignment = scene.self_alignment;
-  options.heading_sigma = scene.heading_sigma;
-  for (const auto& source : scene.sources)
-    if (source.shape && source.name != "earth_rate_uncompensated") options.world.push_back(source);
-  return options;
 }
 
 }  // namespace
@@ -217,18 +210,21 @@ Study study(const flight::Plan& asked, const flight::Dispersion& dispersion,
   result.C_launch = earth::LocalFrame::launch_plane(plan.flight.world.site, plan.control.azimuth).C_el();
   result.nominal = fly_nominal(plan);
   if (options.margins) result.margins = margins_along(plan, result.nominal);
-  if (result.nominal.end.t < kShortest) {
+  if (!flight::makes_a_trajectory(result.nominal)) {
     result.notes.push_back(fmt::format("the flight is too short to navigate: it {}", result.nominal.account));
     return result;
   }
   const auto scene =
-      budget_scene(scenario, trajectory(result.nominal), question(scenario, plan.flight.period));
+      budget_scene(scenario, trajectory(result.nominal), question_of(scenario, plan.flight.period));
   result.notes.insert(result.notes.end(), scene.warnings.begin(), scene.warnings.end());
   result.left_out = scene.left_out;
   result.aided = scene.design.has_value();
   result.pad = -scene.timeline.start();
   result.budget = error_budget(scene.timeline, scene.sources, scene.design);
-  const auto simulated = simulation(scenario, scene, plan.flight.period, options);
+  navigation::MonteCarlo::Options simulated;
+  simulated.seed = options.seed;
+  simulated.imu_interval = plan.flight.period;
+  simulated = whole_scene(scene, scenario, simulated);
   const navigation::SimulatedScene simulation(scene.timeline, scenario.sensor, scene.initial, scene.C_enu,
                                               scene.design, scene.aids, simulated);
   const Flyer flyer(plan, dispersion, result.nominal, &simulation, result.C_launch, options.seed);

@@ -24,6 +24,8 @@ struct Outcome {
   flight::Ended ended = flight::Ended::complete;
   bool aligned = true;  ///< false: its alignment on the pad found no heading, and it did not fly
   double t = 0;         ///< when it ended [s]
+  std::int64_t fixes = 0,
+               refused = 0;  ///< that navigation was given, and of them refused by the filter's gate
   // At the end, truth less the nominal flight at the same time: downrange, crossrange (left), up.
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  ///< [m]
   Eigen::Vector3d velocity = Eigen::Vector3d::Zero();  ///< [m/s]
@@ -64,7 +66,7 @@ struct Study {
     int runs = 0;  ///< of each kind
     std::uint64_t seed = 1;
     bool margins = true;  ///< of the loop, along the nominal flight
-    /// After each flight, from one thread at a time: flights done, of how many; false stops.
+    /// After each run, of all kinds, from one thread at a time: flights done, of how many; false stops.
     std::function<bool(int, int)> progress;
   };
 
@@ -80,10 +82,11 @@ struct Study {
   bool aided = false;
   double pad = 0;  ///< alignment before ignition [s]
   // Monte Carlo, empty where no runs were asked for or there is nothing to vary.
-  Flights sensors;  ///< sensors as they may be, the vehicle as planned
-  Flights vehicle;  ///< the vehicle as it may be, perfect navigation
-  Flights all;      ///< both
-  int runs = 0;     ///< done of each kind
+  Flights sensors;       ///< sensors as they may be, the vehicle as planned
+  Flights vehicle;       ///< the vehicle as it may be, perfect navigation
+  Flights all;           ///< both
+  int runs = 0;          ///< done of each kind
+  bool stopped = false;  ///< by progress, before all were done
   std::uint64_t seed = 1;
   std::vector<std::string> notes;  ///< for people, one sentence each
 };

@@ -5,6 +5,8 @@
 #include "gyrobudget/earth/frames.h"
 #include "gyrobudget/io/log_writer.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
@@ -81,11 +83,12 @@ void add_vehicle(Columns& c, const flight::FlightPoint& p) {
 
 }  // namespace
 
-void write_flight(const std::string& path, const flight::FlightRecord& record, const flight::Flight& flight,
+void write_flight(const std::string& path, const flight::FlightRecord& record, const earth::Geodetic& site,
                   double azimuth, const std::string& comment) {
-  if (record.points.empty()) throw std::invalid_argument("a flight without points cannot be written");
-  const double interval = flight.period * flight.record_every;
-  const earth::Geodetic& site = flight.world.site;
+  if (record.points.size() < 2)
+    throw std::invalid_argument(
+        fmt::format("a flight of {} points cannot be written, expected 2 or more", record.points.size()));
+  const double interval = record.points[1].t - record.points[0].t;
   const Axes axes{earth::LocalFrame::east_north_up(site), earth::LocalFrame::launch_plane(site, azimuth)};
   Columns columns;
   std::size_t k = 0;

@@ -8,8 +8,8 @@
 
 namespace gyrobudget::inline v0::io {
 
-/// Writes a flight as CSV, a row a point of the record, which are record_every periods of the flight apart (a last one
-/// off that grid is left out): time, then
+/// Writes a flight as CSV, a row a point of the record, as far apart as its first two (a last one off that grid is left
+/// out): time, then
 ///
 ///     latitude, longitude (deg), height (m), velocity_north, _east, _down (m/s), q_w, q_x, q_y, q_z   of the IMU, in truth
 ///     downrange, crossrange, up (m)                  from the pad along `azimuth`; crossrange to its left
@@ -19,8 +19,8 @@ namespace gyrobudget::inline v0::io {
 ///     mach (1), dynamic_pressure (Pa), angle_of_attack (deg), airspeed (m/s), thrust (N)
 ///
 /// read_trajectory() reads it as a trajectory.
-/// @throws OutputError; std::invalid_argument for a record without points.
-void write_flight(const std::string& path, const flight::FlightRecord&, const flight::Flight&, double azimuth,
-                  const std::string& comment);
+/// @throws OutputError; std::invalid_argument for a record of fewer than 2 points.
+void write_flight(const std::string& path, const flight::FlightRecord&, const earth::Geodetic& site,
+                  double azimuth, const std::string& comment);
 
 }  // namespace gyrobudget::inline v0::io

@@ -25,10 +25,11 @@ class FlightReader {
     if (!node["vehicle"])
       yaml_.fail_here(node, "flight: found no \"vehicle:\", expected the path of a vehicle file");
     read_vehicle_key(node["vehicle"]);  // others refer to it
+    if (const Node bending = node["bending"]) read_bending(bending);
     yaml_.section(
         node, "flight",
         {{"vehicle", [](const Node&) {}},
-         {"bending", [&](const Node& v) { read_bending(v); }},
+         {"bending", [](const Node&) {}},
          {"pitch",
           [&](const Node& v) { control().pitch = table("pitch", v, dimension::kTime, dimension::kAngle); }},
          {"control", [&](const Node& v) { read_control(v); }},
@@ -130,6 +131,10 @@ class FlightReader {
                    not_negative("least_thrust", control().least_thrust, dimension::kNumber),
                    {"notch", [&](const Node& v) { read_notch(v); }},
                    positive("rate", rate, dimension::kFrequency)});
+    constexpr double kFastest = 1e5;  // [Hz]
+    if (rate > kFastest)
+      yaml_.fail_here(
+          node, fmt::format("control: found a rate of {:g} Hz, expected at most {:g} Hz", rate, kFastest));
     flight().period = 1 / rate;
   }
 
@@ -156,8 +161,10 @@ class FlightReader {
     return 1;
   }
   void add_notch() {
-    if (!notch_given_ && flight().vehicle.bending)
-      control().notches = {flight::Notch{flight().vehicle.bending->frequency}};
+    // A mode above half the rate of control is out of a digital filter's reach.
+    if (notch_given_ || !flight().vehicle.bending) return;
+    const Table& mode = flight().vehicle.bending->frequency;
+    if (mode.range().second < 0.5 / flight().period) control().notches = {flight::Notch{mode}};
   }
 
   void read_guidance(const Node& node) {
@@ -241,7 +248,7 @@ class FlightReader {
                    not_negative("navigation_delay", n.delay, dimension::kTime)});
   }
 
-  void read_stuck(const Node& node, flight::Faults& f) const {
+  void read_stuck(const Node& node, flight::Faults& f) {
     f.nozzle_stuck_at = 0;
     if (node.IsScalar()) {
       f.nozzle_stuck_at = yaml_.quantity("nozzle_stuck", node, dimension::kTime, Sign::not_negative);
@@ -251,6 +258,11 @@ class FlightReader {
                   {not_negative("at", f.nozzle_stuck_at, dimension::kTime),
                    any("pitch", f.nozzle_stuck_offset.x(), dimension::kAngle),
                    any("yaw", f.nozzle_stuck_offset.y(), dimension::kAngle)});
+    const double limit = flight().vehicle.actuator.deflection_limit;
+    if (f.nozzle_stuck_offset.cwiseAbs().maxCoeff() > limit)
+      yaml_.fail_here(node,
+                      fmt::format("nozzle_stuck: expected an offset within the nozzle's limit of {:.4g} deg",
+                                  limit / earth::kDegree));
   }
 
   void read_dead_gyro(const Node& node, flight::NavigatorFaults& n) const {
@@ -273,7 +285,14 @@ class FlightReader {
     if (node.IsScalar()) return method(node);
     yaml_.section(node, "integrator",
                   {{"method", method},
-                   positive("step", i.step, dimension::kTime),
+                   {"step",
+                    [&](const Node& v) {
+                      constexpr double kFinest = 1e-5;  // [s]: 83 s take a minute
+                      i.step = yaml_.quantity("step", v, dimension::kTime, Sign::above_zero);
+                      if (i.step < kFinest)
+                        yaml_.fail_here(
+                            v, fmt::format("step: found {:g} s, expected at least {:g} s", i.step, kFinest));
+                    }},
                    {"tolerance", [&](const Node& v) {
                       i.tolerance = yaml_.number("tolerance", v);
                       yaml_.check_sign("tolerance", v, i.tolerance, Sign::not_negative);

@@ -181,6 +181,10 @@ class SceneReader {
       yaml_.fail_here(node, "found \"flight:\" and \"trajectory:\", expected one of them: what moves");
     if (!scenario().site)
       yaml_.fail_here(node, "found no site, expected \"site:\" in the scene: where the flight begins");
+    constexpr double kLongest = 3600;  // [s] of one stage
+    if (std::isfinite(scenario().until) && scenario().until > kLongest)
+      yaml_.fail_here(yaml_.root()["until"], fmt::format("until: a flight lasts at most {:g} s, found {:g} s",
+                                                         kLongest, scenario().until));
     place_flight(*result_.flight, scenario());
   }
 
@@ -508,8 +512,7 @@ earth::Trajectory planned_trajectory(const SceneFile& scene) {
                     scene.path));
   if (!scene.flight) return read_trajectory(scene.trajectory);
   const flight::FlightRecord nominal = fly_nominal(scene.flight->plan);
-  constexpr double kShortest = 1;  // [s]
-  if (nominal.end.t < kShortest)
+  if (!flight::makes_a_trajectory(nominal))
     throw InputError(fmt::format("{}: the flight of {} is too short for a trajectory: it {}", scene.path,
                                  scene.flight->vehicle.path, nominal.account));
   return trajectory(nominal);

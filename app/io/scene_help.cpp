@@ -19,7 +19,7 @@ flight:                       # or, in its place, what flies in closed loop: for
     damping: 0.7
     feedback: rate_error      # or rate, which lags a turning program [rate_error]
     least_thrust: 20 %        # of the mean: gains follow the thrust down to here [20 %]
-    notch: {frequency: 7 Hz, depth: 0.05, width: 0.5}   # or none [on the bending mode, where there is one]
+    notch: {frequency: 7 Hz, depth: 0.05, width: 0.5}   # or none [on a bending mode below half the rate]
     rate: 100 Hz              # of control, IMU and navigation [100 Hz]
   guidance: attitude          # or trajectory: back to the nominal one too; or {frequency, damping, angle_limit}
   atmosphere: yes
@@ -33,9 +33,9 @@ flight:                       # or, in its place, what flies in closed loop: for
     pressure_ahead: 10 cm     # centre_of_mass alike
     thrust_misalignment: 0.05 deg
     wind: 5 m/s
-  faults:                     # [none]
+  faults:                     # of the flight with sensors and of Monte Carlo, not of the nominal one [none]
     thrust_cut: 200 s
-    nozzle_stuck: {at: 200 s, pitch: 1 deg, yaw: 0 deg}
+    nozzle_stuck: {at: 200 s, pitch: 1 deg, yaw: 0 deg}   # where it is then, and so much off
     thrust_misalignment: {pitch: 0 deg, yaw: 0 deg}
     dead_gyro: {axis: y, at: 200 s}
     navigation_delay: 0 s

@@ -29,6 +29,7 @@ struct BudgetResult {
   double tolerance = 0;
   std::vector<navigation::Negligible> left_out;
   std::vector<navigation::SensorStates::LeftOut> not_modelled;
+  bool interrupted = false;  ///< Monte Carlo, before all its runs were done
   std::vector<std::string> notes;
   int flicker_states = 0;  ///< Gauss-Markov states an axis for 1/f noise
 

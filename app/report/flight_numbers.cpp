@@ -80,22 +80,6 @@ bool one_nominal(std::span<const FlightResult> results) {
   });
 }
 
-std::string_view to_string(flight::Ended ended) {
-  switch (ended) {
-    case flight::Ended::complete:
-      return "complete";
-    case flight::Ended::impact:
-      return "impact";
-    case flight::Ended::tumbling:
-      return "tumbling";
-    case flight::Ended::overload:
-      return "overload";
-    case flight::Ended::not_finite:
-      break;
-  }
-  return "not_finite";
-}
-
 std::string not_flown(const Study& s) {
   return s.budget ? "was not flown: its alignment on the pad found no heading"
                   : "was not flown: the flight is too short to navigate";

@@ -33,8 +33,6 @@ inline constexpr double kRatioBand = 0.99;  ///< that ratios of right sigmas lie
 /// Whether all have the same nominal flight and the same flights of the vehicle alone, to the last bit: then it, what the vehicle disperses and the margins are told
 /// once.
 [[nodiscard]] bool one_nominal(std::span<const FlightResult>);
-/// "complete", "impact", "tumbling", "overload", "not_finite".
-[[nodiscard]] std::string_view to_string(flight::Ended);
 /// Why there is no flight with the sensors, in place of its account.
 [[nodiscard]] std::string not_flown(const closed_loop::Study&);
 

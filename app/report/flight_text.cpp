@@ -114,7 +114,7 @@ std::string ends(std::span<const FlightResult> results, const std::vector<std::s
     else
       table.row({names[i], "-", "-", "-", "-", "-", "-", "-", "not flown"});
   }
-  return "\nWhere it ends: position of the IMU, with the sensors of run 0\n" + table.text();
+  return "\nWhere it ends: the IMU, with the sensors of run 0; crossrange is to the left\n" + table.text();
 }
 
 std::string accounts(std::span<const FlightResult> results, const std::vector<std::string>& names) {

@@ -23,6 +23,7 @@ struct Flown {
   std::vector<CoreVector> errors;  ///< at the times of interest; none where no heading was found
   bool aligned = true;
   Saturated saturated;
+  std::int64_t fixes = 0, refused = 0;
 };
 
 CoreVector error(const NavigationState& truth, const NavigationState& estimate) {
@@ -54,6 +55,8 @@ Flown fly(const SimulatedScene& scene, std::uint64_t run) {
   }
   at_sample();
   flown.saturated = navigator.saturated();
+  flown.fixes = navigator.fixes();
+  flown.refused = navigator.refused();
   return flown;
 }
 
@@ -124,6 +127,8 @@ MonteCarlo monte_carlo(const Timeline& timeline, const noise::SensorModel& senso
     unaligned += flown.aligned ? 0 : 1;
     const std::lock_guard lock(mutex);
     result.saturated += flown.saturated;
+    result.fixes += flown.fixes;
+    result.refused += flown.refused;
     ++done;
     if (options.progress && !options.progress(done)) stopped = true;
   });

@@ -59,6 +59,8 @@ struct MonteCarlo {
   /// [run][time] truth minus estimate of position [m], velocity [m/s] and attitude (rotation vector [rad]), axes of e.
   std::vector<std::vector<Eigen::Matrix<double, kCoreStates, 1>>> errors;
   Saturated saturated;  ///< all runs
+  /// Fixes of all runs, and how many of them the filter's gate refused, which linear covariance knows nothing of.
+  std::int64_t fixes = 0, refused = 0;
 
   /// Second moment about zero of the errors at times[i], axes of e: sum e e^T/runs.
   /// @throws std::invalid_argument where there are no runs, and std::out_of_range for an i beyond `times`.

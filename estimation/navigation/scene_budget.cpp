@@ -416,6 +416,15 @@ Vector3d totals(const CoreMatrix& P) {
 
 }  // namespace
 
+BudgetQuestion question_of(const Scenario& scenario, double imu_interval) {
+  BudgetQuestion q;
+  q.imu_interval = imu_interval;
+  q.gravity = scenario.gravity_sigma;
+  q.deflection = scenario.deflection_sigma;
+  q.earth_rate_compensated = scenario.filter.strapdown.earth_rate_in_attitude;
+  return q;
+}
+
 BudgetScene budget_scene(const Scenario& scenario, const earth::Trajectory& trajectory,
                          const BudgetQuestion& question) {
   return Builder(scenario, trajectory, question)();

@@ -57,6 +57,9 @@ struct BudgetQuestion {
   bool earth_rate_compensated = true;
 };
 
+/// What a scene asks by itself: its world, and whether its strapdown knows of Earth's rate.
+[[nodiscard]] BudgetQuestion question_of(const Scenario&, double imu_interval);
+
 /// @throws std::invalid_argument for what Timeline, sensor_states and check(Aid) refuse, a rest where the trajectory
 /// moves, a start from an aid that has no fix at 0 s, and more than a year.
 [[nodiscard]] BudgetScene budget_scene(const Scenario&, const earth::Trajectory&, const BudgetQuestion&);

@@ -28,12 +28,17 @@ double longest_step(const Timeline& timeline) {
 
 }  // namespace
 
-MonteCarlo fly(const BudgetScene& scene, const Scenario& scenario, MonteCarlo::Options options) {
+MonteCarlo::Options whole_scene(const BudgetScene& scene, const Scenario& scenario,
+                                MonteCarlo::Options options) {
   options = of_scene(scene, scenario, std::move(options));
   for (const Source& source : scene.sources)
     if (of_the_world(source)) options.world.push_back(source);
+  return options;
+}
+
+MonteCarlo fly(const BudgetScene& scene, const Scenario& scenario, MonteCarlo::Options options) {
   return monte_carlo(scene.timeline, scenario.sensor, scene.initial, scene.C_enu, scene.design, scene.aids,
-                     options);
+                     whole_scene(scene, scenario, std::move(options)));
 }
 
 std::optional<MonteCarlo> fly_alone(const BudgetScene& scene, const Scenario& scenario, const Source& source,

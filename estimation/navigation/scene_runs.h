@@ -9,6 +9,9 @@
 
 namespace gyrobudget::inline v0::navigation {
 
+/// Options with what the scene says: vibration, filter, alignment and the errors of its world, which are drawn once a run.
+[[nodiscard]] MonteCarlo::Options whole_scene(const BudgetScene&, const Scenario&, MonteCarlo::Options);
+
 /// The scene with all that is wrong in it. Of the options runs, seed, imu_interval and progress count; all else is the
 /// scene's. A source that was left out (leave_out) is flown all the same but for those of the world.
 /// @throws std::invalid_argument as monte_carlo.

@@ -169,6 +169,7 @@ double SimulatedNavigator::Normals::operator()() {
 earth::ImuIncrement SimulatedNavigator::measure_imu(const earth::ImuIncrement& truth, std::size_t sample) {
   const noise::ImuReading read = imu_.next({array(truth.angle), array(truth.velocity)});
   earth::ImuIncrement measured{vector(read.velocity), vector(read.angle)};
+  sample = std::min(sample, scene_.increments_.size() - 1);  // a flight may outlive its plan
   for (std::size_t v = 0; v < scene_.world_.size(); ++v)
     (scene_.world_[v].carrier == Carrier::gyro ? measured.angle : measured.velocity) +=
         world_[v] * scene_.world_[v].unit[sample];
@@ -262,7 +263,8 @@ void SimulatedNavigator::use(const PlannedFix& planned, const Timeline::Instant&
     if (noisy(aid_of(planned))) measurement.residual[i] += white;
     measurement.residual[i] += row.h.tail(aid_terms_.size()).dot(aid_terms_);
   }
-  filter_->update(measurement);
+  ++fixes_;
+  if (filter_->update(measurement).status != Innovation::Status::used) ++refused_;
 }
 
 void SimulatedNavigator::move_aids() {

@@ -93,6 +93,8 @@ class SimulatedNavigator {
   [[nodiscard]] const NavigationState& state() const {
     return filter_ ? filter_->state() : strapdown_->state();
   }
+  [[nodiscard]] std::int64_t fixes() const { return fixes_; }  ///< so far, those that the filter refused too
+  [[nodiscard]] std::int64_t refused() const { return refused_; }  ///< by the filter's gate
   [[nodiscard]] const std::optional<Filter>& filter() const { return filter_; }
   [[nodiscard]] const earth::ImuIncrement& sensed() const { return sensed_; }  ///< last
   [[nodiscard]] std::size_t samples() const { return samples_; }               ///< so far
@@ -131,6 +133,7 @@ class SimulatedNavigator {
   std::vector<earth::ImuIncrement> pad_;  ///< as measured, where it served the alignment
   earth::ImuIncrement sensed_{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   std::size_t samples_ = 0, next_fix_ = 0;
+  std::int64_t fixes_ = 0, refused_ = 0;
   bool aligned_ = true;
 };
 

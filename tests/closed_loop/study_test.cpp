@@ -157,6 +157,35 @@ TEST(ClosedLoop, TheLoopWithTheFilterAllocatesNothing) {
   EXPECT_EQ(counted(3), counted(12));
 }
 
+// What the controller is told late is no error of navigation.
+TEST(ClosedLoop, ADelayIsNoErrorOfNavigation) {
+  flight::Plan plan;
+  plan.flight.duration = 20;
+  const Study prompt = study(plan, {}, strapdown_scene(mems()), {.runs = 2});
+  plan.navigator_faults.delay = 0.05;
+  const Study late = study(plan, {}, strapdown_scene(mems()), {.runs = 2});
+  for (std::size_t k = 0; k < 2; ++k) {
+    ASSERT_TRUE(late.sensors.outcomes[k].counts());
+    const double error = prompt.sensors.outcomes[k].navigation.head<3>().norm();
+    EXPECT_NEAR(late.sensors.outcomes[k].navigation.head<3>().norm(), error, 0.05 * error);
+  }
+}
+
+TEST(ClosedLoop, TheScenesVibrationReachesTheImu) {
+  constexpr int kRuns = 40;
+  noise::SensorModel sensor;
+  sensor.gyro.vibration_rectification = 1 * kDegreePerHour / (9.80665 * 9.80665);
+  navigation::Scenario scene;
+  scene.sensor = sensor;
+  scene.states.vibration = 5 * 9.80665;
+  flight::Plan plan;
+  plan.flight.duration = 30;
+  const Study s = study(plan, {}, scene, {.runs = kRuns});
+  const double found = navigation::local_sigmas(s.sensors.navigation_error(), s.C_enu).attitude.norm();
+  const double linear = navigation::local_sigmas(s.budget->total.back(), s.C_enu).attitude.norm();
+  EXPECT_TRUE(navigation::sigma_ratio_band(kRuns, 1 - 1e-3).holds(found / linear)) << found / linear;
+}
+
 TEST(ClosedLoop, LostFlightsAreCountedAndDoNotCount) {
   flight::Plan plan;
   plan.navigator_faults = {.dead_gyro = 1, .dead_gyro_at = 5};
@@ -173,9 +202,30 @@ TEST(ClosedLoop, AFlightThatEndsOnThePadHasAnAccount) {
   flight::Plan plan;
   plan.flight.faults.thrust_cut_at = 0;
   const Study s = study(plan, {}, strapdown_scene(mems()), {.runs = 4});
-  EXPECT_EQ(s.nominal.ended, flight::Ended::impact);
+  EXPECT_EQ(s.nominal.ended, flight::Ended::complete);  // without faults
+  ASSERT_TRUE(s.flown);
+  EXPECT_EQ(s.flown->ended, flight::Ended::impact);
+  EXPECT_EQ(s.sensors.lost(), 4);
+}
+
+TEST(ClosedLoop, AFlightTooShortToNavigateSaysSo) {
+  flight::Plan plan;
+  plan.flight.duration = 0.5;
+  const Study s = study(plan, {}, strapdown_scene(mems()), {.runs = 4});
   EXPECT_FALSE(s.notes.empty());
+  EXPECT_FALSE(s.flown);
   EXPECT_TRUE(s.sensors.outcomes.empty());
+}
+
+TEST(ClosedLoop, RefusedFixesAreCounted) {
+  navigation::Scenario scene = strapdown_scene({});
+  scene.gravity_sigma = 1e-3;  // of which a filter for ideal sensors knows nothing
+  scene.aids.push_back({.name = "gnss", .sigma = Vector3d::Constant(0.01)});
+  const Study s = study({}, {}, scene, {.runs = 2});
+  for (const Outcome& o : s.sensors.outcomes) {
+    EXPECT_EQ(o.fixes, 84);  // at 0, 1 ... 83 s
+    EXPECT_GT(o.refused, 10);
+  }
 }
 
 TEST(ClosedLoop, StopsWhenAsked) {

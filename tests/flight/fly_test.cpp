@@ -298,6 +298,18 @@ TEST(Extremes, StuckNozzleEndsInTumbling) {
   EXPECT_LT(record.end.t, 83);
 }
 
+TEST(Extremes, AStuckNozzleStaysWhereItIs) {
+  Flight plan;
+  plan.faults = {.nozzle_stuck_at = 5, .nozzle_stuck_offset = Vector2d(0.1 * kDegree, 0)};
+  plan.duration = 7;
+  ASSERT_GT(plan.vehicle.actuator.delay, 0);  // commands are on their way when it sticks
+  plan.record_every = 1;
+  const FlightRecord record = fly_perfect(plan);
+  const Vector2d stuck = record.points[501].deflection;
+  EXPECT_NEAR(stuck.x(), record.points[500].deflection.x() + 0.1 * kDegree, 1e-3 * kDegree);
+  for (std::size_t k = 501; k < record.points.size(); ++k) EXPECT_EQ(record.points[k].deflection, stuck) << k;
+}
+
 TEST(Extremes, ThrustCutComesDown) {
   Flight plan;
   plan.faults.thrust_cut_at = 20;

@@ -137,6 +137,7 @@ TEST_F(FlightSection, WhatIsWrongHasItsPlaceAndAMend) {
   expect(vehicle() + "  dispersion: {mass: 10 %}\n", "5:", "propellant");
   expect(vehicle() + "  dispersion: {mass: -1 %}\n", "5:", "mass");
   expect(vehicle() + "  faults: {dead_gyro: {at: 5 s}}\n", "5:", "axis");
+  expect(vehicle() + "  faults: {nozzle_stuck: {at: 1 s, pitch: 10 deg}}\n", "5:", "limit of 3 deg");
   expect(vehicle() + "  wind: {gust: {height: 1 km}}\n", "5:", "half_width");
   expect(vehicle() + "  integrator: euler\n", "5:", "runge_kutta4");
   expect(vehicle() + "  control: {notch: {frequency: 70 Hz}}\n", "4:", "half the control rate");
@@ -154,8 +155,8 @@ TEST_F(FlightSection, ItsNominalFlightIsATrajectory) {
   const flight::FlightRecord record = fly_nominal(scene.flight->plan);
   EXPECT_LT((trajectory.at(20).p_eb_e - record.end.truth.p_eb_e).norm(), 1e-6);
   EXPECT_LT((trajectory.at(20).v_eb_e - record.end.truth.v_eb_e).norm(), 1e-3);
-  const std::string short_one = message_of<InputError>(
-      [&] { (void)io::planned_trajectory(read(vehicle() + "  faults: {thrust_cut: 0 s}\n")); });
+  const std::string short_one =
+      message_of<InputError>([&] { (void)io::planned_trajectory(read(vehicle() + "until: 0.5 s\n")); });
   EXPECT_CONTAINS(short_one, "too short");
   EXPECT_CONTAINS(
       message_of<InputError>([&] {
@@ -169,10 +170,9 @@ TEST_F(FlightSection, ItsNominalFlightIsATrajectory) {
 
 TEST_F(FlightSection, AFlightWrittenReadsAsATrajectory) {
   const io::SceneFile scene = read(vehicle() + "until: 10 s\n");
-  flight::Plan plan = scene.flight.value().plan;
+  const flight::Plan& plan = scene.flight.value().plan;
   const flight::FlightRecord record = fly_nominal(plan);
-  plan.flight.record_every = 1;  // as the nominal flight of a vehicle that bends
-  io::write_flight(path("flight.csv"), record, plan.flight, plan.control.azimuth, "a test");
+  io::write_flight(path("flight.csv"), record, plan.flight.world.site, plan.control.azimuth, "a test");
   const earth::Trajectory back = io::read_trajectory(path("flight.csv"));
   EXPECT_NEAR(back.duration(), 10, 1e-9);
   EXPECT_LT((back.at(7).p_eb_e - record.points[700].truth.p_eb_e).norm(), 1e-6);

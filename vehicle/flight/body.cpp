@@ -162,6 +162,7 @@ class Queue {
   [[nodiscard]] double next() const {
     return count_ > 0 ? items_[first_].first : std::numeric_limits<double>::infinity();
   }
+  void clear() { count_ = 0; }
   Vector2d pop() {
     const Vector2d command = items_[first_].second;
     first_ = (first_ + 1) % kSize;
@@ -216,6 +217,7 @@ struct Body::Impl {
       state.deflection += plant.faults.nozzle_stuck_offset;
       state.deflection_rate.setZero();
       acting = state.deflection;
+      queue.clear();
     }
     const Vector2d wanted(command.pitch, command.yaw);
     const Vector2d asked = wanted - issued;

@@ -139,6 +139,22 @@ FlightRecord Run::finish(const Seen& seen) {
 
 }  // namespace detail
 
+std::string_view to_string(Ended ended) {
+  switch (ended) {
+    case Ended::complete:
+      return "complete";
+    case Ended::impact:
+      return "impact";
+    case Ended::tumbling:
+      return "tumbling";
+    case Ended::overload:
+      return "overload";
+    case Ended::not_finite:
+      break;
+  }
+  return "not_finite";
+}
+
 Body::Pose pose_on_pad(const Flight& flight) {
   return Body(flight.vehicle, flight.world, detail::at_ignition(flight), {.method = Method::exact},
               flight.faults)

@@ -7,6 +7,7 @@
 
 #include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace gyrobudget::inline v0::flight {
@@ -46,6 +47,9 @@ enum class Ended {
   overload,   ///< pressure_angle_limit passed
   not_finite  ///< the state left what can be computed: numbers overflowed, or navigation told of nonsense
 };
+
+/// "complete", "impact", "tumbling", "overload", "not_finite".
+[[nodiscard]] std::string_view to_string(Ended);
 
 struct FlightRecord {
   Ended ended = Ended::complete;

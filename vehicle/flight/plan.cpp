@@ -13,12 +13,19 @@ FlightRecord fly_nominal(const Plan& plan) {
   Plan nominal = plan;
   nominal.guidance.reset();
   nominal.navigator_faults = {};
+  nominal.flight.faults = {};
   constexpr double kSmooth = 0.05;  // [s] between points
   const double periods = std::round(kSmooth / nominal.flight.period);
   nominal.flight.record_every =
       plan.flight.vehicle.bending ? 1 : static_cast<int>(std::clamp(periods, 1.0, 1e6));
   PerfectNavigator navigator;
   return fly(nominal, nominal.flight, {}, navigator);
+}
+
+bool makes_a_trajectory(const FlightRecord& record) {
+  constexpr double kShortest = 1;  // [s]
+  constexpr std::size_t kPoints = 6;
+  return record.end.t >= kShortest && record.points.size() >= kPoints;
 }
 
 earth::Trajectory trajectory(const FlightRecord& record) {

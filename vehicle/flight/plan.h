@@ -20,7 +20,7 @@ struct Plan {
   NavigatorFaults navigator_faults;
 };
 
-/// With perfect navigation and the program of attitude alone: the flight that guidance follows. Its points are as
+/// With perfect navigation, without faults, by the program of attitude alone: the flight that guidance follows. Its points are as
 /// dense as trajectory() needs them: 20 Hz, or of a vehicle that bends every period.
 /// @throws std::invalid_argument as fly() and AttitudeControl do.
 [[nodiscard]] FlightRecord fly_nominal(const Plan&);
@@ -39,6 +39,9 @@ template <Navigator N>
   TrajectoryControl control(attitude, {reference.begin(), reference.end()}, *plan.guidance);
   return fly(flown, control, told);
 }
+
+/// Whether a record lasts long enough, a second, and has enough points for trajectory().
+[[nodiscard]] bool makes_a_trajectory(const FlightRecord&);
 
 /// The truth of a record as a trajectory of the IMU, for what works along one: a spline through its points
 /// (earth::through_samples), good to what that says of samples so far apart.
