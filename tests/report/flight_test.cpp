@@ -89,7 +89,7 @@ const FlightResult& lost() {
 const FlightResult& fallen() {
   static const FlightResult kResult = [] {
     flight::Plan plan = short_plan();
-    plan.flight.faults.thrust_cut_at = 0;
+    plan.flight.vehicle.specific_impulse = 50;  // thrust below weight
     return result(plan, kDispersion, scenario(), kRuns);
   }();
   return kResult;
