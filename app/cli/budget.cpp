@@ -126,15 +126,15 @@ void add_monte_carlo(BudgetResult& r, const BudgetArguments& a, const BudgetScen
   r.monte_carlo = std::move(mc);
 }
 
-// "crossrange < 10 m"
-BudgetResult::Limit limit(const BudgetArguments& a, const BudgetResult& r,
+// "crossrange < 10 m", of all sources, those left out too.
+BudgetResult::Limit limit(const BudgetArguments& a, const BudgetResult& r, const navigation::Budget& all,
                           const navigation::Scenario& scenario, const earth::Trajectory& trajectory) {
   BudgetResult::Limit result{
       .text = a.limit->text, .component = a.limit->component, .limit = a.limit->metres};
-  result.found = position_sigma(r, r.budget.total[r.at_index], result.component);
+  result.found = position_sigma(r, all.total[r.at_index], result.component);
   const auto axes = component_axes(r, result.component);
   for (const auto& line : r.budget.lines)
-    result.factors.push_back(allowed_factor(r.budget, r.at_index, line.name, axes, result.limit));
+    result.factors.push_back(allowed_factor(all, r.at_index, line.name, axes, result.limit));
   if (std::holds_alternative<navigation::SelfAlignment>(scenario.alignment.attitude))
     result.alignment =
         alignment_time(scenario, trajectory, question(a, scenario, r.at), r.at, axes, result.limit);
@@ -212,7 +212,10 @@ BudgetResult budget(const BudgetArguments& a, const io::SceneFile& file,
   r.flicker_states = flicker_states(whole.sources);
   note_large_angles(r);
   if (a.exact) add_exact(r, scene, gains, 1 / a.rate);
-  if (a.limit) r.limit = limit(a, r, scenario, trajectory);
+  if (a.limit) {
+    const auto all = error_budget(whole.timeline, whole.sources, gains);
+    r.limit = limit(a, r, all, scenario, trajectory);
+  }
   if (a.runs > 0) add_monte_carlo(r, a, whole, scenario, gains);
   return r;
 }

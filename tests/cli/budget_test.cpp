@@ -241,6 +241,14 @@ TEST(BudgetVerb, ALimitSaysWhatMayGrow) {
   EXPECT_TRUE(met["limit"]["alignment"].is_null());
 }
 
+TEST(BudgetVerb, ALimitIsOfAllSources) {
+  const std::string options = "--limit 'rss < 10 m' --tolerance 0.2";
+  const json some = budget_json("vlm1-ideal", options), all = budget_json("vlm1-ideal", "--keep-all");
+  ASSERT_FALSE(some["left_out"].empty());
+  EXPECT_LT(total(some), total(all) * (1 - 1e-6));
+  EXPECT_NEAR(some["limit"]["found_m"].get<double>() / total(all), 1, 1e-9);
+}
+
 TEST(BudgetVerb, JsonIsAloneOnStdout) {
   const Scratch scratch;
   const std::string page = scratch.path("budget.html");
