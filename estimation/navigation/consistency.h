@@ -18,9 +18,9 @@ namespace gyrobudget::inline v0::navigation {
 /// NEES of errors of a chain that P describes to first order only. With D the diagonal of P, u_k and l_k the
 /// eigenvectors and eigenvalues of the correlations D^-1/2 P D^-1/2,
 ///   NEES = sum_k (u_k . D^-1/2 e)^2 / l_k   over the directions with l_k > threshold,
-/// chi-square with as many degrees of freedom. In a direction with less, a hundredth of a percent of a sigma
-/// squared and below, what the first order leaves out may be all there is: an attitude error psi adds about
-/// psi^2 of an axis' variance there, which no P of first order knows.
+/// chi-square with as many degrees of freedom. In a direction with less, what the first order leaves out may
+/// be all there is: an attitude error psi adds about psi^2 of an axis' variance there, which no P of first
+/// order knows. Monte Carlo takes a threshold of 1e-12 to 0.01 by the attitude (second_order, monte_carlo.h).
 class FirstOrderNees {
  public:
   struct Direction {
