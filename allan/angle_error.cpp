@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/allan/angle_error.h"
+#include "angle_error.h"
 
 #include <fmt/core.h>
 
@@ -57,7 +57,7 @@ double rms_of_steps(std::span<const double> x, std::size_t m) {
 
 }  // namespace
 
-std::vector<AngleError> angle_error(const RateRecord& record, std::span<const std::int64_t> factors) {
+std::vector<AngleError> angle_error(const Series& record, std::span<const std::int64_t> factors) {
   for (const std::int64_t m : factors) {
     if (m >= 1 && m <= record.samples()) continue;
     throw std::invalid_argument(fmt::format(

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/allan/confidence.h"
+#include "confidence.h"
 
 #include "gyrobudget/allan/detail/pair_sum.h"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/allan/form.h"
-#include "gyrobudget/allan/mask.h"
+#include "form.h"
+#include "mask.h"
 #include "gyrobudget/noise/process.h"
 
 #include <cstdint>

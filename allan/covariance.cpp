@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/allan/covariance.h"
+#include "covariance.h"
 
 #include "gyrobudget/allan/detail/pair_sum.h"
 

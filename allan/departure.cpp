@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/allan/departure.h"
+#include "departure.h"
 
 #include "gyrobudget/allan/detail/lag_kernel.h"
 #include "gyrobudget/allan/detail/means.h"
@@ -25,7 +25,7 @@ Eigen::VectorXd differences(const Eigen::VectorXd& means) {
   return means.tail(means.size() - 1) - means.head(means.size() - 1);
 }
 
-Eigen::VectorXd block_means(const RateRecord& record, std::int64_t m) {
+Eigen::VectorXd block_means(const Series& record, std::int64_t m) {
   Eigen::VectorXd means(kBlocks);
   for (Eigen::Index i = 0; i < kBlocks; ++i) means(i) = detail::mean_of(record.phase(), i * m, m);
   return means;
@@ -74,7 +74,7 @@ Eigen::MatrixXd shapes() {
 }
 
 /// Where near the border of two blocks the means of the samples around it differ most.
-std::int64_t place_step(const RateRecord& record, std::int64_t border, std::int64_t m) {
+std::int64_t place_step(const Series& record, std::int64_t border, std::int64_t m) {
   const std::int64_t begin = std::max<std::int64_t>(0, border - 2 * m);
   const std::int64_t end = std::min(record.samples(), border + 2 * m);
   std::int64_t place = border;
@@ -89,7 +89,7 @@ std::int64_t place_step(const RateRecord& record, std::int64_t border, std::int6
   return place;
 }
 
-Departure describe(const RateRecord& record, std::int64_t m, Eigen::Index shape) {
+Departure describe(const Series& record, std::int64_t m, Eigen::Index shape) {
   Departure departure;
   if (shape < kWarmUps) {
     departure.kind = Departure::Kind::warm_up;
@@ -103,7 +103,7 @@ Departure describe(const RateRecord& record, std::int64_t m, Eigen::Index shape)
 
 }  // namespace
 
-std::optional<Departure> find_departure(const RateRecord& record, std::span<const noise::Process> processes,
+std::optional<Departure> find_departure(const Series& record, std::span<const noise::Process> processes,
                                         const DepartureOptions& options) {
   if (!(options.false_alarm > 0 && options.false_alarm < 1)) {
     throw std::invalid_argument(

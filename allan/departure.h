@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/allan/record.h"
+#include "series.h"
 #include "gyrobudget/noise/process.h"
 
 #include <cstdint>
@@ -44,7 +44,7 @@ struct DepartureOptions {
 /// @return nothing where no departure is seen, processes are empty, the record is shorter than 512 samples, or a block
 /// has under half of its samples.
 /// @throws std::invalid_argument for a false alarm outside (0, 1) or an invalid process.
-[[nodiscard]] std::optional<Departure> find_departure(const RateRecord&,
+[[nodiscard]] std::optional<Departure> find_departure(const Series&,
                                                       std::span<const noise::Process> processes,
                                                       const DepartureOptions& = {});
 

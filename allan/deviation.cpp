@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/allan/deviation.h"
+#include "deviation.h"
 
 #include "gyrobudget/allan/detail/second_difference.h"
 
@@ -23,8 +23,8 @@ constexpr std::int64_t kShortTile = 4 * kShort;
 constexpr std::int64_t kLongTile = 1 << 15;
 constexpr std::size_t kFactorsAtOnce = 256;  // bounds the memory that partial sums take
 
-struct Record {
-  const RateRecord& data;
+struct MaskedSeries {
+  const Series& data;
   const Mask* mask;
   Form form;
 
@@ -68,7 +68,7 @@ class Total {
 
 /// @param window_at makes the Window that begins at a triple and serves a tile's triples for all factors.
 template <typename WindowAt>
-void sum_tiles(const Record& record, std::int64_t tile_size, WindowAt window_at, std::span<Point*> points) {
+void sum_tiles(const MaskedSeries& record, std::int64_t tile_size, WindowAt window_at, std::span<Point*> points) {
   std::int64_t end = 0;
   for (const Point* point : points) end = std::max(end, record.end(point->m));
   const std::int64_t tiles = (end - record.first() + tile_size - 1) / tile_size;
@@ -90,7 +90,7 @@ void sum_tiles(const Record& record, std::int64_t tile_size, WindowAt window_at,
   }
 }
 
-void sum_short(const Record& record, std::span<Point*> points) {
+void sum_short(const MaskedSeries& record, std::span<Point*> points) {
   std::int64_t longest = 0;
   for (const Point* point : points) longest = std::max(longest, point->m);
   const std::int64_t needed = kShortTile + 2 * longest;
@@ -115,7 +115,7 @@ void sum_short(const Record& record, std::span<Point*> points) {
   sum_tiles(record, kShortTile, window_at, points);
 }
 
-void sum_long(const Record& record, std::span<Point*> points) {
+void sum_long(const MaskedSeries& record, std::span<Point*> points) {
   const detail::Phase& phase = record.data.phase();
   const auto window_at = [&](std::int64_t begin) {
     return Window{phase.x.get() + begin, record.mask ? phase.missing.get() + begin : nullptr};
@@ -133,9 +133,9 @@ void in_batches(std::span<Point*> points, Work work) {
 
 }  // namespace
 
-Curve overlapped_variance(const RateRecord& data, std::span<const std::int64_t> factors, Form form) {
+Curve overlapped_variance(const Series& data, std::span<const std::int64_t> factors, Form form) {
   data.require_factors(factors);
-  const Record record{data, data.mask().get(), form};
+  const MaskedSeries record{data, data.mask().get(), form};
   Curve curve{data.dt(), data.samples(), data.mean(), form, std::vector<Point>(factors.size()), data.mask()};
   std::vector<Point*> short_points, long_points;
   for (std::size_t i = 0; i < factors.size(); ++i) {
@@ -149,7 +149,7 @@ Curve overlapped_variance(const RateRecord& data, std::span<const std::int64_t> 
 
 Curve overlapped_variance(std::span<const double> rate, double dt, std::span<const std::int64_t> factors,
                           const DeviationOptions& options) {
-  return overlapped_variance(RateRecord(rate, dt, options.minimum_fill), factors, options.form);
+  return overlapped_variance(Series(rate, dt, options.minimum_fill), factors, options.form);
 }
 
 }  // namespace gyrobudget::inline v0::allan

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/allan/estimator.h"
-#include "gyrobudget/allan/form.h"
-#include "gyrobudget/allan/mask.h"
-#include "gyrobudget/allan/record.h"
+#include "estimator.h"
+#include "form.h"
+#include "mask.h"
+#include "series.h"
 
 #include <cstdint>
 #include <memory>
@@ -65,7 +65,7 @@ struct Curve {
 [[nodiscard]] Curve overlapped_variance(std::span<const double> rate, double dt,
                                         std::span<const std::int64_t> factors, const DeviationOptions& = {});
 /// The same of a record made ready before, whose minimum fill holds.
-[[nodiscard]] Curve overlapped_variance(const RateRecord&, std::span<const std::int64_t> factors,
+[[nodiscard]] Curve overlapped_variance(const Series&, std::span<const std::int64_t> factors,
                                         Form = Form::full);
 
 }  // namespace gyrobudget::inline v0::allan

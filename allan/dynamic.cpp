@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/allan/dynamic.h"
+#include "dynamic.h"
 
 #include "gyrobudget/allan/detail/second_difference.h"
 
@@ -34,7 +34,7 @@ void check(const DynamicOptions& options, std::int64_t samples, std::span<const 
   }
 }
 
-TripleSum sum_between(const RateRecord& record, std::int64_t m, std::int64_t first, std::int64_t end) {
+TripleSum sum_between(const Series& record, std::int64_t m, std::int64_t first, std::int64_t end) {
   const detail::Phase& phase = record.phase();
   const detail::SecondDifference& kernel = detail::second_difference();
   const double* x = phase.x.get() + first;
@@ -46,7 +46,7 @@ TripleSum sum_between(const RateRecord& record, std::int64_t m, std::int64_t fir
 
 /// One column of the surface: the terms between neighbouring ends of windows, then each window from its
 /// stretches.
-void fill_column(const RateRecord& record, DynamicSurface& surface, std::size_t column) {
+void fill_column(const Series& record, DynamicSurface& surface, std::size_t column) {
   const std::int64_t m = surface.factors[column], count = surface.window - 2 * m + 1;
   std::vector<std::int64_t> cuts;
   for (std::size_t w = 0; w < surface.time.size(); ++w) {
@@ -87,7 +87,7 @@ DynamicOptions resolved(const DynamicOptions& options, std::int64_t samples) {
   return result;
 }
 
-DynamicSurface dynamic_variance(const RateRecord& record, std::span<const std::int64_t> factors,
+DynamicSurface dynamic_variance(const Series& record, std::span<const std::int64_t> factors,
                                 const DynamicOptions& wanted) {
   const DynamicOptions options = resolved(wanted, record.samples());
   check(options, record.samples(), factors);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/allan/deviation.h"
-#include "gyrobudget/allan/record.h"
+#include "deviation.h"
+#include "series.h"
 
 #include <cstdint>
 #include <span>
@@ -43,7 +43,7 @@ struct DynamicSurface {
 /// @throws std::invalid_argument for a window shorter than 2 or longer than the record, a hop below 1, or a
 /// factor out of range. Cost: O(n) per factor; the result has windows x factors numbers. Same bytes at any
 /// number of threads.
-[[nodiscard]] DynamicSurface dynamic_variance(const RateRecord&, std::span<const std::int64_t> factors,
+[[nodiscard]] DynamicSurface dynamic_variance(const Series&, std::span<const std::int64_t> factors,
                                               const DynamicOptions& = {});
 
 /// The window and hop that options stand for.

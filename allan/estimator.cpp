@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/allan/estimator.h"
+#include "estimator.h"
 
-#include "gyrobudget/allan/factors.h"
+#include "factors.h"
 
 #include <algorithm>
 #include <iterator>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/allan/factors.h"
+#include "factors.h"
 
 #include <fmt/core.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/allan/family.h"
+#include "family.h"
 
 #include "gyrobudget/allan/detail/family_sum.h"
 #include "gyrobudget/allan/detail/second_difference.h"
@@ -43,7 +43,7 @@ void check(Estimator estimator, std::int64_t samples, std::span<const std::int64
 std::int64_t ceil_ratio(std::int64_t a, std::int64_t b) { return (a + b - 1) / b; }
 
 /// Mean of the samples that exist among `count` on either side of a missing run.
-double bridge_level(std::span<const double> rate, const Mask::Run& run) {
+double bridge_level(std::span<const double> rate, const Mask::Gap& run) {
   constexpr std::int64_t kFewest = 16;
   const std::int64_t reach = std::max(run.count, kFewest), end = run.first + run.count;
   const auto samples = static_cast<std::int64_t>(rate.size());
@@ -61,7 +61,7 @@ double bridge_level(std::span<const double> rate, const Mask::Run& run) {
 
 std::vector<double> bridged(std::span<const double> rate, const Mask& mask) {
   std::vector<double> whole(rate.begin(), rate.end());
-  for (const Mask::Run& run : mask.runs()) {
+  for (const Mask::Gap& run : mask.runs()) {
     std::fill_n(whole.begin() + run.first, run.count, bridge_level(rate, run));
   }
   return whole;
@@ -126,7 +126,7 @@ TermSum masked_second_differences(const detail::Phase& phase, const Mask& mask, 
   return sum;
 }
 
-std::vector<TermSum> sum_terms(const RateRecord& record, Estimator estimator, std::span<const Job> jobs) {
+std::vector<TermSum> sum_terms(const Series& record, Estimator estimator, std::span<const Job> jobs) {
   if (jobs.empty()) return {};
   const auto sum_family = [&](const FamilyRecord& view) {
     return sum_jobs(jobs, [&](const Job& job, std::int64_t first, std::int64_t count) {
@@ -176,7 +176,7 @@ namespace {
 
 /// Mean of the record's own ratios of Allan to Theo1 variance at taus of 9, 12, 15 ... dt up to a tenth of it, as
 /// TheoBR has it; of more than 64 ratios 16, evenly spread.
-double bias_ratio(const RateRecord& record) {
+double bias_ratio(const Series& record) {
   constexpr std::int64_t kAll = 64, kSome = 16;
   const std::int64_t last = std::max<std::int64_t>(0, (record.samples() + 1) / 30 - 3);
   const std::int64_t ratios = last < kAll ? last + 1 : kSome;
@@ -198,7 +198,7 @@ double bias_ratio(const RateRecord& record) {
 }
 
 /// TheoBR and TheoH, whose terms are those of others.
-Curve composed(const RateRecord& record, Estimator estimator, std::span<const std::int64_t> factors,
+Curve composed(const Series& record, Estimator estimator, std::span<const std::int64_t> factors,
                const EstimatorOptions& options) {
   Curve curve{record.dt(), record.samples(), record.mean(), Form::full, {}, record.mask(), estimator};
   Factors of_theo1, of_allan;
@@ -222,7 +222,7 @@ Curve composed(const RateRecord& record, Estimator estimator, std::span<const st
 
 }  // namespace
 
-Curve deviation(const RateRecord& record, Estimator estimator, std::span<const std::int64_t> factors,
+Curve deviation(const Series& record, Estimator estimator, std::span<const std::int64_t> factors,
                 const EstimatorOptions& options) {
   check(estimator, record.samples(), factors, options);
   if (estimator == Estimator::theobr || estimator == Estimator::theoh)
@@ -264,7 +264,7 @@ Curve deviation(const RateRecord& record, Estimator estimator, std::span<const s
 
 Curve deviation(std::span<const double> rate, double dt, Estimator estimator,
                 std::span<const std::int64_t> factors, const EstimatorOptions& options) {
-  return deviation(RateRecord(rate, dt), estimator, factors, options);
+  return deviation(Series(rate, dt), estimator, factors, options);
 }
 
 std::vector<double> rates_of_angles(std::span<const double> angles, double dt) {

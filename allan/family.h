@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/allan/deviation.h"
-#include "gyrobudget/allan/estimator.h"
-#include "gyrobudget/allan/record.h"
+#include "deviation.h"
+#include "estimator.h"
+#include "series.h"
 
 #include <cstdint>
 #include <span>
@@ -63,7 +63,7 @@ struct EstimatorOptions {
 /// degrees of freedom; an overlap that is asked for is kept to. Point::stride says what was done. Memory 8
 /// bytes per sample (12 with gaps), and 8 more where gaps are bridged. Same bytes for any number of threads
 /// and on any x86-64.
-[[nodiscard]] Curve deviation(const RateRecord&, Estimator, std::span<const std::int64_t> factors,
+[[nodiscard]] Curve deviation(const Series&, Estimator, std::span<const std::int64_t> factors,
                               const EstimatorOptions& = {});
 /// The same of rates [signal] every dt [s].
 [[nodiscard]] Curve deviation(std::span<const double> rate, double dt, Estimator,

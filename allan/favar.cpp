@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/allan/favar.h"
+#include "favar.h"
 
 #include <fmt/core.h>
 
@@ -122,7 +122,7 @@ std::vector<IrregularPoint> irregular_variance(std::span<const double> time, std
 }
 
 Curve recursive_variance(std::span<const double> rate, double dt, double minimum_fill) {
-  const RateRecord facts(rate, dt, minimum_fill);
+  const Series facts(rate, dt, minimum_fill);
   Curve curve{dt, facts.samples(), facts.mean(), Form::full, {}, facts.mask()};
   Clusters clusters = single_samples(rate);
   for (std::size_t m = 1; 2 * m <= rate.size(); m *= 2) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/allan/deviation.h"
+#include "deviation.h"
 
 #include <cstdint>
 #include <span>

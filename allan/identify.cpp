@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/allan/identify.h"
+#include "identify.h"
 
 #include "gyrobudget/allan/detail/lag_kernel.h"
 #include "gyrobudget/allan/detail/means.h"
@@ -147,7 +147,7 @@ std::vector<Identified> held_noise(std::vector<Identified> found, std::int64_t s
   return found;
 }
 
-std::vector<Identified> identify_noise(const RateRecord& record, std::span<const std::int64_t> factors) {
+std::vector<Identified> identify_noise(const Series& record, std::span<const std::int64_t> factors) {
   record.require_factors(factors);
   constexpr std::int64_t kFewestClusters = 30;
   const std::int64_t longest = std::max<std::int64_t>(1, record.samples() / kFewestClusters);
@@ -161,7 +161,7 @@ std::vector<Identified> identify_noise(const RateRecord& record, std::span<const
 }
 
 std::vector<Identified> identify_noise(std::span<const double> rate, std::span<const std::int64_t> factors) {
-  return identify_noise(RateRecord(rate), factors);
+  return identify_noise(Series(rate), factors);
 }
 
 Identified identify_noise(std::span<const double> rate, std::int64_t m) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/allan/lines.h"
+#include "lines.h"
 
 #include "gyrobudget/noise/fft.h"
 

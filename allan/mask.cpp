@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/allan/mask.h"
+#include "mask.h"
 
 #include "gyrobudget/allan/detail/pair_sum.h"
 
@@ -12,7 +12,7 @@
 
 namespace gyrobudget::inline v0::allan {
 
-Mask::Mask(std::int64_t samples, std::vector<Run> missing, double minimum_fill)
+Mask::Mask(std::int64_t samples, std::vector<Gap> missing, double minimum_fill)
     : samples_(samples), minimum_fill_(minimum_fill), runs_(std::move(missing)) {
   constexpr std::int64_t kLimit = std::int64_t{1} << 32;
   if (samples < 0 || samples >= kLimit) {
@@ -24,7 +24,7 @@ Mask::Mask(std::int64_t samples, std::vector<Run> missing, double minimum_fill)
         fmt::format("minimum fill of a cluster is {}; it must be in (0, 1]", minimum_fill));
   }
   std::int64_t free_from = 0;
-  for (const Run& run : runs_) {
+  for (const Gap& run : runs_) {
     if (run.count < 1 || run.first < free_from || run.first > samples - run.count) {
       throw std::invalid_argument(
           fmt::format("run of {} missing samples at {}: runs must ascend, not touch one another, and lie in "

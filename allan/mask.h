@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/allan/form.h"
+#include "form.h"
 #include "gyrobudget/noise/process.h"
 
 #include <cstdint>
@@ -17,7 +17,7 @@ namespace gyrobudget::inline v0::allan {
 class Mask {
  public:
   /// Neighbouring missing samples.
-  struct Run {
+  struct Gap {
     std::int64_t first;
     std::int64_t count;
   };
@@ -26,13 +26,13 @@ class Mask {
   /// @param missing ascending, apart from one another and inside the record.
   /// @param minimum_fill part of a cluster's samples that must exist for it to count, in (0, 1].
   /// @throws std::invalid_argument otherwise.
-  Mask(std::int64_t samples, std::vector<Run> missing, double minimum_fill);
+  Mask(std::int64_t samples, std::vector<Gap> missing, double minimum_fill);
 
   [[nodiscard]] std::int64_t samples() const { return samples_; }
   /// How many samples are missing.
   [[nodiscard]] std::int64_t missing() const { return missing_; }
   [[nodiscard]] double minimum_fill() const { return minimum_fill_; }
-  [[nodiscard]] const std::vector<Run>& runs() const { return runs_; }
+  [[nodiscard]] const std::vector<Gap>& runs() const { return runs_; }
   /// The fewest samples with which a cluster of m counts: minimum_fill m rounded up, at least 1.
   [[nodiscard]] std::int64_t minimum_count(std::int64_t m) const;
 
@@ -53,7 +53,7 @@ class Mask {
   std::int64_t samples_;
   std::int64_t missing_ = 0;
   double minimum_fill_;
-  std::vector<Run> runs_;
+  std::vector<Gap> runs_;
 };
 
 }  // namespace gyrobudget::inline v0::allan

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/allan/outliers.h"
+#include "outliers.h"
 
 #include <boost/math/special_functions/erf.hpp>
 #include <fmt/core.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/allan/psd.h"
+#include "psd.h"
 
 #include "gyrobudget/noise/fft.h"
 

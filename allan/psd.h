@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/allan/confidence.h"
+#include "confidence.h"
 
 #include <cstddef>
 #include <cstdint>

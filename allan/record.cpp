@@ -1,47 +1,31 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/allan/record.h"
+#include "record.h"
 
-#include <fmt/core.h>
-#include <tbb/task_arena.h>
+#include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 namespace gyrobudget::inline v0::allan {
-namespace {
 
-double checked_interval(double dt) {
-  if (dt > 0 && std::isfinite(dt)) return dt;
-  throw std::invalid_argument(
-      fmt::format("sample interval dt is {}; it must be positive and finite (s)", dt));
-}
-
-double checked_fill(double minimum_fill) {
-  if (minimum_fill > 0 && minimum_fill <= 1) return minimum_fill;
-  throw std::invalid_argument(
-      fmt::format("minimum fill of a cluster is {}; it must be in (0, 1]", minimum_fill));
-}
-
-}  // namespace
-
-RateRecord::RateRecord(std::span<const double> rate, double dt, double minimum_fill)
-    : rate_(rate), dt_(checked_interval(dt)), facts_(detail::census(rate, checked_fill(minimum_fill))) {}
-
-const detail::Phase& RateRecord::phase() const {
-  // Isolated: a thread that waits in here must not take up other work that asks for the same sums.
-  std::call_once(once_, [this] {
-    tbb::this_task_arena::isolate([this] { phase_ = detail::integrate(rate_, facts_); });
-  });
-  return phase_;
-}
-
-void RateRecord::require_factors(std::span<const std::int64_t> factors) const {
-  const std::int64_t limit = samples() / 2;
-  for (const std::int64_t m : factors) {
-    if (m >= 1 && m <= limit) continue;
-    throw std::invalid_argument(fmt::format(
-        "averaging factor is {}; for a record of {} samples it must be from 1 to {}", m, samples(), limit));
+Record make_record(std::vector<Axis> axes, double rate_hz, std::string source) {
+  if (!(rate_hz > 0 && std::isfinite(rate_hz)))
+    throw std::invalid_argument(fmt::format("rate of a record is {} Hz, expected it positive and finite", rate_hz));
+  const std::size_t samples = axes.empty() ? 0 : axes.front().rate.size();
+  for (const Axis& axis : axes) {
+    if (axis.rate.size() != samples)
+      throw std::invalid_argument(
+          fmt::format("axis '{}' has {} samples and axis '{}' {}, expected one length for all", axis.name,
+                      axis.rate.size(), axes.front().name, samples));
   }
+  Record record{.source = std::move(source), .rate_hz = rate_hz, .samples = static_cast<std::int64_t>(samples)};
+  for (std::size_t i = 0; i < samples; ++i)
+    record.missing_samples +=
+        std::ranges::any_of(axes, [i](const Axis& axis) { return !std::isfinite(axis.rate[i]); }) ? 1 : 0;
+  record.axes = std::move(axes);
+  return record;
 }
 
 }  // namespace gyrobudget::inline v0::allan

@@ -1,51 +1,40 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/allan/detail/phase.h"
-#include "gyrobudget/allan/mask.h"
+#include "gyrobudget/noise/sensor.h"
 
 #include <cstdint>
-#include <memory>
-#include <mutex>
-#include <span>
+#include <string>
+#include <vector>
 
 namespace gyrobudget::inline v0::allan {
 
-/// Part of a cluster's samples that must exist for it to count, unless asked otherwise.
-inline constexpr double kMinimumFill = 0.95;
-
-/// A rate record made ready for everything that is computed from it: its mean, its gaps, and its prefix sums, which
-/// are made when first asked for and then shared. Make one where more than one statistic of a record is wanted.
-///
-/// It refers to the samples, which must outlive it. NaN and infinite samples are missing (see Mask).
-class RateRecord {
- public:
-  /// @param rate rates [signal]; for angle increments divide by dt, for angles difference first.
-  /// @param dt sample interval [s].
-  /// @param minimum_fill part of a cluster's samples that must exist for it to count, in (0, 1]; 1 = all.
-  /// @throws std::invalid_argument for dt that is not positive and finite, a minimum fill outside (0, 1], a record of
-  /// 2^32 samples or more with gaps, or samples whose sum overflows.
-  explicit RateRecord(std::span<const double> rate, double dt = 1, double minimum_fill = kMinimumFill);
-
-  [[nodiscard]] std::span<const double> rate() const { return rate_; }
-  [[nodiscard]] double dt() const { return dt_; }
-  [[nodiscard]] std::int64_t samples() const { return static_cast<std::int64_t>(rate_.size()); }
-  /// Of the samples that exist [signal]; NaN where none does.
-  [[nodiscard]] double mean() const { return facts_.mean; }
-  /// Null for a complete record.
-  [[nodiscard]] const std::shared_ptr<const Mask>& mask() const { return facts_.mask; }
-  /// Prefix sums, 8 bytes a sample (12 with gaps). Any thread may ask.
-  [[nodiscard]] const detail::Phase& phase() const;
-
-  /// @throws std::invalid_argument unless 1 <= m <= n/2 for each.
-  void require_factors(std::span<const std::int64_t> factors) const;
-
- private:
-  std::span<const double> rate_;
-  double dt_;
-  detail::Census facts_;
-  mutable std::once_flag once_;
-  mutable detail::Phase phase_;
+/// What one sensor axis said.
+struct Axis {
+  std::string name;                                    ///< as its log has it: any bytes
+  noise::Signal signal = noise::Signal::angular_rate;  ///< decides units and names
+  std::vector<double> rate;  ///< mean over each sample interval [rad/s, m/s^2 or 1]; NaN where missing
 };
+
+/// What a sensor said at an even rate: the axes of one recording, as a value. A reader makes one (log::read_log), and
+/// so does whoever has samples in memory:
+///
+///     const auto record = allan::make_record({{"gyro_x", noise::Signal::angular_rate, samples}}, 100);
+struct Record {
+  std::string source = {};           ///< what it is called: the path of a log, or any name
+  double rate_hz = 0;                ///< [Hz]
+  std::int64_t samples = 0;          ///< length of each axis, missing samples included
+  std::int64_t missing_samples = 0;  ///< at which any axis has no number
+  double start_s = 0;                ///< of a segment, since the first row of the log by its own clock
+  std::int64_t first_row = 1;        ///< likewise, the line of its first row (binary: the row), from 1
+  std::vector<Axis> axes = {};
+  std::vector<std::string> notes = {};  ///< what a person should know of how it was read, one sentence each
+};
+
+/// A record of samples in memory, its lengths and missing samples counted.
+/// @param axes     all of one length
+/// @param rate_hz  [Hz]
+/// @throws std::invalid_argument for a rate that is not positive and finite, and axes of different lengths.
+[[nodiscard]] Record make_record(std::vector<Axis> axes, double rate_hz, std::string source = "samples");
 
 }  // namespace gyrobudget::inline v0::allan

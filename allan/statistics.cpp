@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/allan/statistics.h"
+#include "statistics.h"
 
 #include "gyrobudget/allan/detail/family_sum.h"
 #include "gyrobudget/allan/detail/lag_moments.h"
@@ -318,7 +318,7 @@ std::vector<PointStatistics> statistics(const Curve& curve, std::span<const Iden
   });
 }
 
-std::vector<Identified> identify_noise(const RateRecord& record, const Curve& curve) {
+std::vector<Identified> identify_noise(const Series& record, const Curve& curve) {
   std::vector<std::int64_t> factors;
   for (std::size_t i = 0; i < curve.points.size(); ++i) {
     const auto m = static_cast<std::int64_t>(std::llround(curve.tau(i) / curve.dt));

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/allan/confidence.h"
-#include "gyrobudget/allan/deviation.h"
-#include "gyrobudget/allan/identify.h"
+#include "confidence.h"
+#include "deviation.h"
+#include "identify.h"
 #include "gyrobudget/noise/process.h"
 
 #include <cstdint>
@@ -73,7 +73,7 @@ struct PointStatistics {
 [[nodiscard]] std::vector<PointStatistics> statistics(const Curve&, std::span<const Identified>,
                                                       double confidence = 0.95);
 /// Noise at each point's averaging time (at n/2 beyond that), as held_noise has it.
-[[nodiscard]] std::vector<Identified> identify_noise(const RateRecord&, const Curve&);
+[[nodiscard]] std::vector<Identified> identify_noise(const Series&, const Curve&);
 
 /// The same from the overlapped Allan curve alone, where the samples are gone (streams): the power law at each octave from
 /// the slope over its two neighbours, as the Allan variance goes as tau^-2, -1, 0, 1 for quantization, white, flicker,

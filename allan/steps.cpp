@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/allan/steps.h"
+#include "steps.h"
 
 #include "gyrobudget/allan/detail/means.h"
 
@@ -38,7 +38,7 @@ double median_size(const std::vector<double>& differences) {
 }
 
 /// Differences at one factor that leave what chance allows.
-void add_excesses(std::vector<Difference>& found, const RateRecord& record, std::int64_t m, double limit) {
+void add_excesses(std::vector<Difference>& found, const Series& record, std::int64_t m, double limit) {
   constexpr double kMadToSigma = 1.4826, kMadScatter = 1.17, kStandardErrors = 4;
   const std::int64_t stride = m / kPerCluster;
   std::vector<double> differences;
@@ -56,7 +56,7 @@ void add_excesses(std::vector<Difference>& found, const RateRecord& record, std:
 }
 
 /// Where within half a cluster of the middle the means either side differ most.
-Step placed(const RateRecord& record, const Difference& d) {
+Step placed(const Series& record, const Difference& d) {
   Step step{.index = d.middle, .span = d.m};
   const std::int64_t begin = d.middle - d.m, end = d.middle + d.m;
   double best = -1;
@@ -77,7 +77,7 @@ Step placed(const RateRecord& record, const Difference& d) {
 
 }  // namespace
 
-std::vector<Step> find_steps(const RateRecord& record, const StepOptions& options) {
+std::vector<Step> find_steps(const Series& record, const StepOptions& options) {
   if (!(options.false_alarm > 0 && options.false_alarm < 1)) {
     throw std::invalid_argument(
         fmt::format("false alarm probability is {}; it must be in (0, 1)", options.false_alarm));

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/allan/record.h"
+#include "series.h"
 
 #include <cstdint>
 #include <vector>
@@ -32,6 +32,6 @@ struct StepOptions {
 ///
 /// @throws std::invalid_argument for a false alarm outside (0, 1).
 /// Records shorter than 2048 samples have none found. Cost: prefix sums once, then O(n / 8).
-[[nodiscard]] std::vector<Step> find_steps(const RateRecord&, const StepOptions& = {});
+[[nodiscard]] std::vector<Step> find_steps(const Series&, const StepOptions& = {});
 
 }  // namespace gyrobudget::inline v0::allan

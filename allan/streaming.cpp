@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/allan/streaming.h"
+#include "streaming.h"
 
 #include "gyrobudget/allan/detail/second_difference.h"
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "gyrobudget/allan/detail/phase.h"
-#include "gyrobudget/allan/deviation.h"
+#include "deviation.h"
 
 #include <cstdint>
 #include <span>

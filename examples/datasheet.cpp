@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // From a record to the datasheet with the library: the code of the README, which a test keeps true.
 #include <gyrobudget/allan/factors.h>
-#include <gyrobudget/fit/fit.h>
+#include <gyrobudget/estimation/fit/fit.h>
 #include <gyrobudget/noise/generate.h>
 #include <gyrobudget/noise/sensor.h>
 

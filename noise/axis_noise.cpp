@@ -2,7 +2,7 @@
 #include "gyrobudget/noise/detail/axis_noise.h"
 
 #include "gyrobudget/noise/detail/streams.h"
-#include "gyrobudget/noise/generate.h"
+#include "generate.h"
 
 #include <fmt/core.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/noise/bielas.h"
+#include "bielas.h"
 
 #include <fmt/core.h>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/noise/fft.h"
+#include "fft.h"
 
 #include <fmt/core.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/noise/filter.h"
+#include "filter.h"
 
-#include "gyrobudget/noise/fft.h"
+#include "fft.h"
 
 #include <fmt/core.h>
 

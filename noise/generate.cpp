@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/noise/generate.h"
+#include "generate.h"
 
 #include "gyrobudget/noise/detail/state_bank.h"
 #include "gyrobudget/noise/detail/streaming_filter.h"
 #include "gyrobudget/noise/detail/streams.h"
-#include "gyrobudget/noise/fft.h"
+#include "fft.h"
 
 #include <fmt/core.h>
 
@@ -74,9 +74,9 @@ class CompensatedSum {
 // --- One process after the other, in constant memory -------------------------------------------------------
 
 /// Adds its samples to what is in `out`, at most kTile at a time.
-class Source {
+class SampleSource {
  public:
-  virtual ~Source() = default;
+  virtual ~SampleSource() = default;
   virtual void add_next(std::span<double> out) = 0;
   /// Goes on as if the next `samples` had been asked for; those whose samples depend on all earlier ones run there.
   virtual void skip(std::uint64_t samples) {
@@ -108,7 +108,7 @@ class Normals {
   std::vector<double> tile_;
 };
 
-class WhiteSource final : public Source {
+class WhiteSource final : public SampleSource {
  public:
   WhiteSource(const White& p, double dt, StreamKey key) : sigma_(p.n / std::sqrt(dt)), normals_(key) {}
   void add_next(std::span<double> out) override {
@@ -122,7 +122,7 @@ class WhiteSource final : public Source {
   Normals normals_;
 };
 
-class QuantizationSource final : public Source {
+class QuantizationSource final : public SampleSource {
  public:
   QuantizationSource(const Quantization& p, double dt, StreamKey key)
       : sigma_(p.q / dt), normals_(key), previous_(normals_.next(1)[0]) {}
@@ -145,7 +145,7 @@ class QuantizationSource final : public Source {
   double previous_;  ///< angle error of the reading before
 };
 
-class WalkSource final : public Source {
+class WalkSource final : public SampleSource {
  public:
   WalkSource(const RateRandomWalk& p, double dt, StreamKey key) : step_(p.k * std::sqrt(dt)), normals_(key) {}
   void add_next(std::span<double> out) override {
@@ -163,7 +163,7 @@ class WalkSource final : public Source {
   double rate_ = 0;
 };
 
-class GaussMarkovSource final : public Source {
+class GaussMarkovSource final : public SampleSource {
  public:
   GaussMarkovSource(const GaussMarkov& p, double dt, StreamKey key)
       : phi_(std::exp(-dt / p.correlation_time)),
@@ -184,7 +184,7 @@ class GaussMarkovSource final : public Source {
   double state_;
 };
 
-class RampSource final : public Source {
+class RampSource final : public SampleSource {
  public:
   RampSource(const RateRamp& p, double dt) : step_(p.r * dt) {}
   void add_next(std::span<double> out) override {
@@ -197,7 +197,7 @@ class RampSource final : public Source {
   std::uint64_t at_ = 0;
 };
 
-class SinusoidSource final : public Source {
+class SinusoidSource final : public SampleSource {
  public:
   SinusoidSource(const Sinusoid& p, double dt) : p_(p), cycles_(std::remainder(p.frequency * dt, 1.0)) {}
   void add_next(std::span<double> out) override {
@@ -218,7 +218,7 @@ class SinusoidSource final : public Source {
 
 /// Sum of first-order states, all from one stream: number k * (states + 1) + i drives state i into sample k,
 /// the last of a sample the walk.
-class FlickerSource final : public Source {
+class FlickerSource final : public SampleSource {
  public:
   FlickerSource(std::span<const Process> approximation, double dt, StreamKey key) : normals_(key) {
     const auto start = normals_.next(approximation.size() - 1);
@@ -254,7 +254,7 @@ class FlickerSource final : public Source {
 };
 
 /// Works in the filter's own blocks, whatever is asked for: that fixes the bytes.
-class FilterSource final : public Source {
+class FilterSource final : public SampleSource {
  public:
   FilterSource(const FilteredNoise& p, StreamKey key)
       : sigma_(p.sigma),
@@ -286,9 +286,9 @@ class FilterSource final : public Source {
 };
 
 /// The source of any process but flicker, which has none: whole records and endless ones make it differently.
-std::unique_ptr<Source> make_source(const Process& process, double dt, StreamKey key) {
+std::unique_ptr<SampleSource> make_source(const Process& process, double dt, StreamKey key) {
   return std::visit(
-      [&](const auto& p) -> std::unique_ptr<Source> {
+      [&](const auto& p) -> std::unique_ptr<SampleSource> {
         using P = std::decay_t<decltype(p)>;
         if constexpr (std::is_same_v<P, White>) return std::make_unique<WhiteSource>(p, dt, key);
         if constexpr (std::is_same_v<P, Quantization>)
@@ -302,7 +302,7 @@ std::unique_ptr<Source> make_source(const Process& process, double dt, StreamKey
       process);
 }
 
-void add_in_tiles(Source& source, std::span<double> out) {
+void add_in_tiles(SampleSource& source, std::span<double> out) {
   for (; !out.empty(); out = out.subspan(std::min(kTile, out.size()))) {
     source.add_next(out.first(std::min(kTile, out.size())));
   }
@@ -422,7 +422,7 @@ std::vector<Process> flicker_approximation(const Flicker& flicker, double dt, do
 }
 
 struct Generator::State {
-  std::vector<std::unique_ptr<Source>> sources;
+  std::vector<std::unique_ptr<SampleSource>> sources;
 };
 
 Generator::Generator(std::span<const Process> processes, double dt, const Options& options)

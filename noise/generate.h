@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/noise/filter.h"
-#include "gyrobudget/noise/normal.h"
-#include "gyrobudget/noise/process.h"
+#include "filter.h"
+#include "normal.h"
+#include "process.h"
 
 #include <cstdint>
 #include <memory>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/noise/imu.h"
+#include "imu.h"
 
 #include "gyrobudget/noise/detail/axis_noise.h"
 #include "gyrobudget/noise/detail/response.h"

@@ -2,7 +2,7 @@
 // A whole inertial measurement unit: what it reads where an ideal one would read the truth.
 #pragma once
 
-#include "gyrobudget/noise/sensor.h"
+#include "sensor.h"
 
 #include <array>
 #include <cstdint>

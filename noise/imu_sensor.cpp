@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/noise/imu_sensor.h"
+#include "imu_sensor.h"
 
 #include <fmt/core.h>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/noise/generate.h"
-#include "gyrobudget/noise/model.h"
+#include "generate.h"
+#include "model.h"
 
 #include <array>
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/noise/jerath.h"
+#include "jerath.h"
 
 namespace gyrobudget::inline v0::noise {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/noise/model.h"
+#include "model.h"
 
 #include <cstdint>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/noise/model.h"
+#include "model.h"
 
 #include <fmt/core.h>
 

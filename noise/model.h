@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/noise/filter.h"
-#include "gyrobudget/noise/process.h"
+#include "filter.h"
+#include "process.h"
 
 #include <cstdint>
 #include <utility>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/noise/normal.h"
+#include "normal.h"
 
 #include "gyrobudget/noise/detail/normal_kernel.h"
 

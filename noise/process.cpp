@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/noise/process.h"
+#include "process.h"
 
 #include <fmt/core.h>
 

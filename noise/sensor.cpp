@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/noise/sensor.h"
+#include "sensor.h"
 
 #include <fmt/core.h>
 

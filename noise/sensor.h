@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/noise/process.h"
-#include "gyrobudget/noise/units.h"
+#include "process.h"
+#include "units.h"
 
 #include <array>
 #include <cstddef>

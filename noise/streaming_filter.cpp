@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/noise/detail/streaming_filter.h"
 
-#include "gyrobudget/noise/fft.h"
+#include "fft.h"
 
 #include <algorithm>
 #include <bit>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/noise/units.h"
+#include "units.h"
 
 #include <fmt/core.h>
 

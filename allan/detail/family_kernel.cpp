@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/allan/detail/family_kernel.h"
+#include "family_kernel.h"
 
-#include "gyrobudget/allan/detail/lanes.h"
+#include "lanes.h"
 
 // Bodies are written once, always inlined into functions that differ by their target attribute alone.
 #if defined(__x86_64__) && defined(__clang__)

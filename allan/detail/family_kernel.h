@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/allan/detail/second_difference.h"
+#include "second_difference.h"
 
 #include <cstdint>
 

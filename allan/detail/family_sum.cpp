@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/allan/detail/family_sum.h"
+#include "family_sum.h"
 
-#include "gyrobudget/allan/detail/family_kernel.h"
-#include "gyrobudget/allan/detail/lanes.h"
+#include "family_kernel.h"
+#include "lanes.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/allan/detail/lag_kernel.h"
+#include "lag_kernel.h"
 
 #include <algorithm>
 #include <array>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/allan/detail/lag_moments.h"
+#include "lag_moments.h"
 
-#include "gyrobudget/allan/detail/family_sum.h"
-#include "gyrobudget/allan/detail/lag_kernel.h"
-#include "gyrobudget/allan/detail/lag_sum.h"
+#include "family_sum.h"
+#include "lag_kernel.h"
+#include "lag_sum.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/allan/detail/quadratic_form.h"
+#include "quadratic_form.h"
 #include "gyrobudget/allan/estimator.h"
 #include "gyrobudget/noise/process.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/allan/detail/lag_sum.h"
+#include "lag_sum.h"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/allan/detail/lag_kernel.h"
+#include "lag_kernel.h"
 
 #include <cstdint>
 #include <vector>

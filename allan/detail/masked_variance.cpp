@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What gaps do to the expectation of one triple, process by process, averaged over a sample of the triples that miss
 // samples. A triple estimates d = (mean over the samples that exist in cluster 2) - (same in cluster 1).
-#include "gyrobudget/allan/detail/triples.h"
+#include "triples.h"
 
 #include <algorithm>
 #include <array>
@@ -18,7 +18,7 @@ constexpr double square(double x) { return x * x; }
 
 /// Gaps within one cluster, positions from the triple's first sample.
 struct ClusterGaps {
-  std::vector<Mask::Run> missing;
+  std::vector<Mask::Gap> missing;
   double existing = 0;
 };
 using TripleGaps = std::array<ClusterGaps, 2>;
@@ -30,7 +30,7 @@ TripleGaps gaps_of(const Mask& mask, std::int64_t k, std::int64_t m) {
     ClusterGaps& cluster = gaps[static_cast<std::size_t>(i)];
     std::int64_t existing = m;
     auto run = std::partition_point(mask.runs().begin(), mask.runs().end(),
-                                    [&](const Mask::Run& r) { return r.first + r.count <= first; });
+                                    [&](const Mask::Gap& r) { return r.first + r.count <= first; });
     for (; run != mask.runs().end() && run->first < end; ++run) {
       const std::int64_t from = std::max(first, run->first), to = std::min(end, run->first + run->count);
       cluster.missing.push_back({from - k, to - from});
@@ -50,7 +50,7 @@ double expected_square(const noise::Quantization& p, const TripleGaps& gaps, dou
     const ClusterGaps& cluster = gaps[i];
     const double first = static_cast<double>(i) * m, last = first + m;
     double runs = 1 + static_cast<double>(cluster.missing.size());
-    for (const Mask::Run& run : cluster.missing) {
+    for (const Mask::Gap& run : cluster.missing) {
       const auto from = static_cast<double>(run.first), to = static_cast<double>(run.first + run.count);
       if (from == first) --runs;
       if (to == last) --runs;
@@ -70,7 +70,7 @@ double expected_square(const noise::RateRamp& p, const TripleGaps& gaps, double 
   double middle[2];
   for (std::size_t i = 0; i < 2; ++i) {
     double moment = m * (static_cast<double>(i) * m + (m - 1) / 2);
-    for (const Mask::Run& run : gaps[i].missing) {
+    for (const Mask::Gap& run : gaps[i].missing) {
       const auto count = static_cast<double>(run.count);
       moment -= count * (static_cast<double>(run.first) + (count - 1) / 2);
     }
@@ -89,7 +89,7 @@ double expected_square(const noise::Sinusoid& p, const TripleGaps& gaps, double 
   std::complex<double> mean[2];
   for (std::size_t i = 0; i < 2; ++i) {
     mean[i] = sum(static_cast<double>(i) * m, m);
-    for (const Mask::Run& run : gaps[i].missing) {
+    for (const Mask::Gap& run : gaps[i].missing) {
       mean[i] -= sum(static_cast<double>(run.first), static_cast<double>(run.count));
     }
     mean[i] /= gaps[i].existing;
@@ -153,7 +153,7 @@ class Blocks {
     double* density = density_.data() + 1 + index * blocks_;
     std::fill_n(density, blocks_, weight);
     double inside = 0;
-    for (const Mask::Run& run : cluster.missing) {
+    for (const Mask::Gap& run : cluster.missing) {
       for (std::int64_t from = run.first - base, end = from + run.count; from < end;) {
         const std::int64_t b = from / length_, block_end = std::min(m_, (b + 1) * length_);
         const std::int64_t count = std::min(end, block_end) - from;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/allan/detail/phase.h"
+#include "phase.h"
 
 #include <cstdint>
 #include <limits>

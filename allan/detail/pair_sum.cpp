@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/allan/detail/pair_sum.h"
+#include "pair_sum.h"
 
-#include "gyrobudget/allan/detail/lag_kernel.h"
-#include "gyrobudget/allan/detail/lag_sum.h"
+#include "lag_kernel.h"
+#include "lag_sum.h"
 
 #include <fmt/core.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/allan/detail/triples.h"
+#include "triples.h"
 #include "gyrobudget/allan/form.h"
 #include "gyrobudget/allan/mask.h"
 #include "gyrobudget/noise/process.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/allan/detail/phase.h"
+#include "phase.h"
 
 #include <tbb/parallel_for.h>
 
@@ -75,8 +75,8 @@ std::vector<Tally> tally_tiles(std::span<const double> rate, double mean) {
   return result;
 }
 
-std::vector<Mask::Run> missing_runs(std::span<const double> rate) {
-  std::vector<Mask::Run> runs;
+std::vector<Mask::Gap> missing_runs(std::span<const double> rate) {
+  std::vector<Mask::Gap> runs;
   for (std::size_t k = 0; k < rate.size(); ++k) {
     if (std::isfinite(rate[k])) continue;
     const auto at = static_cast<std::int64_t>(k);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/allan/detail/quadratic_form.h"
+#include "quadratic_form.h"
 
-#include "gyrobudget/allan/detail/family_sum.h"
+#include "family_sum.h"
 
 #include <array>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/allan/detail/second_difference.h"
+#include "second_difference.h"
 
 #include <algorithm>
 

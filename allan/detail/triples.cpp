@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/allan/detail/triples.h"
+#include "triples.h"
 
 #include <algorithm>
 #include <limits>
@@ -78,10 +78,10 @@ namespace {
 /// Whether sample k + shift exists, while k walks upwards.
 class Existence {
  public:
-  Existence(const std::vector<Mask::Run>& runs, std::int64_t k, std::int64_t shift)
+  Existence(const std::vector<Mask::Gap>& runs, std::int64_t k, std::int64_t shift)
       : shift_(shift), end_(runs.data() + runs.size()) {
     run_ = std::partition_point(runs.data(), end_,
-                                [&](const Mask::Run& run) { return run.first + run.count <= k + shift; });
+                                [&](const Mask::Gap& run) { return run.first + run.count <= k + shift; });
     move_to(k);
   }
   [[nodiscard]] std::int64_t exists() const { return exists_; }
@@ -100,12 +100,12 @@ class Existence {
 
  private:
   std::int64_t shift_, exists_ = 1, next_ = 0;
-  const Mask::Run *run_ = nullptr, *end_;
+  const Mask::Gap *run_ = nullptr, *end_;
 };
 
-std::int64_t existing_between(const std::vector<Mask::Run>& runs, std::int64_t first, std::int64_t end) {
+std::int64_t existing_between(const std::vector<Mask::Gap>& runs, std::int64_t first, std::int64_t end) {
   std::int64_t count = end - first;
-  for (const Mask::Run& run : runs) {
+  for (const Mask::Gap& run : runs) {
     count -= std::max<std::int64_t>(0, std::min(end, run.first + run.count) - std::max(first, run.first));
   }
   return count;
@@ -168,7 +168,7 @@ class Sweep {
 }  // namespace
 
 Triples find_triples(const Mask& mask, std::int64_t m, Form form) {
-  const std::vector<Mask::Run>& runs = mask.runs();
+  const std::vector<Mask::Gap>& runs = mask.runs();
   std::int64_t k = first_triple(form);
   const std::int64_t end = k + complete_terms(mask.samples(), m, form);
   std::int64_t count1 = existing_between(runs, k, k + m), count2 = existing_between(runs, k + m, k + 2 * m);

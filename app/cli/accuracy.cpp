@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // accuracy: records of known truth, every fit against it, limits held or broken.
-#include "gyrobudget/report/accuracy.h"
+#include "gyrobudget/app/report/accuracy.h"
 
-#include "gyrobudget/io/output.h"
-#include "gyrobudget/io/sensor_file.h"
+#include "gyrobudget/app/text/output.h"
+#include "gyrobudget/app/sensor_file/sensor_file.h"
 
 #include <fmt/format.h>
 
@@ -24,10 +24,10 @@ noise::ErrorModel axis_of(const noise::SensorModel& sensor, const AccuracyArgume
   const bool gyro = a.signal == noise::Signal::angular_rate;
   const char* name = gyro ? "gyro" : "accelerometer";
   if (!gyro && !sensor.accelerometer)
-    throw io::InputError(fmt::format("{}: it has no accelerometer", a.sensor));
+    throw text::InputError(fmt::format("{}: it has no accelerometer", a.sensor));
   noise::ErrorModel model = gyro ? sensor.gyro : *sensor.accelerometer;
   if (model.processes().empty()) {
-    throw io::InputError(fmt::format(
+    throw text::InputError(fmt::format(
         "{}: the {} has no noise coefficient above zero; accuracy needs the truth", a.sensor, name));
   }
   return model;
@@ -60,7 +60,7 @@ fit::Accuracy measure(const noise::ErrorModel& truth, const AccuracyArguments& a
 }
 
 void write_page(const AccuracyArguments& a, const std::string& page) {
-  io::write_file(a.report, page);
+  text::write_file(a.report, page);
   say(a.common, "report page: " + a.report);
 }
 
@@ -116,7 +116,7 @@ int run_sweep(const noise::SensorModel& sensor, const noise::ErrorModel& truth, 
 
 int run(const AccuracyArguments& a) {
   check_outputs(a.sensor, {{"--report", a.report}});
-  const noise::SensorModel sensor = io::read_sensor(a.sensor);
+  const noise::SensorModel sensor = sensor_file::read_sensor(a.sensor);
   const noise::ErrorModel truth = axis_of(sensor, a);
   return a.sweep ? run_sweep(sensor, truth, a) : run_study(sensor, truth, a);
 }

@@ -3,7 +3,7 @@
 
 #include "gyrobudget/allan/factors.h"
 #include "gyrobudget/allan/family.h"
-#include "gyrobudget/fit/information.h"
+#include "gyrobudget/estimation/fit/information.h"
 #include "gyrobudget/noise/generate.h"
 
 #include <fmt/format.h>
@@ -145,7 +145,7 @@ class Bench {
   }
 
   [[nodiscard]] Fitted fitted(const std::vector<double>& rate, const Way& way) const {
-    fit::Record record{.rate = rate, .dt = options_.dt};
+    fit::Data record{.rate = rate, .dt = options_.dt};
     Fitted one;
     allan::Curve curve;
     if (way.method != Method::whittle) {

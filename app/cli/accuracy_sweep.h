@@ -2,7 +2,7 @@
 #pragma once
 
 #include "gyrobudget/noise/process.h"
-#include "gyrobudget/report/accuracy.h"
+#include "gyrobudget/app/report/accuracy.h"
 
 #include <atomic>
 #include <cstdint>

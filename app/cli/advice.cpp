@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "advice.h"
 
-#include "gyrobudget/fit/information.h"
+#include "gyrobudget/estimation/fit/information.h"
 #include "gyrobudget/noise/sensor.h"
-#include "gyrobudget/report/words.h"
+#include "gyrobudget/app/report/words.h"
 
 #include <fmt/format.h>
 
@@ -113,7 +113,7 @@ void note_minimum(fit::Result& fit, const allan::Curve& display) {
   }
 }
 
-std::vector<std::string> advise(const fit::Result& fit, const io::Axis& axis, const allan::Curve& octaves,
+std::vector<std::string> advise(const fit::Result& fit, const allan::Axis& axis, const allan::Curve& octaves,
                                 const std::vector<std::string>& findings) {
   std::vector<std::string> advice;
   if (all_equal(octaves)) {

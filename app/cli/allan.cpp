@@ -5,8 +5,8 @@
 #include "gyrobudget/allan/family.h"
 #include "gyrobudget/allan/psd.h"
 #include "gyrobudget/allan/statistics.h"
-#include "gyrobudget/io/error.h"
-#include "gyrobudget/report/report.h"
+#include "gyrobudget/app/text/error.h"
+#include "gyrobudget/app/report/report.h"
 
 #include <fmt/format.h>
 
@@ -27,7 +27,7 @@ namespace gyrobudget::inline v0::cli {
 namespace {
 
 using allan::Estimator;
-using report::DeviationPoint;
+using allan::DeviationPoint;
 
 /// The curve of one record, with what its noise was found to be at each tau.
 struct Measured {
@@ -35,7 +35,7 @@ struct Measured {
   std::vector<allan::Identified> noises;
 };
 
-Measured measure(const allan::RateRecord& rates, Estimator estimator,
+Measured measure(const allan::Series& rates, Estimator estimator,
                  const std::vector<std::int64_t>& factors, const AllanArguments& a) {
   std::vector<std::int64_t> usable;  // a segment may be shorter than the one that the factors are made for
   std::ranges::copy_if(factors, std::back_inserter(usable),
@@ -49,28 +49,28 @@ Measured measure(const allan::RateRecord& rates, Estimator estimator,
 // --- Several logs into one curve --------------------------------------------------------------------------------------
 
 /// Of the segments' points at this tau, the one that knows most.
-DeviationPoint best_at(double tau, const std::vector<std::vector<DeviationPoint>>& segments) {
-  DeviationPoint best;
+DeviationPoint best_at(double tau, const std::vector<std::vector<allan::DeviationPoint>>& segments) {
+  allan::DeviationPoint best;
   for (const auto& points : segments) {
-    for (const DeviationPoint& p : points) {
+    for (const allan::DeviationPoint& p : points) {
       if (p.tau_s == tau && p.edf > best.edf) best = p;
     }
   }
   return best;
 }
 
-std::vector<DeviationPoint> pooled(const std::vector<Measured>& segments) {
+std::vector<allan::DeviationPoint> pooled(const std::vector<Measured>& segments) {
   std::vector<std::vector<allan::PointStatistics>> statistics;
-  std::vector<std::vector<DeviationPoint>> points;
+  std::vector<std::vector<allan::DeviationPoint>> points;
   std::vector<allan::Segment> list;
   for (const Measured& s : segments) {
     statistics.push_back(allan::statistics(s.curve, s.noises));
-    points.push_back(with_intervals(s.curve, s.noises));
+    points.push_back(allan::deviation_points(s.curve, s.noises));
   }
   for (std::size_t i = 0; i < segments.size(); ++i) list.push_back({&segments[i].curve, statistics[i]});
-  std::vector<DeviationPoint> result;
+  std::vector<allan::DeviationPoint> result;
   for (const allan::PooledPoint& p : allan::pool(list)) {
-    DeviationPoint point = best_at(p.tau, points);
+    allan::DeviationPoint point = best_at(p.tau, points);
     point.deviation = std::sqrt(p.variance);
     point.lower = std::sqrt(p.interval.lower);
     point.upper = std::sqrt(p.interval.upper);
@@ -81,19 +81,19 @@ std::vector<DeviationPoint> pooled(const std::vector<Measured>& segments) {
   return result;
 }
 
-void check_alike(const io::Record& first, const io::Record& other) {
-  const auto same = [](const io::Axis& a, const io::Axis& b) {
+void check_alike(const allan::Record& first, const allan::Record& other) {
+  const auto same = [](const allan::Axis& a, const allan::Axis& b) {
     return a.name == b.name && a.signal == b.signal;
   };
   if (!std::ranges::equal(first.axes, other.axes, same)) {
-    throw io::InputError(fmt::format(
+    throw text::InputError(fmt::format(
         "{}: its columns are not those of {}, expected segments of one log; choose the same columns of "
         "both with --column",
         other.source, first.source));
   }
   constexpr double kSameRate = 1e-3;  // of clocks that were read from time stamps
   if (std::abs(other.rate_hz / first.rate_hz - 1) <= kSameRate) return;
-  throw io::InputError(
+  throw text::InputError(
       fmt::format("{}: its rate is {:.6g} Hz, that of {} {:.6g} Hz; only logs of one rate are pooled",
                   other.source, other.rate_hz, first.source, first.rate_hz));
 }
@@ -109,14 +109,14 @@ void check_segments(const AllanArguments& a) {
 }
 
 /// One or several power-ups of a sensor, from one or several logs.
-std::vector<io::Record> read_segments(const AllanArguments& a) {
+std::vector<allan::Record> read_segments(const AllanArguments& a) {
   std::vector<std::string> paths{a.curve.log.path};
   paths.insert(paths.end(), a.segments.begin(), a.segments.end());
-  std::vector<io::Record> records;
+  std::vector<allan::Record> records;
   for (const auto& path : paths) {
     CurveArguments next = a.curve;
     next.log.path = path;
-    std::vector<io::Record> read;
+    std::vector<allan::Record> read;
     if (a.gap_s) {
       read = read_cut_record(next, *a.gap_s, a.common);
     } else {
@@ -129,11 +129,11 @@ std::vector<io::Record> read_segments(const AllanArguments& a) {
   return records;
 }
 
-report::LogResult describe_segments(const std::vector<io::Record>& records, const AllanArguments& a) {
+report::LogResult describe_segments(const std::vector<allan::Record>& records, const AllanArguments& a) {
   report::LogResult result = describe_record(records.front(), a.common);
   if (records.size() == 1) return result;
   result.samples = result.missing_samples = 0;
-  for (const io::Record& record : records) {
+  for (const allan::Record& record : records) {
     if (&record != &records.front())
       result.notes.insert(result.notes.end(), record.notes.begin(), record.notes.end());
     result.samples += record.samples;
@@ -149,7 +149,7 @@ report::LogResult describe_segments(const std::vector<io::Record>& records, cons
   return result;
 }
 
-double pooled_mean(const std::vector<std::unique_ptr<allan::RateRecord>>& segments) {
+double pooled_mean(const std::vector<std::unique_ptr<allan::Series>>& segments) {
   double sum = 0, count = 0;
   for (const auto& s : segments) {
     const double existing = static_cast<double>(s->samples() - (s->mask() ? s->mask()->missing() : 0));
@@ -162,7 +162,7 @@ double pooled_mean(const std::vector<std::unique_ptr<allan::RateRecord>>& segmen
 
 // --- Other views ----------------------------------------------------------------------------------------------------------
 
-report::SpectrumResult spectrum_of(const allan::RateRecord& rates, AllanArguments::Psd method) {
+report::SpectrumResult spectrum_of(const allan::Series& rates, AllanArguments::Psd method) {
   const bool welch = method == AllanArguments::Psd::welch;
   const allan::Spectrum whole =
       welch ? allan::welch(rates.rate(), rates.dt()) : allan::multitaper(rates.rate(), rates.dt());
@@ -177,7 +177,7 @@ report::SpectrumResult spectrum_of(const allan::RateRecord& rates, AllanArgument
   return result;
 }
 
-report::SurfaceResult surface_of(const allan::RateRecord& rates, double window_s) {
+report::SurfaceResult surface_of(const allan::Series& rates, double window_s) {
   const auto window = static_cast<std::int64_t>(std::llround(window_s / rates.dt()));
   constexpr std::int64_t kLeast = 32, kMostWindows = 400;
   if (window < kLeast || window > rates.samples()) {
@@ -201,15 +201,15 @@ report::SurfaceResult surface_of(const allan::RateRecord& rates, double window_s
 // --- An axis ------------------------------------------------------------------------------------------------------------
 
 /// The curves of one column, one for each estimator.
-void add_axis(report::LogResult& result, std::size_t column, const std::vector<io::Record>& records,
+void add_axis(report::LogResult& result, std::size_t column, const std::vector<allan::Record>& records,
               const AllanArguments& a) {
-  std::vector<std::unique_ptr<allan::RateRecord>> rates;
+  std::vector<std::unique_ptr<allan::Series>> rates;
   std::int64_t longest = 0;
   for (const auto& record : records) {
-    rates.emplace_back(new allan::RateRecord(rate_record(record.axes[column], record, a.curve)));
+    rates.emplace_back(new allan::Series(rate_record(record.axes[column], record, a.curve)));
     longest = std::max(longest, record.samples);
   }
-  const io::Axis& axis = records.front().axes[column];
+  const allan::Axis& axis = records.front().axes[column];
   for (const Estimator estimator : a.estimators) {
     const auto factors = factors_for(a.curve, estimator, longest);
     std::vector<Measured> measured;
@@ -219,7 +219,7 @@ void add_axis(report::LogResult& result, std::size_t column, const std::vector<i
     out.signal = axis.signal;
     out.estimator = estimator;
     out.mean = pooled_mean(rates);
-    out.points = measured.size() == 1 ? with_intervals(measured.front().curve, measured.front().noises)
+    out.points = measured.size() == 1 ? allan::deviation_points(measured.front().curve, measured.front().noises)
                                       : pooled(measured);
   }
   report::AxisResult& first = result.axes[result.axes.size() - a.estimators.size()];
@@ -236,7 +236,7 @@ int run(const AllanArguments& a) {
   for (const auto& path : a.segments)
     check_outputs(path, {{"--report", a.pictures.report}, {"--plot", a.pictures.plot}});
   check_outputs(a.curve.log.path, {{"--report", a.pictures.report}, {"--plot", a.pictures.plot}});
-  const std::vector<io::Record> records = read_segments(a);
+  const std::vector<allan::Record> records = read_segments(a);
   report::LogResult result = describe_segments(records, a);
   if (records.size() > 1 && (a.psd || a.dynamic_s))
     result.notes.emplace_back("spectrum and deviation over time are those of the longest segment");

@@ -3,9 +3,9 @@
 
 #include "gyrobudget/allan/factors.h"
 #include "gyrobudget/allan/statistics.h"
-#include "gyrobudget/io/error.h"
-#include "gyrobudget/io/output.h"
-#include "gyrobudget/report/report.h"
+#include "gyrobudget/app/text/error.h"
+#include "gyrobudget/app/text/output.h"
+#include "gyrobudget/app/report/report.h"
 
 #include <fmt/format.h>
 
@@ -34,7 +34,7 @@ namespace {
 
 void refuse_sensor_file(const std::string& path) {
   if (!path.ends_with(".yaml") && !path.ends_with(".yml")) return;
-  throw io::InputError(fmt::format(
+  throw text::InputError(fmt::format(
       "{}: found a sensor file by its ending, expected a log: samples as CSV, text, .npy, .f32 or "
       ".f64; gyrobudget simulate makes one of a sensor file",
       path));
@@ -42,22 +42,22 @@ void refuse_sensor_file(const std::string& path) {
 
 }  // namespace
 
-io::Record read_record(const CurveArguments& a, const Common& common) {
+allan::Record read_record(const CurveArguments& a, const Common& common) {
   refuse_sensor_file(a.log.path);
-  io::Record record = io::read_log(a.log);
+  allan::Record record = log::read_log(a.log);
   for (const auto& note : record.notes) say(common, "note: " + note);
   return record;
 }
 
-std::vector<io::Record> read_cut_record(const CurveArguments& a, double longest_gap_s, const Common& common) {
-  std::vector<io::Record> records = io::read_segments(a.log, longest_gap_s);
+std::vector<allan::Record> read_cut_record(const CurveArguments& a, double longest_gap_s, const Common& common) {
+  std::vector<allan::Record> records = log::read_segments(a.log, longest_gap_s);
   for (const auto& record : records) {
     for (const auto& note : record.notes) say(common, "note: " + note);
   }
   return records;
 }
 
-report::LogResult describe_record(const io::Record& record, const Common& common) {
+report::LogResult describe_record(const allan::Record& record, const Common& common) {
   report::LogResult result;
   result.source = record.source;
   result.command = common.command_line;
@@ -68,36 +68,11 @@ report::LogResult describe_record(const io::Record& record, const Common& common
   return result;
 }
 
-allan::RateRecord rate_record(const io::Axis& axis, const io::Record& record, const CurveArguments& a) {
-  return allan::RateRecord(axis.rate, 1 / record.rate_hz, a.strict_gaps ? 1 : allan::kMinimumFill);
+allan::Series rate_record(const allan::Axis& axis, const allan::Record& record, const CurveArguments& a) {
+  return allan::Series(axis.rate, 1 / record.rate_hz, a.strict_gaps ? 1 : allan::kMinimumFill);
 }
 
 allan::Form form_of(const CurveArguments& a) { return a.ieee_form ? allan::Form::ieee : allan::Form::full; }
-
-std::vector<report::DeviationPoint> with_intervals(const allan::Curve& curve,
-                                                   std::span<const allan::Identified> identified,
-                                                   std::span<const noise::Process> mix) {
-  std::vector<allan::Identified> types(identified.begin(), identified.end());
-  types.resize(curve.points.size());  // white noise where nothing is known
-  const auto statistics = mix.empty() ? allan::statistics(curve, types) : allan::statistics(curve, mix);
-  std::vector<report::DeviationPoint> points;
-  for (std::size_t i = 0; i < curve.points.size(); ++i) {
-    const allan::Point& p = curve.points[i];
-    const allan::PointStatistics& known = statistics[i];
-    if (p.terms < 1 || !std::isfinite(p.variance)) continue;
-    points.push_back({.m = p.m,
-                      .tau_s = curve.tau(i),
-                      .deviation = std::sqrt(known.variance),
-                      .lower = std::sqrt(known.interval.lower),
-                      .upper = std::sqrt(known.interval.upper),
-                      .edf = known.edf,
-                      .terms = p.terms,
-                      .alpha = types[i].alpha,
-                      .stride = p.stride,
-                      .bias = known.bias});
-  }
-  return points;
-}
 
 void write_pictures(const report::LogResult& result, const Pictures& pictures, const Common& common) {
   if (!pictures.plot.empty()) {
@@ -105,7 +80,7 @@ void write_pictures(const report::LogResult& result, const Pictures& pictures, c
     say(common, "figure: " + pictures.plot);
   }
   if (!pictures.report.empty()) {
-    io::write_file(pictures.report, report::page(result));
+    text::write_file(pictures.report, report::page(result));
     say(common, "report page: " + pictures.report);
   }
 }

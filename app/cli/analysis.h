@@ -4,8 +4,8 @@
 #include "gyrobudget/allan/deviation.h"
 #include "gyrobudget/allan/estimator.h"
 #include "gyrobudget/allan/identify.h"
-#include "gyrobudget/io/log.h"
-#include "gyrobudget/report/result.h"
+#include "gyrobudget/app/log/log.h"
+#include "gyrobudget/app/report/result.h"
 
 #include <cstdint>
 #include <span>
@@ -24,24 +24,18 @@ namespace gyrobudget::inline v0::cli {
                                                     std::int64_t samples);
 
 /// Reads the log and says its notes on stderr.
-[[nodiscard]] io::Record read_record(const CurveArguments&, const Common&);
+[[nodiscard]] allan::Record read_record(const CurveArguments&, const Common&);
 
 /// The same, cut where more than `longest_gap_s` is missing.
-[[nodiscard]] std::vector<io::Record> read_cut_record(const CurveArguments&, double longest_gap_s,
+[[nodiscard]] std::vector<allan::Record> read_cut_record(const CurveArguments&, double longest_gap_s,
                                                       const Common&);
 
 /// What the result says of the record as a whole; axes still empty.
-[[nodiscard]] report::LogResult describe_record(const io::Record&, const Common&);
+[[nodiscard]] report::LogResult describe_record(const allan::Record&, const Common&);
 
 /// An axis made ready for its statistics.
-[[nodiscard]] allan::RateRecord rate_record(const io::Axis&, const io::Record&, const CurveArguments&);
+[[nodiscard]] allan::Series rate_record(const allan::Axis&, const allan::Record&, const CurveArguments&);
 [[nodiscard]] allan::Form form_of(const CurveArguments&);
-
-/// Points with 95 % intervals; their degrees of freedom are those of the noise type identified at each tau, or of `mix`
-/// where it is given (the fitted model; `identified` may then be empty).
-[[nodiscard]] std::vector<report::DeviationPoint> with_intervals(
-    const allan::Curve&, std::span<const allan::Identified> identified,
-    std::span<const noise::Process> mix = {});
 
 /// Writes --report and --plot.
 void write_pictures(const report::LogResult&, const Pictures&, const Common&);

@@ -2,7 +2,7 @@
 // The command line: verbs, help, errors of use.
 #include "arguments.h"
 
-#include "gyrobudget/version.h"
+#include "gyrobudget/noise/version.h"
 
 #include <fmt/format.h>
 

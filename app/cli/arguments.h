@@ -2,10 +2,10 @@
 #pragma once
 
 #include "gyrobudget/allan/estimator.h"
-#include "gyrobudget/fit/fit.h"
-#include "gyrobudget/fit/requirement.h"
-#include "gyrobudget/io/log.h"
-#include "gyrobudget/io/trajectory_file.h"
+#include "gyrobudget/estimation/fit/fit.h"
+#include "gyrobudget/estimation/fit/requirement.h"
+#include "gyrobudget/app/log/log.h"
+#include "gyrobudget/app/files/trajectory_file.h"
 #include "gyrobudget/noise/bielas.h"
 #include "gyrobudget/noise/sensor.h"
 
@@ -37,8 +37,8 @@ struct FlightArguments {
   std::string trajectory;  ///< as io::read_trajectory has it
   std::string truth;       ///< path of the truth; empty: none
   std::string fixes;       ///< folder for those of the scene's aids; empty: none
-  io::AttitudeForm attitude = io::AttitudeForm::quaternion;
-  io::Input input = io::Input::rate;  ///< what the log holds, or increments
+  files::AttitudeForm attitude = files::AttitudeForm::quaternion;
+  log::Input input = log::Input::rate;  ///< what the log holds, or increments
   double vibration = 0;               ///< [m/s^2 rms]
   std::uint64_t run = 0;
 };
@@ -62,13 +62,13 @@ struct SimulateArguments {
   std::vector<std::string> axes;  ///< x, y, z
   std::string unit;               ///< of the gyro columns; empty: rad/s
   std::string output = "-";
-  io::Format format = io::Format::csv;
+  log::Format format = log::Format::csv;
   std::optional<FlightArguments> flight;
 };
 
 /// How a log is turned into a curve, shared by allan and calibrate.
 struct CurveArguments {
-  io::LogOptions log;
+  log::LogOptions log;
   std::string taus;  ///< octave, decade, all, or a count
   bool ieee_form = false;
   bool strict_gaps = false;

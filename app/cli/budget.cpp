@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 // budget: scene -> error budget per source.
-#include "gyrobudget/report/budget.h"
+#include "gyrobudget/app/report/budget.h"
 
-#include "gyrobudget/earth/frames.h"
-#include "gyrobudget/io/output.h"
-#include "gyrobudget/io/scene_file.h"
-#include "gyrobudget/io/trajectory_file.h"
-#include "gyrobudget/navigation/alignment_time.h"
-#include "gyrobudget/navigation/scene_budget.h"
-#include "gyrobudget/navigation/scene_runs.h"
+#include "gyrobudget/vehicle/earth/frames.h"
+#include "gyrobudget/app/text/output.h"
+#include "gyrobudget/app/files/scene_file.h"
+#include "gyrobudget/app/files/trajectory_file.h"
+#include "gyrobudget/estimation/budget/alignment_time.h"
+#include "gyrobudget/estimation/budget/scene.h"
+#include "gyrobudget/estimation/budget/scene_runs.h"
 
 #include <fmt/format.h>
 
@@ -26,12 +26,12 @@
 namespace gyrobudget::inline v0::cli {
 namespace {
 
-using navigation::BudgetScene;
+using budget::BudgetScene;
 using report::BudgetResult;
 
-navigation::BudgetQuestion question(const BudgetArguments& a, const navigation::Scenario& scenario,
+budget::BudgetQuestion question(const BudgetArguments& a, const navigation::Scenario& scenario,
                                     double at) {
-  navigation::BudgetQuestion q = question_of(scenario, 1 / a.rate);
+  budget::BudgetQuestion q = budget::question_of(scenario, 1 / a.rate);
   q.step = a.step;
   q.at = {at};
   return q;
@@ -52,9 +52,9 @@ void choose_axes(BudgetResult& r, const navigation::Scenario& scenario, const ea
   r.C_launch = earth::LocalFrame::launch_plane(here, scenario.azimuth).C_el();
 }
 
-void add_exact(BudgetResult& r, const BudgetScene& scene, const navigation::FrozenGains& gains,
+void add_exact(BudgetResult& r, const BudgetScene& scene, const budget::FrozenGains& gains,
                double imu_interval) {
-  const navigation::Adjoint back = adjoint(scene.timeline, gains, r.at);
+  const budget::Adjoint back = adjoint(scene.timeline, gains, r.at);
   r.exact.emplace();
   for (const auto& source : scene.sources)
     r.exact->push_back(response(back, scene.timeline, source, imu_interval));
@@ -76,18 +76,18 @@ class Flights {
   Flights(const Flights&) = delete;
   Flights& operator=(const Flights&) = delete;
 
-  [[nodiscard]] const navigation::MonteCarlo::Options& options() const { return options_; }
+  [[nodiscard]] const budget::MonteCarlo::Options& options() const { return options_; }
   void flown() { done_ += runs_; }
 
  private:
   Progress progress_;
   Interruption interruption_;
   double all_, runs_, done_ = 0;
-  navigation::MonteCarlo::Options options_;
+  budget::MonteCarlo::Options options_;
 };
 
 void add_monte_carlo(BudgetResult& r, const BudgetArguments& a, const BudgetScene& scene,
-                     const navigation::Scenario& scenario, const navigation::FrozenGains& gains) {
+                     const navigation::Scenario& scenario, const budget::FrozenGains& gains) {
   Flights flights(a, a.each_source ? 1 + static_cast<int>(r.budget.lines.size()) : 1);
   const auto flown = fly(scene, scenario, flights.options());
   flights.flown();
@@ -112,7 +112,7 @@ void add_monte_carlo(BudgetResult& r, const BudgetArguments& a, const BudgetScen
     if (!a.each_source) break;
     auto& one = mc.sources.emplace_back();
     if (r.interrupted) continue;
-    const auto source = std::ranges::find(scene.sources, line.name, &navigation::Source::name);
+    const auto source = std::ranges::find(scene.sources, line.name, &budget::Source::name);
     const auto alone = fly_alone(scene, scenario, *source, flights.options());
     flights.flown();
     if (alone && alone->runs + alone->unaligned < a.runs) {
@@ -127,7 +127,7 @@ void add_monte_carlo(BudgetResult& r, const BudgetArguments& a, const BudgetScen
 }
 
 // "crossrange < 10 m", of all sources, those left out too.
-BudgetResult::Limit limit(const BudgetArguments& a, const BudgetResult& r, const navigation::Budget& all,
+BudgetResult::Limit limit(const BudgetArguments& a, const BudgetResult& r, const budget::Budget& all,
                           const navigation::Scenario& scenario, const earth::Trajectory& trajectory) {
   BudgetResult::Limit result{
       .text = a.limit->text, .component = a.limit->component, .limit = a.limit->metres};
@@ -142,8 +142,8 @@ BudgetResult::Limit limit(const BudgetArguments& a, const BudgetResult& r, const
 }
 
 // Gauss-Markov states an axis that stand for 1/f noise.
-int flicker_states(std::span<const navigation::Source> sources) {
-  const auto flicker = std::ranges::find(sources, "gyro.bias_instability", &navigation::Source::name);
+int flicker_states(std::span<const budget::Source> sources) {
+  const auto flicker = std::ranges::find(sources, "gyro.bias_instability", &budget::Source::name);
   if (flicker == sources.end()) return 0;
   const auto& terms = flicker->model.terms;
   return static_cast<int>(std::ranges::count_if(
@@ -173,7 +173,7 @@ void note_large_angles(BudgetResult& r) {
                   kAxes[static_cast<std::size_t>(axis)], largest / earth::kDegree, when));
 }
 
-void note_short_flight(std::vector<std::string>& notes, const io::SceneFile& file,
+void note_short_flight(std::vector<std::string>& notes, const files::SceneFile& file,
                        const earth::Trajectory& trajectory) {
   const flight::Flight& flight = file.flight->plan.flight;
   const double asked = std::isfinite(flight.duration) ? flight.duration : flight.vehicle.burn_time;
@@ -182,7 +182,7 @@ void note_short_flight(std::vector<std::string>& notes, const io::SceneFile& fil
                                 trajectory.duration(), asked));
 }
 
-BudgetResult budget(const BudgetArguments& a, const io::SceneFile& file,
+BudgetResult budget(const BudgetArguments& a, const files::SceneFile& file,
                     const earth::Trajectory& trajectory) {
   const navigation::Scenario& scenario = file.scenario;
   const double end = trajectory.duration();
@@ -190,7 +190,7 @@ BudgetResult budget(const BudgetArguments& a, const io::SceneFile& file,
   if (!(at >= 0 && at <= end))
     throw std::invalid_argument(fmt::format("--at {} s: the scene runs from 0 to {} s", at, end));
   BudgetScene scene = budget_scene(scenario, trajectory, question(a, scenario, at));
-  const navigation::FrozenGains gains = frozen_gains(scene.timeline, scene.design);
+  const budget::FrozenGains gains = frozen_gains(scene.timeline, scene.design);
   BudgetResult r{.scene = a.scene,
                  .name = scenario.name,
                  .sensor = file.sensor,
@@ -225,11 +225,11 @@ BudgetResult budget(const BudgetArguments& a, const io::SceneFile& file,
 int run(const BudgetArguments& a) {
   const std::vector<Output> outputs{{"--report", a.report}};
   check_outputs(a.scene, outputs);
-  io::SceneFile file = io::read_scene(a.scene);
+  files::SceneFile file = files::read_scene(a.scene);
   for (const std::string& input : {file.sensor, file.trajectory}) check_outputs(input, outputs);
   for (const std::string& input : a.sensors) check_outputs(input, outputs);
   if (file.flight) check_outputs(file.flight->vehicle.path, outputs);
-  const earth::Trajectory trajectory = io::planned_trajectory(file);
+  const earth::Trajectory trajectory = files::planned_trajectory(file);
   std::vector<std::string> notes;
   if (file.flight) note_short_flight(notes, file, trajectory);
   std::vector<BudgetResult> results;
@@ -242,7 +242,7 @@ int run(const BudgetArguments& a) {
   for (auto& r : results) r.notes.insert(r.notes.begin(), notes.begin(), notes.end());
   print(a.common.json ? report::budget_json(results) : report::budget_text(results));
   if (!a.report.empty()) {
-    io::write_file(a.report, report::budget_page(results));
+    text::write_file(a.report, report::budget_page(results));
     say(a.common, "report page: " + a.report);
   }
   const bool broken = std::any_of(results.begin(), results.end(), [](const auto& r) {

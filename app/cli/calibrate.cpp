@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // calibrate: log -> datasheet: the coefficients with intervals and verdicts, and the files to use next.
-#include "gyrobudget/io/curve_table.h"
-#include "gyrobudget/io/output.h"
-#include "gyrobudget/report/report.h"
+#include "gyrobudget/app/log/curve_table.h"
+#include "gyrobudget/app/text/output.h"
+#include "gyrobudget/app/report/report.h"
 
 #include <fmt/format.h>
 
@@ -27,7 +27,7 @@ namespace {
 // --- A table of deviations instead of a log ---------------------------------------------------------------------------
 
 // The table as a curve of the record behind it: whole averaging factors, at most n/2.
-allan::Curve curve_of_table(const io::CurveTable& table, const std::vector<double>& deviation, double rate_hz,
+allan::Curve curve_of_table(const log::CurveTable& table, const std::vector<double>& deviation, double rate_hz,
                             std::int64_t samples) {
   allan::Curve curve;
   curve.dt = 1 / rate_hz;
@@ -38,7 +38,7 @@ allan::Curve curve_of_table(const io::CurveTable& table, const std::vector<doubl
     const std::int64_t m = std::llround(cluster);
     constexpr double kPrinted = 0.01;  // taus in tables are rounded
     if (std::abs(cluster - static_cast<double>(m)) > kPrinted * cluster) {
-      throw io::InputError(
+      throw text::InputError(
           fmt::format("{}: found tau = {:g} s, expected a whole number of samples at --rate {:g} Hz; give "
                       "the rate of the record behind the table",
                       table.source, table.tau_s[i], rate_hz));
@@ -66,7 +66,7 @@ allan::Curve thinned(const allan::Curve& curve) {
 
 report::LogResult calibrate_table(const CalibrateArguments& a) {
   const double rate_hz = *a.curve.log.rate_hz;
-  const io::CurveTable table = io::read_curve({a.curve_file, a.curve.log.unit, a.curve.log.columns});
+  const log::CurveTable table = log::read_curve({a.curve_file, a.curve.log.unit, a.curve.log.columns});
   const auto samples = static_cast<std::int64_t>(std::llround(*a.duration_s * rate_hz));
   report::LogResult result;
   result.source = table.source;
@@ -79,10 +79,10 @@ report::LogResult calibrate_table(const CalibrateArguments& a) {
   for (const auto& column : table.columns) {
     const allan::Curve display = curve_of_table(table, column.deviation, rate_hz, samples);
     const Curves curves{display, thinned(display), {}};
-    const io::Axis axis{column.name, column.signal, {}};
+    const allan::Axis axis{column.name, column.signal, {}};
     report::AxisResult axis_result{.name = column.name, .signal = column.signal, .mean = display.mean};
     axis_result.fit = fit_curves(curves, {}, terms_for(a, {}), axis, a, covariances);
-    axis_result.points = with_intervals(display, {}, axis_result.fit->processes());
+    axis_result.points = allan::deviation_points(display, {}, axis_result.fit->processes());
     axis_result.advice = advise(*axis_result.fit, axis, curves.octaves, {});
     result.axes.push_back(std::move(axis_result));
   }
@@ -106,7 +106,7 @@ int run_several(const CalibrateArguments& a) {
   if (!a.pictures.plot.empty())
     write_pictures(report::side_by_side(result), {.report = "", .plot = a.pictures.plot}, a.common);
   if (!a.pictures.report.empty()) {
-    io::write_file(a.pictures.report, report::runs_page(result));
+    text::write_file(a.pictures.report, report::runs_page(result));
     say(a.common, "report page: " + a.pictures.report);
   }
   return every_axis_has_answer(result) ? exit_done : exit_no_answer;

@@ -2,11 +2,11 @@
 #include "fitting.h"
 
 #include "gyrobudget/allan/factors.h"
-#include "gyrobudget/fit/selection.h"
-#include "gyrobudget/fit/visual.h"
-#include "gyrobudget/fit/whittle.h"
-#include "gyrobudget/io/error.h"
-#include "gyrobudget/report/words.h"
+#include "gyrobudget/estimation/fit/selection.h"
+#include "gyrobudget/estimation/fit/visual.h"
+#include "gyrobudget/estimation/fit/whittle.h"
+#include "gyrobudget/app/text/error.h"
+#include "gyrobudget/app/report/words.h"
 
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
@@ -55,12 +55,12 @@ Covariances::Shared make_covariance(const allan::Curve& curve, const std::vector
                                                         std::move(processes), curve.form, curve.mask.get());
 }
 
-void check_enough(const io::Axis& axis, const allan::Curve& curve, std::size_t terms) {
+void check_enough(const allan::Axis& axis, const allan::Curve& curve, std::size_t terms) {
   const auto usable = std::count_if(curve.points.begin(), curve.points.end(),
                                     [](const auto& p) { return p.terms > 0 && std::isfinite(p.variance); });
   if (static_cast<std::size_t>(usable) > terms) return;
   const std::int64_t missing = curve.mask ? curve.mask->missing() : 0;
-  throw io::InputError(
+  throw text::InputError(
       fmt::format("column '{}': found {} usable averaging times, expected at least {} to fit {} terms; {} of "
                   "{} samples are "
                   "missing, and a cluster needs 95 % of its own; fit fewer terms (--terms) or use a part of "
@@ -69,7 +69,7 @@ void check_enough(const io::Axis& axis, const allan::Curve& curve, std::size_t t
 }
 
 // Variances are of squares: beyond these they leave double, and what came out would be no answer.
-void check_scale(const io::Axis& axis) {
+void check_scale(const allan::Axis& axis) {
   constexpr double kLeast = 1e-120, kMost = 1e120;
   double low = std::numeric_limits<double>::infinity(), high = -low, size = 0;
   for (const double y : axis.rate) {
@@ -78,7 +78,7 @@ void check_scale(const io::Axis& axis) {
   }
   const double range = 0.5 * high - 0.5 * low;
   if (!(size > kMost) && (!(range > 0) || range >= kLeast)) return;
-  throw io::InputError(fmt::format(
+  throw text::InputError(fmt::format(
       "column '{}': found samples up to {:.3g} that vary by {:.3g} (SI), expected sizes from {:g} to {:g}: "
       "the squares of others leave double; give their unit, or bring them there with --scale",
       axis.name, size, 2 * range, kLeast, kMost));
@@ -112,8 +112,8 @@ struct Fitted {
 };
 
 // Chooses the terms from `tau_min_s` on, and fits them there.
-void fit_chosen(Fitted& f, const allan::RateRecord& record, std::optional<double> tau_min_s,
-                const io::Axis& axis, const CalibrateArguments& a, Covariances& covariances) {
+void fit_chosen(Fitted& f, const allan::Series& record, std::optional<double> tau_min_s,
+                const allan::Axis& axis, const CalibrateArguments& a, Covariances& covariances) {
   f.chosen.emplace();
   f.chosen->selection = fit::choose_terms(record.rate(), record.dt(), {.tau_min_s = tau_min_s});
   const fit::Selection& s = f.chosen->selection;
@@ -126,7 +126,7 @@ void fit_chosen(Fitted& f, const allan::RateRecord& record, std::optional<double
   f.fit = fitted(s.terms.empty() ? terms_for(a, f.curves.identified) : s.terms, s.correlation_time_s);
 }
 
-Fitted fit_axis(const Prepared& prepared, const io::Axis& axis, const CalibrateArguments& a,
+Fitted fit_axis(const Prepared& prepared, const allan::Axis& axis, const CalibrateArguments& a,
                 Covariances& covariances) {
   const auto& record = prepared.record();
   Fitted f{.curves = curves_of(record, a.curve)};
@@ -151,7 +151,7 @@ std::vector<Term> terms_for(const CalibrateArguments& a, const std::vector<allan
   return terms;
 }
 
-Curves curves_of(const allan::RateRecord& record, const CurveArguments& a) {
+Curves curves_of(const allan::Series& record, const CurveArguments& a) {
   const auto display = factors_for(a, record.samples());
   const auto octaves = allan::octave_factors(record.samples());
   std::vector<std::int64_t> both;
@@ -175,7 +175,7 @@ Covariances::Shared Covariances::of(const allan::Curve& curve, const std::vector
 }
 
 fit::Result fit_curves(const Curves& curves, std::span<const double> rate, const std::vector<Term>& terms,
-                       const io::Axis& axis, const CalibrateArguments& a, Covariances& covariances,
+                       const allan::Axis& axis, const CalibrateArguments& a, Covariances& covariances,
                        const Seen& seen) {
   fit::Options options;
   options.terms = terms;
@@ -189,7 +189,7 @@ fit::Result fit_curves(const Curves& curves, std::span<const double> rate, const
   if (a.method != fit::Method::whittle) check_enough(axis, curves.octaves, options.terms.size());
   // Readings are made on the curve that the person sees.
   const bool reads = report::is_reading(a.method) && !is_silent(curves.display);
-  fit::Record record{
+  fit::Data record{
       .rate = rate, .dt = curves.octaves.dt, .curve = reads ? &curves.display : &curves.octaves};
   Covariances::Shared covariance;
   if (!reads && a.method != fit::Method::whittle && !has_shape(terms)) {
@@ -201,7 +201,7 @@ fit::Result fit_curves(const Curves& curves, std::span<const double> rate, const
   return result;
 }
 
-report::AxisResult calibrate_axis(const io::Axis& axis, double rate_hz, const CalibrateArguments& a,
+report::AxisResult calibrate_axis(const allan::Axis& axis, double rate_hz, const CalibrateArguments& a,
                                   Covariances& covariances) {
   check_scale(axis);
   Prepared prepared(axis, 1 / rate_hz, a);
@@ -212,7 +212,7 @@ report::AxisResult calibrate_axis(const io::Axis& axis, double rate_hz, const Ca
   report::AxisResult result{.name = axis.name, .signal = axis.signal, .mean = curves.octaves.mean};
   const auto mix =
       fit.verdict == fit::Verdict::not_described ? std::vector<noise::Process>{} : fit.processes();
-  result.points = with_intervals(curves.display, curves.identified, mix);
+  result.points = allan::deviation_points(curves.display, curves.identified, mix);
   if (a.cross_check && !fit.fitted_terms.empty()) result.cross_checked = cross_check(fit, prepared);
   result.advice = advise(fit, axis, curves.octaves, describe(prepared.findings(), axis, 1 / rate_hz));
   result.findings = prepared.findings();

@@ -3,9 +3,9 @@
 
 #include "gyrobudget/allan/covariance.h"
 #include "gyrobudget/allan/identify.h"
-#include "gyrobudget/fit/fit.h"
-#include "gyrobudget/io/log.h"
-#include "gyrobudget/report/result.h"
+#include "gyrobudget/estimation/fit/fit.h"
+#include "gyrobudget/app/log/log.h"
+#include "gyrobudget/app/report/result.h"
 
 #include <memory>
 #include <mutex>
@@ -24,7 +24,7 @@ struct Curves {
   std::vector<allan::Identified> identified;  ///< at each tau of `display`; empty for a table
 };
 
-[[nodiscard]] Curves curves_of(const allan::RateRecord&, const CurveArguments&);
+[[nodiscard]] Curves curves_of(const allan::Series&, const CurveArguments&);
 
 /// The covariance matrices depend on the record's length, its gaps and the terms, not on the data: axes share them.
 class Covariances {
@@ -56,12 +56,12 @@ struct Seen {
 /// Fits by the method asked for. `rate` is empty for a table.
 /// @throws io::InputError where gaps, or a table of few taus, leave too little to fit.
 [[nodiscard]] fit::Result fit_curves(const Curves&, std::span<const double> rate,
-                                     const std::vector<noise::Term>&, const io::Axis&,
+                                     const std::vector<noise::Term>&, const allan::Axis&,
                                      const CalibrateArguments&, Covariances&, const Seen& = {});
 
 /// Everything calibrate tells of one axis of a log.
 /// @throws io::InputError also for samples whose squares leave double.
-[[nodiscard]] report::AxisResult calibrate_axis(const io::Axis&, double rate_hz, const CalibrateArguments&,
+[[nodiscard]] report::AxisResult calibrate_axis(const allan::Axis&, double rate_hz, const CalibrateArguments&,
                                                 Covariances&);
 
 }  // namespace gyrobudget::inline v0::cli

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // fly: scene with a flight -> flight in closed loop.
-#include "gyrobudget/closed_loop/study.h"
-#include "gyrobudget/io/flight_file.h"
-#include "gyrobudget/io/output.h"
-#include "gyrobudget/io/scene_file.h"
-#include "gyrobudget/report/flight.h"
+#include "gyrobudget/estimation/closed_loop/study.h"
+#include "gyrobudget/app/files/flight_file.h"
+#include "gyrobudget/app/text/output.h"
+#include "gyrobudget/app/files/scene_file.h"
+#include "gyrobudget/app/report/flight.h"
 
 #include <fmt/format.h>
 
@@ -26,7 +26,7 @@ using report::FlightResult;
 // What is flown beside one another.
 struct Case {
   std::string scene;
-  io::SceneFile file;
+  files::SceneFile file;
 };
 
 std::vector<Case> cases(const FlyArguments& a) {
@@ -34,9 +34,9 @@ std::vector<Case> cases(const FlyArguments& a) {
     throw std::invalid_argument("--sensor takes the place of one scene's: give one scene, or leave it out");
   std::vector<Case> result;
   for (const std::string& scene : a.scenes) {
-    result.push_back({scene, io::read_scene(scene)});
+    result.push_back({scene, files::read_scene(scene)});
     if (!result.back().file.flight)
-      throw io::InputError(fmt::format(
+      throw text::InputError(fmt::format(
           "{}: found no flight, expected one: write 'flight: {{vehicle: vlm1.yaml}}' in place of what moves",
           scene));
   }
@@ -45,7 +45,7 @@ std::vector<Case> cases(const FlyArguments& a) {
   result.clear();
   for (const std::string& sensor : a.sensors) {
     result.push_back(one);
-    io::change_sensor(result.back().file, sensor);
+    files::change_sensor(result.back().file, sensor);
   }
   return result;
 }
@@ -54,7 +54,7 @@ closed_loop::Study study_of(const Case& c, const closed_loop::Study::Options& op
   try {
     return study(c.file.flight->plan, c.file.flight->dispersion, c.file.scenario, options);
   } catch (const std::invalid_argument& error) {  // of numbers that only together cannot be
-    throw io::InputError(fmt::format("{}: {}", c.scene, error.what()));
+    throw text::InputError(fmt::format("{}: {}", c.scene, error.what()));
   }
 }
 
@@ -73,7 +73,7 @@ void add_notes(closed_loop::Study& s, const flight::Plan& plan, int runs) {
 }
 
 FlightResult fly(const FlyArguments& a, Case& c, Progress& progress, const Interruption& interruption) {
-  io::FlightSource& source = *c.file.flight;
+  files::FlightSource& source = *c.file.flight;
   flight::Flight& flight = source.plan.flight;
   constexpr double kMostPeriods = 1e6;
   flight.record_every =
@@ -130,13 +130,13 @@ int run(const FlyArguments& a) {
   }
   if (!a.output.empty()) {
     const FlightResult& r = results.front();
-    io::write_flight(a.output, r.study.flown.value_or(r.study.nominal), r.plan.flight.world.site,
+    files::write_flight(a.output, r.study.flown.value_or(r.study.nominal), r.plan.flight.world.site,
                      r.plan.control.azimuth, a.common.command_line);
     if (a.output != "-") say(a.common, "flight: " + a.output);
   }
   if (a.output != "-") print(a.common.json ? report::flight_json(results) : report::flight_text(results));
   if (!a.report.empty()) {
-    io::write_file(a.report, report::flight_page(results));
+    text::write_file(a.report, report::flight_page(results));
     say(a.common, "report page: " + a.report);
   }
   if (results.size() < all.size() || results.back().study.stopped) return exit_interrupted;

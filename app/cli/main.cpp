@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The program gyrobudget: reads the command line, runs one verb, turns exceptions into exit codes.
-#include "gyrobudget/io/error.h"
-#include "gyrobudget/io/output.h"
+#include "gyrobudget/app/text/error.h"
+#include "gyrobudget/app/text/output.h"
 
 #include <tbb/global_control.h>
 #include <unistd.h>
@@ -16,13 +16,13 @@
 #include "verbs.h"
 
 namespace cli = gyrobudget::cli;
-namespace io = gyrobudget::io;
+namespace text = gyrobudget::text;
 
 namespace {
 
 void interrupted(int) {
   if (cli::taken_by_interruption()) return;
-  io::remove_unfinished_outputs();
+  text::remove_unfinished_outputs();
   _exit(cli::exit_interrupted);
 }
 
@@ -57,9 +57,9 @@ int main(int argc, char** argv) {
   for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);  // output errors like any other
   try {
     return run(cli::parse_arguments(argc, argv));
-  } catch (const io::InputError& error) {
+  } catch (const text::InputError& error) {
     return complain(error.what(), cli::exit_bad_input);
-  } catch (const io::OutputError& error) {
+  } catch (const text::OutputError& error) {
     return complain(error.what(), cli::exit_bad_output);
   } catch (const std::invalid_argument& error) {
     return complain(error.what(), cli::exit_usage);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // navigate: scene with a recorded IMU log -> navigation solution.
-#include "gyrobudget/io/output.h"
-#include "gyrobudget/io/scene_file.h"
-#include "gyrobudget/navigation/run.h"
-#include "gyrobudget/report/navigation.h"
+#include "gyrobudget/app/text/output.h"
+#include "gyrobudget/app/files/scene_file.h"
+#include "gyrobudget/estimation/navigation/navigate.h"
+#include "gyrobudget/app/report/navigation.h"
 
 #include <fmt/format.h>
 
@@ -20,29 +20,29 @@ namespace gyrobudget::inline v0::cli {
 namespace {
 
 // What a scene asks that cannot be: its own error, not one of the command line.
-navigation::Run navigate(const std::string& scene, const report::NavigationResult& r) {
+navigation::Navigation navigate(const std::string& scene, const report::NavigationResult& r) {
   try {
-    return navigation::run(r.scenario, r.recording);
+    return navigation::navigate(r.scenario, r.recording);
   } catch (const std::invalid_argument& error) {
-    throw io::InputError(fmt::format("{}: {}", scene, error.what()));
+    throw text::InputError(fmt::format("{}: {}", scene, error.what()));
   }
 }
 
 // What the scene reads, which no output may replace.
-std::vector<std::string> inputs(const io::SceneFile& scene) {
+std::vector<std::string> inputs(const files::SceneFile& scene) {
   std::vector<std::string> paths{scene.imu->path};
   if (!scene.sensor.empty()) paths.push_back(scene.sensor);
-  for (const io::AidSource& aid : scene.aids) {
+  for (const files::AidSource& aid : scene.aids) {
     if (!aid.path.empty()) paths.push_back(aid.path);
   }
   return paths;
 }
 
 void write(const NavigateArguments& a, const report::NavigationResult& r) {
-  if (!a.output.empty()) io::write_file(a.output, report::solution_csv(r));
-  if (!a.innovations.empty()) io::write_file(a.innovations, report::innovations_csv(r));
+  if (!a.output.empty()) text::write_file(a.output, report::solution_csv(r));
+  if (!a.innovations.empty()) text::write_file(a.innovations, report::innovations_csv(r));
   if (a.report.empty()) return;
-  io::write_file(a.report, report::navigation_page(r));
+  text::write_file(a.report, report::navigation_page(r));
   say(a.common, "report page: " + a.report);
 }
 
@@ -52,14 +52,14 @@ int run(const NavigateArguments& a) {
   const std::vector<Output> outputs{
       {"-o", a.output}, {"--innovations", a.innovations}, {"--report", a.report}};
   check_outputs(a.scene, outputs);
-  io::SceneFile scene = io::read_scene(a.scene, a.data_folder);
+  files::SceneFile scene = files::read_scene(a.scene, a.data_folder);
   if (!scene.imu)
-    throw io::InputError(
+    throw text::InputError(
         fmt::format("{}: found no \"imu:\" with a recorded log, which navigate needs; a trajectory is "
                     "for simulate",
                     a.scene));
   for (const std::string& input : inputs(scene)) check_outputs(input, outputs);
-  io::SceneData data = io::read_recording(scene);
+  files::SceneData data = files::read_recording(scene);
   report::NavigationResult result{.scene = a.scene,
                                   .source = scene.imu->path,
                                   .command = a.common.command_line,
@@ -76,7 +76,7 @@ int run(const NavigateArguments& a) {
   result.run = navigate(a.scene, result);
   print(a.common.json ? report::navigation_json(result) : report::navigation_text(result));
   write(a, result);
-  if (result.run.status == navigation::Run::Status::navigated) return exit_done;
+  if (result.run.status == navigation::Navigation::Status::navigated) return exit_done;
   say(a.common, fmt::format("gyrobudget: {}", result.run.why));
   return exit_no_answer;
 }

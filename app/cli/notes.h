@@ -2,7 +2,7 @@
 // What several verbs say beside their results.
 #pragma once
 
-#include "gyrobudget/closed_loop/study.h"
+#include "gyrobudget/estimation/closed_loop/study.h"
 
 #include <cstdint>
 #include <string>

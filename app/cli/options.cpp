@@ -74,10 +74,10 @@ void add_curve(CLI::App& app, CurveArguments& curve, const std::string& default_
 void finish_log(CurveArguments& curve, const Texts& texts) {
   if (!texts.rate.empty()) curve.log.rate_hz = rate("--rate", texts.rate);
   if (!texts.resample.empty()) curve.log.resample_hz = rate("--resample", texts.resample);
-  curve.log.input = texts.input == "angle"       ? io::Input::angle
-                    : texts.input == "increment" ? io::Input::increment
-                                                 : io::Input::rate;
-  if (!texts.format.empty()) curve.log.format = io::format_named(texts.format);
+  curve.log.input = texts.input == "angle"       ? log::Input::angle
+                    : texts.input == "increment" ? log::Input::increment
+                                                 : log::Input::rate;
+  if (!texts.format.empty()) curve.log.format = log::format_named(texts.format);
   const bool named = curve.taus == "octave" || curve.taus == "decade" || curve.taus == "all";
   const bool count = !curve.taus.empty() && curve.taus.size() < 7 &&
                      curve.taus.find_first_not_of("0123456789") == std::string::npos &&

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Options of the verbs of what moves: navigate, budget and fly.
-#include "gyrobudget/io/scene_file.h"
-#include "gyrobudget/io/vehicle_file.h"
+#include "gyrobudget/app/files/scene_file.h"
+#include "gyrobudget/app/files/vehicle_file.h"
 #include "gyrobudget/noise/units.h"
 
 #include <fmt/format.h>
@@ -33,7 +33,7 @@ CLI::App* add_navigate(CLI::App& app, NavigateArguments& a, Texts&) {
       ->type_name("FILE.csv");
   out->add_option("--report", a.report, "write a self-contained HTML page")->type_name("FILE.html");
   add_common(*verb, a.common);
-  verb->footer(fmt::format("Scene (YAML, every value with its unit):\n\n{}", io::scene_help()));
+  verb->footer(fmt::format("Scene (YAML, every value with its unit):\n\n{}", files::scene_help()));
   return verb;
 }
 
@@ -114,7 +114,7 @@ CLI::App* add_fly(CLI::App& app, FlyArguments& a, Texts& texts) {
   out->add_option("--report", a.report, "write a self-contained HTML page")->type_name("FILE.html");
   add_common(*verb, a.common);
   verb->footer(fmt::format("Every key of a scene: gyrobudget navigate --help\n\nVehicle (YAML):\n\n{}",
-                           io::vehicle_help()));
+                           files::vehicle_help()));
   return verb;
 }
 

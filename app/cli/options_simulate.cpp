@@ -141,7 +141,7 @@ CLI::App* add_simulate(CLI::App& app, SimulateArguments& a, Texts& texts) {
   verb->footer(
       "Trajectories by name and their options (metres, seconds, m/s, m/s^2, Hz, deg, deg/s, or with a "
       "unit):\n" +
-      io::trajectory_names());
+      files::trajectory_names());
   add_common(*verb, a.common, false);
   return verb;
 }
@@ -225,8 +225,8 @@ void check_flight_options(const SimulateArguments& a, const Texts& texts) {
 
 void finish_flight(SimulateArguments& a, const Texts& texts) {
   FlightArguments flight{.trajectory = texts.trajectory, .truth = texts.truth, .fixes = texts.fixes};
-  if (texts.attitude == "euler") flight.attitude = io::AttitudeForm::euler;
-  if (texts.flight_input == "increment") flight.input = io::Input::increment;
+  if (texts.attitude == "euler") flight.attitude = files::AttitudeForm::euler;
+  if (texts.flight_input == "increment") flight.input = log::Input::increment;
   if (!texts.vibration.empty()) {
     flight.vibration = quantity("--vibration", texts.vibration, noise::dimension::kSpecificForce);
     if (flight.vibration < 0) throw std::invalid_argument("--vibration: must not be negative");
@@ -239,7 +239,7 @@ void finish_flight(SimulateArguments& a, const Texts& texts) {
 }
 
 void check_gyro_unit(const SimulateArguments& a) {
-  const bool angles = a.flight && a.flight->input == io::Input::increment;
+  const bool angles = a.flight && a.flight->input == log::Input::increment;
   const auto expected = angles ? noise::dimension::kAngle : noise::dimension::kAngularRate;
   if (a.unit.empty() || noise::parse_unit(a.unit).dimension == expected) return;
   throw std::invalid_argument(
@@ -255,12 +255,12 @@ void finish(SimulateArguments& a, const Texts& texts) {
     finish_flight(a, texts);
   }
   finish_model(a, texts);
-  a.format = texts.format.empty() ? io::format_of(a.output) : *io::format_named(texts.format);
-  if (a.format == io::Format::npy && std::isinf(a.duration_s)) {
+  a.format = texts.format.empty() ? log::format_of(a.output) : *log::format_named(texts.format);
+  if (a.format == log::Format::npy && std::isinf(a.duration_s)) {
     throw std::invalid_argument(
         "--format npy: its header holds the length, which an endless log has not; use f64");
   }
-  if (a.format != io::Format::csv && a.output.ends_with(".gz")) {
+  if (a.format != log::Format::csv && a.output.ends_with(".gz")) {
     throw std::invalid_argument(fmt::format("-o {}: only text is compressed; leave out .gz", a.output));
   }
   a.seed = seed(texts.seed);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Options of the verbs that study: plan, accuracy and paper.
-#include "gyrobudget/fit/requirement.h"
+#include "gyrobudget/estimation/fit/requirement.h"
 #include "gyrobudget/noise/units.h"
 
 #include <fmt/format.h>

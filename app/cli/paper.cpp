@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // paper: tables and figures of the source paper beside ours.
-#include "gyrobudget/report/paper.h"
+#include "gyrobudget/app/report/paper.h"
 
-#include "gyrobudget/io/output.h"
+#include "gyrobudget/app/text/output.h"
 
-#include "paper_study.h"
+#include "gyrobudget/app/paper/study.h"
 #include "paths.h"
 #include "terminal.h"
 #include "verbs.h"
@@ -14,11 +14,11 @@ namespace gyrobudget::inline v0::cli {
 int run(const PaperArguments& a) {
   check_outputs("", {{"--report", a.report}});
   say(a.common, "simulating four records of 10 h at 100 Hz and some 300 flights; this takes some seconds");
-  report::Paper paper = paper_study(a.seed);
+  report::Paper paper = paper::paper_study(a.seed);
   paper.command = a.common.command_line;
   print(a.common.json ? report::paper_json(paper) : report::paper_table(paper));
   if (!a.report.empty()) {
-    io::write_file(a.report, report::paper_page(paper));
+    text::write_file(a.report, report::paper_page(paper));
     say(a.common, "report page: " + a.report);
   }
   return exit_done;

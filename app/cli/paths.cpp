@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "paths.h"
 
-#include "gyrobudget/io/error.h"
+#include "gyrobudget/app/text/error.h"
 
 #include <fmt/format.h>
 
@@ -33,7 +33,7 @@ void check_name(const Output& output) {
   std::error_code ignored;
   const fs::path folder = fs::path(output.path).parent_path();
   if (folder.empty() || fs::is_directory(folder, ignored)) return;
-  throw io::OutputError(fmt::format("{} {}: found no folder {}; make it, or name a file in one that is there",
+  throw text::OutputError(fmt::format("{} {}: found no folder {}; make it, or name a file in one that is there",
                                     output.option, output.path, folder.string()));
 }
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // plan: sensor file -> how long to record for an accuracy, or what accuracy a length buys.
-#include "gyrobudget/report/plan.h"
+#include "gyrobudget/app/report/plan.h"
 
-#include "gyrobudget/fit/information.h"
-#include "gyrobudget/io/sensor_file.h"
+#include "gyrobudget/estimation/fit/information.h"
+#include "gyrobudget/app/sensor_file/sensor_file.h"
 
 #include <fmt/format.h>
 
@@ -26,7 +26,7 @@ std::vector<noise::Process> random_terms(const noise::SensorModel& sensor) {
     if (sensor.gyro[t] > 0) list.push_back(noise::with_coefficient(noise::unit_process(t), sensor.gyro[t]));
   }
   if (list.empty()) {
-    throw io::InputError(
+    throw text::InputError(
         fmt::format("{}: the gyro has no noise coefficient above zero; plan needs the expected arw, "
                     "bias_instability and rrw",
                     sensor.name));
@@ -46,7 +46,7 @@ constexpr double kDefaultAccuracy = 0.10;
 }  // namespace
 
 int run(const PlanArguments& a) {
-  const noise::SensorModel sensor = io::read_sensor(a.sensor);
+  const noise::SensorModel sensor = sensor_file::read_sensor(a.sensor);
   const auto terms = random_terms(sensor);
   const double dt = 1 / a.rate_hz;
   report::Plan plan{.sensor = sensor.name, .command = a.common.command_line, .rate_hz = a.rate_hz};

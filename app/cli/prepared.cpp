@@ -2,7 +2,7 @@
 #include "prepared.h"
 
 #include "gyrobudget/noise/sensor.h"
-#include "gyrobudget/report/words.h"
+#include "gyrobudget/app/report/words.h"
 
 #include <fmt/format.h>
 
@@ -24,7 +24,7 @@ std::string times(const std::vector<double>& seconds) {
   return text + (seconds.size() > kNamed ? ", ... s" : " s");
 }
 
-std::string describe_outliers(const report::Findings& found, const io::Axis& axis, double dt) {
+std::string describe_outliers(const report::Findings& found, const allan::Axis& axis, double dt) {
   std::vector<double> at;
   bool in_use = false;
   for (const auto& outlier : found.outliers) {
@@ -45,7 +45,7 @@ std::string describe_outliers(const report::Findings& found, const io::Axis& axi
             "out with --mask outliers.");
 }
 
-std::string describe_steps(const report::Findings& found, const io::Axis& axis, double dt) {
+std::string describe_steps(const report::Findings& found, const allan::Axis& axis, double dt) {
   std::string text;
   for (const auto& step : found.steps) {
     text += fmt::format("{}{} at {:.6g} s", text.empty() ? "" : ", ",
@@ -59,7 +59,7 @@ std::string describe_steps(const report::Findings& found, const io::Axis& axis, 
                            "the longest part without one.");
 }
 
-std::string describe_departure(const report::Findings& found, const io::Axis& axis) {
+std::string describe_departure(const report::Findings& found, const allan::Axis& axis) {
   const allan::Departure& departure = *found.departure;
   const auto size = noise::quantity_text(departure.size, noise::datasheet_unit(axis.signal), 3);
   const std::string chance = fmt::format("noise would do that with p = {:.1g}", departure.p_value);
@@ -101,7 +101,7 @@ void drop_modelled_line(std::vector<allan::SpectralLine>& lines, const fit::Resu
 
 }  // namespace
 
-Prepared::Prepared(const io::Axis& axis, double dt, const CalibrateArguments& a)
+Prepared::Prepared(const allan::Axis& axis, double dt, const CalibrateArguments& a)
     : axis_(axis), masking_(a.masking), dt_(dt), fill_(a.curve.strict_gaps ? 1 : allan::kMinimumFill) {
   look_for_outliers_and_steps();
 }
@@ -148,13 +148,13 @@ void Prepared::look_for_outliers_and_steps() {
   keep(0, samples);
   // A knock moves means too: it is no step.
   const bool knocks = !findings_.outliers.empty() && !findings_.outliers_masked;
-  findings_.steps = knocks ? allan::find_steps(allan::RateRecord(without_outliers(), dt_, fill_))
+  findings_.steps = knocks ? allan::find_steps(allan::Series(without_outliers(), dt_, fill_))
                            : allan::find_steps(*record_);
   if (masking_.steps && !findings_.steps.empty()) keep_longest_without_step();
 }
 
 bool Prepared::look_for_departure(std::span<const noise::Process> fitted) {
-  std::optional<allan::RateRecord> clean;
+  std::optional<allan::Series> clean;
   if (!findings_.outliers.empty() && !findings_.outliers_masked)
     clean.emplace(without_outliers(), dt_, fill_);
   auto departure = allan::find_departure(clean ? *clean : *record_, fitted);
@@ -184,7 +184,7 @@ void Prepared::look_for_lines(const fit::Result& fit) {
   drop_modelled_line(findings_.lines, fit, static_cast<double>(findings_.samples) * dt_);
 }
 
-std::vector<std::string> describe(const report::Findings& found, const io::Axis& axis, double dt) {
+std::vector<std::string> describe(const report::Findings& found, const allan::Axis& axis, double dt) {
   std::vector<std::string> text;
   const bool part = found.samples < static_cast<std::int64_t>(axis.rate.size());
   if (part) {

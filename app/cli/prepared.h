@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/allan/record.h"
-#include "gyrobudget/io/log.h"
-#include "gyrobudget/report/result.h"
+#include "gyrobudget/allan/series.h"
+#include "gyrobudget/app/log/log.h"
+#include "gyrobudget/app/report/result.h"
 
 #include <optional>
 #include <span>
@@ -18,9 +18,9 @@ namespace gyrobudget::inline v0::cli {
 /// for. Refers to the axis, which must outlive it.
 class Prepared {
  public:
-  Prepared(const io::Axis&, double dt, const CalibrateArguments&);
+  Prepared(const allan::Axis&, double dt, const CalibrateArguments&);
 
-  [[nodiscard]] const allan::RateRecord& record() const { return *record_; }
+  [[nodiscard]] const allan::Series& record() const { return *record_; }
   [[nodiscard]] const report::Findings& findings() const { return findings_; }
 
   /// Looks for a warm-up, a trend or a step beside the noise that was fitted.
@@ -36,15 +36,15 @@ class Prepared {
   [[nodiscard]] std::span<const double> part_of(std::span<const double> whole) const;
   [[nodiscard]] std::span<const double> without_outliers() const;
 
-  const io::Axis& axis_;
+  const allan::Axis& axis_;
   Masking masking_;
   double dt_, fill_;
   std::vector<double> masked_;  // the rates without outliers, where there are any
-  std::optional<allan::RateRecord> record_;
+  std::optional<allan::Series> record_;
   report::Findings findings_;
 };
 
 /// In plain words, each with its times and what can be done.
-[[nodiscard]] std::vector<std::string> describe(const report::Findings&, const io::Axis&, double dt);
+[[nodiscard]] std::vector<std::string> describe(const report::Findings&, const allan::Axis&, double dt);
 
 }  // namespace gyrobudget::inline v0::cli

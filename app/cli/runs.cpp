@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "runs.h"
 
-#include "gyrobudget/fit/combine.h"
-#include "gyrobudget/io/error.h"
-#include "gyrobudget/report/words.h"
+#include "gyrobudget/estimation/fit/combine.h"
+#include "gyrobudget/app/text/error.h"
+#include "gyrobudget/app/report/words.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -22,9 +22,9 @@ namespace {
 
 constexpr std::int64_t kFewestSamples = 16;  // 4 octaves: three terms and one tau more
 
-report::LogResult calibrate_record(const io::Record& record, const CalibrateArguments& a) {
+report::LogResult calibrate_record(const allan::Record& record, const CalibrateArguments& a) {
   if (record.samples < kFewestSamples) {
-    throw io::InputError(
+    throw text::InputError(
         fmt::format("{}: found {} samples, expected at least {}; a datasheet needs hours of record "
                     "(gyrobudget plan tells how many)",
                     record.source, record.samples, kFewestSamples));
@@ -46,11 +46,11 @@ std::string listing(const Axes& axes) {
 }
 
 // The axes of `record` in the order of the first record's.
-std::vector<io::Axis> matched(io::Record& record, const report::LogResult& first) {
+std::vector<allan::Axis> matched(allan::Record& record, const report::LogResult& first) {
   const std::string found = listing(record.axes);
-  std::vector<io::Axis> axes;
+  std::vector<allan::Axis> axes;
   for (const auto& wanted : first.axes) {
-    const auto at = std::find_if(record.axes.begin(), record.axes.end(), [&](const io::Axis& axis) {
+    const auto at = std::find_if(record.axes.begin(), record.axes.end(), [&](const allan::Axis& axis) {
       return axis.name == wanted.name && axis.signal == wanted.signal;
     });
     if (at == record.axes.end()) break;
@@ -58,15 +58,15 @@ std::vector<io::Axis> matched(io::Record& record, const report::LogResult& first
     record.axes.erase(at);
   }
   if (record.axes.empty() && axes.size() == first.axes.size()) return axes;
-  throw io::InputError(
+  throw text::InputError(
       fmt::format("{}: found the columns {}, expected {} as in {}; records of one sensor type have the same "
                   "columns, in units of the same kinds (choose them with --column)",
                   record.source, found, listing(first.axes), first.source));
 }
 
-void check_rate(const io::Record& record, const report::LogResult& first) {
-  if (std::abs(record.rate_hz / first.rate_hz - 1) <= io::kRateTolerance) return;
-  throw io::InputError(
+void check_rate(const allan::Record& record, const report::LogResult& first) {
+  if (std::abs(record.rate_hz / first.rate_hz - 1) <= log::kRateTolerance) return;
+  throw text::InputError(
       fmt::format("{}: found a rate of {:.6g} Hz, expected the {:.6g} Hz of {}; quantization and "
                   "filters depend on the rate, so records of other rates are not combined",
                   record.source, record.rate_hz, first.rate_hz, first.source));
@@ -99,7 +99,7 @@ report::RunsResult calibrate_runs(const CalibrateArguments& a) {
   for (const auto& log : a.logs) {
     CurveArguments of_log = a.curve;
     of_log.log.path = log;
-    io::Record record = read_record(of_log, a.common);
+    allan::Record record = read_record(of_log, a.common);
     if (!result.runs.empty()) {
       check_rate(record, result.runs.front());
       record.axes = matched(record, result.runs.front());

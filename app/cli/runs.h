@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/report/result.h"
+#include "gyrobudget/app/report/result.h"
 
 #include "arguments.h"
 

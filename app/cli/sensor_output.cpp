@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "sensor_output.h"
 
-#include "gyrobudget/io/output.h"
-#include "gyrobudget/io/sensor_file.h"
-#include "gyrobudget/report/words.h"
+#include "gyrobudget/app/text/output.h"
+#include "gyrobudget/app/sensor_file/sensor_file.h"
+#include "gyrobudget/app/report/words.h"
 
 #include <fmt/format.h>
 
@@ -148,8 +148,8 @@ noise::SensorModel sensor_of(const Result& result, const std::string& name) {
 
 void write(const noise::SensorModel& sensor, const std::string& comment, double rate_hz,
            const CalibrateArguments& a) {
-  if (!a.output.empty()) io::write_file(a.output, io::sensor_yaml(sensor, comment));
-  if (!a.kalibr.empty()) io::write_file(a.kalibr, io::kalibr_yaml(sensor, rate_hz));
+  if (!a.output.empty()) text::write_file(a.output, sensor_file::sensor_yaml(sensor, comment));
+  if (!a.kalibr.empty()) text::write_file(a.kalibr, sensor_file::kalibr_yaml(sensor, rate_hz));
   for (const auto& path : {a.output, a.kalibr}) {
     if (!path.empty()) say(a.common, "sensor file: " + path);
   }

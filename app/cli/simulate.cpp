@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // simulate: sensor file -> log of simulated noise at rest.
-#include "gyrobudget/io/log_writer.h"
-#include "gyrobudget/io/sensor_file.h"
+#include "gyrobudget/app/log/log_writer.h"
+#include "gyrobudget/app/sensor_file/sensor_file.h"
 #include "gyrobudget/noise/bielas.h"
 #include "gyrobudget/noise/generate.h"
 #include "gyrobudget/noise/imu_sensor.h"
@@ -28,7 +28,7 @@ using noise::Term;
 
 /// One column of the log and what fills it.
 struct Channel {
-  io::LogHead::Column column;
+  log::LogHead::Column column;
   noise::Model model;
   noise::StreamKey key;
 };
@@ -146,15 +146,15 @@ void require_whole_record(const SimulateArguments& a, const std::vector<Channel>
       a.duration_s * a.rate_hz, list.size(), needed / kGigabyte, present / kGigabyte, kStreamingModels));
 }
 
-void write_whole(const SimulateArguments& a, const std::vector<Channel>& list, const io::LogHead& head) {
+void write_whole(const SimulateArguments& a, const std::vector<Channel>& list, const log::LogHead& head) {
   require_whole_record(a, list);
-  std::vector<io::LogColumn> columns;
+  std::vector<log::LogColumn> columns;
   for (const Channel& c : list) {
     columns.push_back({c.column.name, c.column.unit,
                        noise::generate_record(c.model.processes, static_cast<std::int64_t>(sample_count(a)),
                                               1 / a.rate_hz, c.key)});
   }
-  io::write_log(a.output, columns, a.rate_hz, head.comment, head.format);
+  log::write_log(a.output, columns, a.rate_hz, head.comment, head.format);
 }
 
 // --- The others: rows are made while they are written -----------------------------------------------------------------
@@ -171,10 +171,10 @@ std::vector<noise::Generator> generators(const SimulateArguments& a, const std::
   return result;
 }
 
-void write_stream(const SimulateArguments& a, const std::vector<Channel>& list, const io::LogHead& head) {
+void write_stream(const SimulateArguments& a, const std::vector<Channel>& list, const log::LogHead& head) {
   auto sources = generators(a, list);
   tbb::parallel_for(std::size_t{0}, sources.size(), [&](std::size_t i) { sources[i].skip(a.skipped); });
-  io::write_log(a.output, head, sample_count(a) - a.skipped, [&](std::span<const std::span<double>> out) {
+  log::write_log(a.output, head, sample_count(a) - a.skipped, [&](std::span<const std::span<double>> out) {
     tbb::parallel_for(std::size_t{0}, sources.size(), [&](std::size_t i) { sources[i].next(out[i]); });
   });
 }
@@ -187,14 +187,14 @@ std::string comment(const SimulateArguments& a, const noise::SensorModel& sensor
 }
 
 // A binary log does not say what it holds.
-std::string how_to_read(const SimulateArguments& a, const io::LogHead& head) {
+std::string how_to_read(const SimulateArguments& a, const log::LogHead& head) {
   std::string columns;
   for (const auto& c : head.columns) {
     columns += fmt::format("{}{} ({})", columns.empty() ? "" : ", ", c.name, c.unit);
   }
   return fmt::format("each sample is {}; read it with --format {} --rate {} --unit {}{}", columns,
-                     io::name(a.format), a.rate_hz, head.columns.front().unit,
-                     a.format == io::Format::npy || head.columns.size() == 1
+                     log::name(a.format), a.rate_hz, head.columns.front().unit,
+                     a.format == log::Format::npy || head.columns.size() == 1
                          ? ""
                          : fmt::format(" --columns {}", head.columns.size()));
 }
@@ -204,9 +204,9 @@ std::string how_to_read(const SimulateArguments& a, const io::LogHead& head) {
 int run(const SimulateArguments& a) {
   if (a.flight) return run_flight(a);
   if (a.output != "-") check_outputs(a.sensor, {{"-o", a.output}});
-  const noise::SensorModel sensor = io::read_sensor(a.sensor);
+  const noise::SensorModel sensor = sensor_file::read_sensor(a.sensor);
   const auto list = channels(a, sensor);
-  io::LogHead head{{}, a.rate_hz, comment(a, sensor), a.skipped, a.format};
+  log::LogHead head{{}, a.rate_hz, comment(a, sensor), a.skipped, a.format};
   for (const Channel& c : list) head.columns.push_back(c.column);
   if (a.model == Model::spectral) {
     write_whole(a, list, head);
@@ -216,7 +216,7 @@ int run(const SimulateArguments& a) {
   say(a.common, fmt::format("simulated {} samples of {} axes at {} Hz ({} model, seed {}){}",
                             sample_count(a) - a.skipped, list.size(), a.rate_hz, a.model_name, a.seed,
                             a.output == "-" ? "" : " into " + a.output));
-  if (a.format != io::Format::csv) say(a.common, how_to_read(a, head));
+  if (a.format != log::Format::csv) say(a.common, how_to_read(a, head));
   return exit_done;
 }
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 // simulate --trajectory: sensor file and trajectory -> log of a whole IMU, and the truth.
-#include "gyrobudget/io/fixes_file.h"
-#include "gyrobudget/io/log_writer.h"
-#include "gyrobudget/io/output.h"
-#include "gyrobudget/io/scene_file.h"
-#include "gyrobudget/io/sensor_file.h"
-#include "gyrobudget/io/trajectory_file.h"
-#include "gyrobudget/navigation/simulated_fixes.h"
+#include "gyrobudget/app/files/fixes_file.h"
+#include "gyrobudget/app/log/log_writer.h"
+#include "gyrobudget/app/text/output.h"
+#include "gyrobudget/app/files/scene_file.h"
+#include "gyrobudget/app/sensor_file/sensor_file.h"
+#include "gyrobudget/app/files/trajectory_file.h"
+#include "gyrobudget/estimation/navigation/simulated_fixes.h"
 #include "gyrobudget/noise/imu.h"
 
 #include <fmt/format.h>
@@ -24,7 +24,7 @@
 namespace gyrobudget::inline v0::cli {
 namespace {
 
-bool increments(const SimulateArguments& a) { return a.flight->input == io::Input::increment; }
+bool increments(const SimulateArguments& a) { return a.flight->input == log::Input::increment; }
 
 std::string gyro_unit(const SimulateArguments& a) {
   if (!a.unit.empty()) return a.unit;
@@ -40,7 +40,7 @@ double flown(const SimulateArguments& a, const earth::Trajectory& trajectory) {
 }
 
 std::uint64_t interval_count(const SimulateArguments& a, const earth::Trajectory& trajectory) {
-  const std::uint64_t count = io::whole_intervals(flown(a, trajectory), a.rate_hz);
+  const std::uint64_t count = files::whole_intervals(flown(a, trajectory), a.rate_hz);
   if (count > a.skipped) return count;
   throw std::invalid_argument(fmt::format("{} s at {} Hz are {} samples, of which --skip leaves none",
                                           flown(a, trajectory), a.rate_hz, count));
@@ -57,8 +57,8 @@ std::string comment(const SimulateArguments& a, const noise::SensorModel& sensor
       increments(a) ? "the increment over" : "the mean over");
 }
 
-io::LogHead log_head(const SimulateArguments& a, const noise::SensorModel& sensor) {
-  io::LogHead head{{}, a.rate_hz, comment(a, sensor), a.skipped + 1, a.format};
+log::LogHead log_head(const SimulateArguments& a, const noise::SensorModel& sensor) {
+  log::LogHead head{{}, a.rate_hz, comment(a, sensor), a.skipped + 1, a.format};
   for (const char* axis : {"x", "y", "z"})
     head.columns.push_back({fmt::format("gyro_{}", axis), gyro_unit(a)});
   for (const char* axis : {"x", "y", "z"}) {
@@ -164,16 +164,16 @@ void check_paths(const SimulateArguments& a) {
   if (!a.flight->fixes.empty() && !is_scene(a.flight->trajectory))
     throw std::invalid_argument("--fixes: the aids stand in a scene; give one (.yaml) as --trajectory");
   if (!a.flight->fixes.empty() && !std::filesystem::is_directory(a.flight->fixes))
-    throw io::OutputError(fmt::format("{}: no such folder for --fixes", a.flight->fixes));
+    throw text::OutputError(fmt::format("{}: no such folder for --fixes", a.flight->fixes));
   const std::vector<Output> outputs{{"-o", a.output == "-" ? "" : a.output}, {"--truth", a.flight->truth}};
   check_outputs(a.sensor, outputs);
   if (std::filesystem::exists(a.flight->trajectory)) check_outputs(a.flight->trajectory, outputs);
 }
 
 // What each device of the scene measures, in the order of its aids.
-std::vector<io::DeviceFixes> devices(const SimulateArguments& a, const earth::Trajectory& trajectory) {
-  const navigation::Scenario scenario = io::read_scene(a.flight->trajectory).scenario;
-  std::vector<io::DeviceFixes> list;
+std::vector<files::DeviceFixes> devices(const SimulateArguments& a, const earth::Trajectory& trajectory) {
+  const navigation::Scenario scenario = files::read_scene(a.flight->trajectory).scenario;
+  std::vector<files::DeviceFixes> list;
   for (std::size_t i = 0; i < scenario.aids.size(); ++i) {
     const navigation::Aid& aid = scenario.aids[i];
     if (!aid.used || aid.kind == navigation::Aid::Kind::rest) continue;
@@ -187,33 +187,33 @@ std::vector<io::DeviceFixes> devices(const SimulateArguments& a, const earth::Tr
 
 void write_fixes(const SimulateArguments& a, const earth::Trajectory& trajectory) {
   if (a.flight->fixes.empty()) return;
-  for (const io::DeviceFixes& device : devices(a, trajectory)) {
+  for (const files::DeviceFixes& device : devices(a, trajectory)) {
     const auto path = std::filesystem::path(a.flight->fixes) / (device.device + ".csv");
-    io::write_file(path.string(), io::fixes_csv(device));
+    text::write_file(path.string(), files::fixes_csv(device));
     say(a.common, "fixes: " + path.string());
   }
 }
 
 // That of a scene, by its ending, or as read_trajectory has it.
 earth::Trajectory trajectory_of(const std::string& text) {
-  return is_scene(text) ? io::planned_trajectory(io::read_scene(text)) : io::read_trajectory(text);
+  return is_scene(text) ? files::planned_trajectory(files::read_scene(text)) : files::read_trajectory(text);
 }
 
 }  // namespace
 
 int run_flight(const SimulateArguments& a) {
   check_paths(a);
-  const noise::SensorModel sensor = io::read_sensor(a.sensor);
+  const noise::SensorModel sensor = sensor_file::read_sensor(a.sensor);
   const earth::Trajectory trajectory = trajectory_of(a.flight->trajectory);
   const std::uint64_t count = interval_count(a, trajectory);
   noise::Imu imu(sensor, 1 / a.rate_hz, {a.seed, a.flight->run},
                  {.vibration = a.flight->vibration, .duration = trajectory.duration()});
   Feed feed(a, trajectory, sensor, imu);
   feed.skip(a.skipped);
-  io::write_log(a.output, log_head(a, sensor), count - a.skipped,
+  log::write_log(a.output, log_head(a, sensor), count - a.skipped,
                 [&](std::span<const std::span<double>> columns) { feed.fill(columns); });
   if (!a.flight->truth.empty()) {
-    io::write_trajectory(a.flight->truth, trajectory,
+    files::write_trajectory(a.flight->truth, trajectory,
                          {.rate_hz = a.rate_hz,
                           .attitude = a.flight->attitude,
                           .comment = "gyrobudget simulate: truth of trajectory " + a.flight->trajectory,

@@ -4,8 +4,8 @@
 
 #include "gyrobudget/allan/statistics.h"
 #include "gyrobudget/allan/streaming.h"
-#include "gyrobudget/io/stream.h"
-#include "gyrobudget/report/report.h"
+#include "gyrobudget/app/log/stream.h"
+#include "gyrobudget/app/report/report.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -55,14 +55,14 @@ class Streamed {
     constexpr std::chrono::milliseconds kPatience{200};
     const auto progress = log_.read(rates_, kPatience);
     tbb::parallel_for(std::size_t{0}, axes_.size(), [&](std::size_t i) { axes_[i].push(rates_[i]); });
-    return progress != io::LogStream::Progress::end;
+    return progress != log::LogStream::Progress::end;
   }
 
   [[nodiscard]] std::int64_t samples() const { return axes_.front().samples(); }
 
   void require_samples() const {
     if (samples() >= 2) return;
-    throw io::InputError(
+    throw text::InputError(
         fmt::format("{}: holds {} samples, expected at least 2; record longer", log_.source(), samples()));
   }
 
@@ -81,14 +81,14 @@ class Streamed {
       out.name = log_.columns()[i].name;
       out.signal = log_.columns()[i].signal;
       out.mean = curve.mean;
-      out.points = with_intervals(curve, allan::identify_noise(curve));
+      out.points = allan::deviation_points(curve, allan::identify_noise(curve));
     }
     return result;
   }
 
  private:
   const AllanArguments& arguments_;
-  io::LogStream log_;
+  log::LogStream log_;
   std::int64_t overlap_;
   std::vector<allan::StreamingDeviation> axes_;
   std::vector<std::vector<double>> rates_;

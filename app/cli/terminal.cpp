@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "terminal.h"
 
-#include "gyrobudget/io/output.h"
+#include "gyrobudget/app/text/output.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -31,7 +31,7 @@ void say(const Common& common, std::string_view line) {
   if (!common.quiet) std::fprintf(stderr, "%.*s\n", static_cast<int>(line.size()), line.data());
 }
 
-void print(std::string_view text) { io::write_file("-", text); }
+void print(std::string_view text) { text::write_file("-", text); }
 
 Progress::Progress(const Common& common, std::string of_what)
     : of_what_(std::move(of_what)), shown_(!common.quiet && isatty(STDERR_FILENO) == 1) {}

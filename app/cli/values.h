@@ -2,7 +2,7 @@
 #pragma once
 
 #include "gyrobudget/allan/estimator.h"
-#include "gyrobudget/fit/fit.h"
+#include "gyrobudget/estimation/fit/fit.h"
 #include "gyrobudget/noise/sensor.h"
 #include "gyrobudget/noise/units.h"
 

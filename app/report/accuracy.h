@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/fit/accuracy.h"
-#include "gyrobudget/fit/requirement.h"
+#include "gyrobudget/estimation/fit/accuracy.h"
+#include "gyrobudget/estimation/fit/requirement.h"
 #include "gyrobudget/noise/sensor.h"
 
 #include <cstdint>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The accuracy of fits for programs, and the data that accuracy.js and sweep.js draw.
-#include "gyrobudget/report/accuracy.h"
-#include "gyrobudget/report/page_parts.h"
-#include "gyrobudget/report/words.h"
-#include "gyrobudget/version.h"
+#include "accuracy.h"
+#include "page_parts.h"
+#include "words.h"
+#include "gyrobudget/noise/version.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The accuracy of fits for the terminal, and the words that the page has too.
-#include "gyrobudget/report/accuracy.h"
-#include "gyrobudget/report/layout.h"
-#include "gyrobudget/report/words.h"
+#include "accuracy.h"
+#include "layout.h"
+#include "words.h"
 
 #include <fmt/format.h>
 
@@ -74,7 +74,7 @@ std::vector<std::string> coefficient_cells(const AccuracyStudy& study, const Coe
 
 std::string coefficient_table(const AccuracyStudy& study) {
   using enum Align;
-  Table table({left, right, right, right, right, right, right, right, right});
+  TextTable table({left, right, right, right, right, right, right, right, right});
   table.row({"truth", "bias", "RMSE", "/ bound", "/ likelihood", "95 % covers", "if identified", "missed",
              "false"});
   for (const auto& m : study.accuracy.methods) {
@@ -93,7 +93,7 @@ std::string coefficient_table(const AccuracyStudy& study) {
 std::string method_table(const AccuracyStudy& study) {
   using enum Align;
   const double records = study.accuracy.records;
-  Table table({left, right, right, right, right, right, right, right});
+  TextTable table({left, right, right, right, right, right, right, right});
   table.row({"", "any false term", "p < 5 %", "p < 1 %", "range cut", "not described", "unconverged",
              "time a fit"});
   for (const auto& m : study.accuracy.methods) {
@@ -108,7 +108,7 @@ std::string method_table(const AccuracyStudy& study) {
 std::string check_table(const std::vector<fit::Check>& checks) {
   if (checks.empty()) return {};
   using enum Align;
-  Table table({left, left, right, left});
+  TextTable table({left, left, right, left});
   for (const auto& c : checks) {
     const bool known = std::isfinite(c.value);
     table.row({"  " + c.text, term_name(c.method, c.term), known ? number(c.value, 4) : "not measured",
@@ -319,7 +319,7 @@ std::string sweep_rows(const Sweep& sweep) {
   }
   columns.insert(columns.end(), {Align::right, Align::right, Align::right, Align::left});
   names.insert(names.end(), {"curve", "fit", "covariance", ""});
-  Table table(std::move(columns));
+  TextTable table(std::move(columns));
   table.row(std::move(names));
   for (const auto& row : sweep.rows) table.row(sweep_cells(row));
   const auto lines = table.lines();

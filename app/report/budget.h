@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/navigation/alignment_time.h"
-#include "gyrobudget/navigation/scene_budget.h"
+#include "gyrobudget/estimation/budget/alignment_time.h"
+#include "gyrobudget/estimation/budget/scene.h"
 
 #include <cstdint>
 #include <optional>
@@ -22,12 +22,12 @@ struct BudgetResult {
   std::string command;
   double at = 0;             ///< time of the table [s]
   std::size_t at_index = 0;  ///< in budget.times
-  navigation::Budget budget;
+  budget::Budget budget;
   Eigen::Matrix3d C_enu = Eigen::Matrix3d::Identity(), C_launch = Eigen::Matrix3d::Identity();
   bool aided = false;
   double pad = 0;  ///< self-alignment before the scene [s]
   double tolerance = 0;
-  std::vector<navigation::Negligible> left_out;
+  std::vector<budget::Negligible> left_out;
   std::vector<navigation::SensorStates::LeftOut> not_modelled;
   bool interrupted = false;  ///< Monte Carlo, before all its runs were done
   std::vector<std::string> notes;
@@ -40,9 +40,9 @@ struct BudgetResult {
     int runs = 0;
     std::uint64_t seed = 0;
     navigation::CoreMatrix covariance;    ///< at `at`
-    navigation::MonteCarlo::Nees nees;    ///< against the total
+    budget::MonteCarlo::Nees nees;    ///< against the total
     std::vector<Eigen::Vector3d> points;  ///< position errors of each run, east, north, up [m]
-    navigation::Saturated saturated;
+    budget::Saturated saturated;
     struct Alone {
       int runs = 0;
       navigation::CoreMatrix covariance;  ///< at `at`
@@ -59,7 +59,7 @@ struct BudgetResult {
     double limit = 0;             ///< [m]
     double found = 0;             ///< [m]
     std::vector<double> factors;  ///< for each line, of its size
-    std::optional<navigation::AlignmentTime> alignment;  ///< where the scene aligns itself
+    std::optional<budget::AlignmentTime> alignment;  ///< where the scene aligns itself
   };
   std::optional<Limit> limit;
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "budget_agreement.h"
 
-#include "gyrobudget/report/words.h"
+#include "words.h"
 
 #include <fmt/format.h>
 
@@ -41,7 +41,7 @@ Agreement agreement(const BudgetResult& r, const navigation::CoreMatrix& linear,
   constexpr double kMatters = 0.01;
   const Local of_table = local_sigmas(r, linear), of_flights = local_sigmas(r, found);
   const Local total = local_sigmas(r, r.budget.total[r.at_index]);
-  const double second = navigation::second_order(linear);
+  const double second = budget::second_order(linear);
   Agreement result{.runs = runs};
   for (Eigen::Index k = 0; k < of_table.size(); ++k) {
     Agreement::Axis& axis = result.axes[static_cast<std::size_t>(k)];
@@ -65,7 +65,7 @@ std::vector<std::optional<Agreement>> source_agreements(const BudgetResult& r) {
     const auto& alone = r.monte_carlo->sources[i];
     if (!alone) continue;
     one = agreement(r, r.budget.lines[i].covariance[r.at_index], alone->covariance, alone->runs);
-    one->random = r.budget.lines[i].name != navigation::kUncompensatedEarthRate;
+    one->random = r.budget.lines[i].name != budget::kUncompensatedEarthRate;
   }
   return list;
 }
@@ -122,7 +122,7 @@ std::vector<std::string> contradictions(const BudgetResult& r) {
   return list;
 }
 
-std::string direction_text(const navigation::MonteCarlo::Nees::LeftOut& direction) {
+std::string direction_text(const budget::MonteCarlo::Nees::LeftOut& direction) {
   constexpr double kPart = 0.3;  // smaller weights are not named
   std::vector<std::size_t> order(navigation::kCoreStates);
   std::iota(order.begin(), order.end(), std::size_t{0});

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/navigation/consistency.h"
-#include "gyrobudget/report/budget.h"
+#include "gyrobudget/estimation/navigation/consistency.h"
+#include "budget.h"
 
 #include <array>
 #include <cmath>
@@ -58,6 +58,6 @@ struct AllRatios {
 [[nodiscard]] std::vector<std::string> contradictions(const BudgetResult&);
 
 /// "east velocity 0.82, up velocity 0.46, east position -0.34": what a direction is made of.
-[[nodiscard]] std::string direction_text(const navigation::MonteCarlo::Nees::LeftOut&);
+[[nodiscard]] std::string direction_text(const budget::MonteCarlo::Nees::LeftOut&);
 
 }  // namespace gyrobudget::inline v0::report

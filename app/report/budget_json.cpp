@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Error budgets for programs, and the data that budget.js draws.
-#include "gyrobudget/navigation/consistency.h"
-#include "gyrobudget/report/budget.h"
-#include "gyrobudget/report/budget_agreement.h"
-#include "gyrobudget/report/page_parts.h"
-#include "gyrobudget/version.h"
+#include "gyrobudget/estimation/navigation/consistency.h"
+#include "budget.h"
+#include "budget_agreement.h"
+#include "page_parts.h"
+#include "gyrobudget/noise/version.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -43,7 +43,7 @@ Json errors_json(const BudgetResult& r, const CoreMatrix& P) {
 }
 
 Json sources_json(const BudgetResult& r) {
-  const std::vector<double> share = navigation::shares(r.budget, r.at_index);
+  const std::vector<double> share = budget::shares(r.budget, r.at_index);
   Json list = Json::array();
   for (std::size_t i = 0; i < r.budget.lines.size(); ++i) {
     const auto& line = r.budget.lines[i];
@@ -155,7 +155,7 @@ Json monte_carlo_json(const BudgetResult& r) {
           {"ratios", ratios_json(r)}};
 }
 
-Json alignment_json(const std::optional<navigation::AlignmentTime>& alignment) {
+Json alignment_json(const std::optional<budget::AlignmentTime>& alignment) {
   if (!alignment) return nullptr;
   return {
       {"met", alignment->met}, {"duration_s", alignment->duration}, {"found_m", finite(alignment->sigma)}};

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Error budgets for the terminal.
-#include "gyrobudget/navigation/consistency.h"
-#include "gyrobudget/report/budget.h"
-#include "gyrobudget/report/budget_agreement.h"
-#include "gyrobudget/report/layout.h"
-#include "gyrobudget/report/words.h"
+#include "gyrobudget/estimation/navigation/consistency.h"
+#include "budget.h"
+#include "budget_agreement.h"
+#include "layout.h"
+#include "words.h"
 
 #include <fmt/format.h>
 
@@ -81,10 +81,10 @@ std::vector<std::string> extra_cells(const BudgetResult& r, std::size_t line) {
   return row;
 }
 
-Table left_aligned(std::size_t columns) {
+TextTable left_aligned(std::size_t columns) {
   std::vector<Align> all(columns, Align::right);
   all[0] = Align::left;
-  return Table(all);
+  return TextTable(all);
 }
 
 void append(std::vector<std::string>& row, std::vector<std::string> more) {
@@ -93,12 +93,12 @@ void append(std::vector<std::string>& row, std::vector<std::string> more) {
 
 enum class Extras { beside, apart };
 std::string table(const BudgetResult& r, Extras extras) {
-  const std::vector<double> share = navigation::shares(r.budget, r.at_index);
+  const std::vector<double> share = budget::shares(r.budget, r.at_index);
   std::vector<std::string> heads{"  source"};
   for (const auto& component : components(r)) heads.push_back(component == "east" ? "east m" : component);
   for (const auto* head : {"vel m/s", "att deg", "share"}) heads.emplace_back(head);
   if (extras == Extras::beside) append(heads, extra_heads(r));
-  Table out = left_aligned(heads.size());
+  TextTable out = left_aligned(heads.size());
   out.row(heads);
   for (const std::size_t i : order(r, share)) {
     auto row = cells(r, r.budget.lines[i].name, r.budget.lines[i].covariance[r.at_index], percent(share[i]));
@@ -117,9 +117,9 @@ std::string table(const BudgetResult& r, Extras extras) {
 
 std::string alignment_text(const BudgetResult& r) {
   if (!r.limit->alignment) return {};
-  const navigation::AlignmentTime& a = *r.limit->alignment;
-  const std::string from = printable(duration_text(navigation::kShortestAlignment)),
-                    to = printable(duration_text(navigation::kLongestAlignment));
+  const budget::AlignmentTime& a = *r.limit->alignment;
+  const std::string from = printable(duration_text(budget::kShortestAlignment)),
+                    to = printable(duration_text(budget::kLongestAlignment));
   const std::string now = fmt::format("the scene's is {}", duration_text(r.pad));
   if (!a.met)
     return wrapped(
@@ -128,7 +128,7 @@ std::string alignment_text(const BudgetResult& r) {
                     from, to, duration_text(a.duration), number(a.sigma, 4), now),
         "  ", "  ");
   return wrapped(fmt::format("The shortest alignment that meets it, all else alike: {}, with {} m; {}.",
-                             a.duration <= navigation::kShortestAlignment ? from + " or less"
+                             a.duration <= budget::kShortestAlignment ? from + " or less"
                                                                           : duration_text(a.duration),
                              number(a.sigma, 4), now),
                  "  ", "  ");
@@ -137,9 +137,9 @@ std::string alignment_text(const BudgetResult& r) {
 std::string extras_table(const BudgetResult& r) {
   std::vector<std::string> heads{"  source", "rss m"};
   append(heads, extra_heads(r));
-  Table out = left_aligned(heads.size());
+  TextTable out = left_aligned(heads.size());
   out.row(heads);
-  for (const std::size_t i : order(r, navigation::shares(r.budget, r.at_index))) {
+  for (const std::size_t i : order(r, budget::shares(r.budget, r.at_index))) {
     const auto& line = r.budget.lines[i];
     std::vector<std::string> row{fmt::format("  {}", line.name),
                                  number(position_sigma(r, line.covariance[r.at_index], "rss"), 3)};
@@ -177,7 +177,7 @@ std::string ratio_text(const Agreement& one, const Agreement::Axis& axis, const 
 
 std::string total_ratios(const BudgetResult& r, const navigation::Band& band) {
   const Agreement total = total_agreement(r);
-  Table out = left_aligned(1 + kAxisNames.size());
+  TextTable out = left_aligned(1 + kAxisNames.size());
   out.row({"  found over table", "east", "north", "up"});
   for (std::size_t q = 0; q < kQuantities.size(); ++q) {
     std::vector<std::string> row{fmt::format("  {}", kQuantities[q])};
@@ -204,7 +204,7 @@ std::string nees_text(const BudgetResult& r) {
   return out;
 }
 
-std::string saturated_text(const navigation::Saturated& saturated) {
+std::string saturated_text(const budget::Saturated& saturated) {
   constexpr std::array kBody{"x", "y", "z"};
   std::string out;
   for (const auto& [triad, counts] :
@@ -232,7 +232,7 @@ std::string sources_text(const BudgetResult& r) {
   std::string out =
       fmt::format("\nEach source alone, {} runs of each: sigma found over that of its covariance\n",
                   count_text(r.monte_carlo->runs));
-  Table table = left_aligned(2 + (r.exact ? 1 : 0) + navigation::kCoreStates);
+  TextTable table = left_aligned(2 + (r.exact ? 1 : 0) + navigation::kCoreStates);
   std::vector<std::string> groups{"", "table"}, heads{"  source", "rss m"};
   if (r.exact) {
     groups.emplace_back("exact");
@@ -254,7 +254,7 @@ std::string sources_text(const BudgetResult& r) {
     row.resize(heads.size());
     table.row(row);
   };
-  for (const std::size_t i : order(r, navigation::shares(r.budget, r.at_index))) {
+  for (const std::size_t i : order(r, budget::shares(r.budget, r.at_index))) {
     const auto& line = r.budget.lines[i];
     const CoreMatrix& P = line.covariance[r.at_index];
     add(line.name, P, r.exact ? exact_ratio(r, i) : "", agreements[i]);
@@ -314,12 +314,12 @@ std::string comparison(const std::vector<BudgetResult>& results) {
   std::string out = "Side by side, one sigma\n";
   std::vector<Align> columns(5, Align::right);
   columns[0] = Align::left;
-  Table table(columns);
+  TextTable table(columns);
   table.row({"  sensor", "position rss m", "velocity m/s", "attitude deg", "largest source"});
   for (const auto& r : results) {
     const CoreMatrix& P = r.budget.total[r.at_index];
     const auto s = navigation::local_sigmas(P, r.C_enu);
-    const auto share = navigation::shares(r.budget, r.at_index);
+    const auto share = budget::shares(r.budget, r.at_index);
     const auto largest = std::max_element(share.begin(), share.end()) - share.begin();
     table.row({fmt::format("  {}", printable(r.sensor.empty() ? "ideal" : r.sensor)),
                number(s.position.norm(), 3), number(s.velocity.norm(), 3),

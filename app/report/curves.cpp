@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/report/curves.h"
+#include "curves.h"
 
 #include "gyrobudget/allan/factors.h"
 #include "gyrobudget/noise/process.h"
 #include "gyrobudget/noise/units.h"
-#include "gyrobudget/report/words.h"
+#include "words.h"
 
 #include <fmt/format.h>
 
@@ -29,7 +29,7 @@ constexpr double kDeepestMark = 30;
 constexpr double kMarkovTop = 1.8926, kMarkovHeight = 0.61736, kLineTop = 0.37101, kLineHeight = 0.72461;
 
 /// Averaging factors of the curves: the span of the measured points, filled evenly in log m.
-std::vector<std::int64_t> curve_factors(const std::vector<DeviationPoint>& points) {
+std::vector<std::int64_t> curve_factors(const std::vector<allan::DeviationPoint>& points) {
   const std::int64_t first = points.front().m, last = points.back().m;
   std::vector<std::int64_t> factors = allan::log_factors(2 * last, kCurvePoints);
   std::erase_if(factors, [&](std::int64_t m) { return m <= first || m >= last; });
@@ -152,7 +152,7 @@ void set_range(AxisCurves& curves, const AxisResult& axis) {
     least = std::min(least, value);
     most = std::max(most, value);
   };
-  for (const DeviationPoint& p : axis.points) {
+  for (const allan::DeviationPoint& p : axis.points) {
     take(p.deviation, low, high);
     take(p.lower, band_low, band_high);
     take(p.upper, band_low, band_high);
@@ -188,12 +188,12 @@ AxisCurves axis_curves(const AxisResult& axis, double rate_hz) {
   return curves;
 }
 
-std::vector<DeviationPoint> thinned(const std::vector<DeviationPoint>& points, std::size_t limit) {
+std::vector<allan::DeviationPoint> thinned(const std::vector<allan::DeviationPoint>& points, std::size_t limit) {
   if (points.size() <= limit || limit < 3) return points;
   const double span = std::log(points.back().tau_s / points.front().tau_s);
   const double step = span / static_cast<double>(limit - 2);
-  std::vector<DeviationPoint> kept{points.front()};
-  for (const DeviationPoint& p : points) {
+  std::vector<allan::DeviationPoint> kept{points.front()};
+  for (const allan::DeviationPoint& p : points) {
     if (std::log(p.tau_s / kept.back().tau_s) >= step) kept.push_back(p);
   }
   if (kept.back().m != points.back().m) kept.push_back(points.back());

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/report/result.h"
+#include "result.h"
 
 #include <cstddef>
 #include <string>
@@ -46,6 +46,6 @@ struct AxisCurves {
 [[nodiscard]] AxisCurves axis_curves(const AxisResult&, double rate_hz);
 
 /// At most `limit` of the points, evenly spread in log tau, the first and the last always among them.
-[[nodiscard]] std::vector<DeviationPoint> thinned(const std::vector<DeviationPoint>&, std::size_t limit);
+[[nodiscard]] std::vector<allan::DeviationPoint> thinned(const std::vector<allan::DeviationPoint>&, std::size_t limit);
 
 }  // namespace gyrobudget::inline v0::report

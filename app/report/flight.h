@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/closed_loop/study.h"
-#include "gyrobudget/flight/dispersion.h"
-#include "gyrobudget/flight/plan.h"
-#include "gyrobudget/io/vehicle_file.h"
+#include "gyrobudget/estimation/closed_loop/study.h"
+#include "gyrobudget/vehicle/flight/dispersion.h"
+#include "gyrobudget/vehicle/flight/plan.h"
+#include "gyrobudget/app/files/vehicle_file.h"
 
 #include <span>
 #include <string>
@@ -22,8 +22,8 @@ struct FlightResult {
   std::string sensor;                              ///< path of the sensor file; empty: ideal
   std::string command;                             ///< as typed
   std::string vehicle;                             ///< path of the vehicle's file; empty: the program's own
-  std::vector<io::VehicleNumber> vehicle_numbers;  ///< of that file, with where they come from
-  std::vector<io::VehicleOmission> vehicle_left_out;  ///< so too
+  std::vector<files::VehicleNumber> vehicle_numbers;  ///< of that file, with where they come from
+  std::vector<files::VehicleOmission> vehicle_left_out;  ///< so too
   flight::Plan plan;
   flight::Dispersion dispersion;
   closed_loop::Study study;

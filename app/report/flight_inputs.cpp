@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // What a flight was given, in units for people.
-#include "gyrobudget/report/flight_numbers.h"
-#include "gyrobudget/report/words.h"
+#include "flight_numbers.h"
+#include "words.h"
 
 #include <fmt/format.h>
 
@@ -18,7 +18,7 @@ constexpr int kDigits = 6;
 std::string typed(double value) { return fmt::format("{:.{}g}", value, kDigits); }
 
 // "8: 90, 83: 50"
-std::string typed(const flight::Table& table, double unit = 1) {
+std::string typed(const flight::LookupTable& table, double unit = 1) {
   const auto& points = table.points();
   if (points.size() == 1) return typed(points[0].second / unit);
   std::string out;
@@ -89,7 +89,7 @@ void add_wind(List& list, const flight::Wind& w) {
   list.group("wind");
   const char* const axes[] = {"east", "north", "up"};
   for (int i = 0; i < 3; ++i) list.add_some(fmt::format("steady, {}", axes[i]), w.steady[i], "m/s");
-  const auto shear = [&](const char* axis, const flight::Table& table) {
+  const auto shear = [&](const char* axis, const flight::LookupTable& table) {
     if (table.range() != std::pair(0.0, 0.0))
       list.add(fmt::format("shear over height, {}", axis), typed(table), "m: m/s");
   };

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Closed-loop flights for programs, and the data that flight.js draws.
-#include "gyrobudget/navigation/budget.h"
-#include "gyrobudget/navigation/scene_budget.h"
-#include "gyrobudget/report/flight_numbers.h"
-#include "gyrobudget/report/json_text.h"
-#include "gyrobudget/report/page_parts.h"
-#include "gyrobudget/version.h"
+#include "gyrobudget/estimation/budget/error_budget.h"
+#include "gyrobudget/estimation/budget/scene.h"
+#include "flight_numbers.h"
+#include "json_text.h"
+#include "page_parts.h"
+#include "gyrobudget/noise/version.h"
 
 #include <nlohmann/json.hpp>
 
@@ -133,7 +133,7 @@ Json check_json(const Study& s) {
 Json navigation_error_json(const FlightFrame& frame, const Study& s) {
   if (!s.budget) return nullptr;
   const std::size_t last = s.budget->times.size() - 1;
-  const std::vector<double> share = navigation::shares(*s.budget, last);
+  const std::vector<double> share = budget::shares(*s.budget, last);
   Json out = errors_json(s, s.budget->total[last]);
   out["claimed"] = s.budget->claimed.empty() ? Json(nullptr) : errors_json(s, s.budget->claimed[last]);
   Json& sources = out["sources"] = Json::array();
@@ -286,7 +286,7 @@ Json vehicle_json(const FlightResult& r) {
   for (const OriginCount& c : origins(r)) counts[std::string(c.origin)] = c.numbers;
   for (const auto& n : r.vehicle_numbers)
     numbers.push_back(
-        {{"key", n.key}, {"value", n.value}, {"origin", io::to_string(n.origin)}, {"reason", n.reason}});
+        {{"key", n.key}, {"value", n.value}, {"origin", files::to_string(n.origin)}, {"reason", n.reason}});
   for (const auto& l : r.vehicle_left_out) left_out.push_back({{"key", l.key}, {"meaning", l.meaning}});
   return {{"file", text_or_null(r.vehicle)},
           {"name", r.plan.flight.vehicle.name},

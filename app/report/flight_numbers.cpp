@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/report/flight_numbers.h"
+#include "flight_numbers.h"
 
-#include "gyrobudget/earth/attitude.h"
-#include "gyrobudget/navigation/budget.h"
-#include "gyrobudget/navigation/consistency.h"
-#include "gyrobudget/report/words.h"
+#include "gyrobudget/vehicle/earth/attitude.h"
+#include "gyrobudget/estimation/budget/error_budget.h"
+#include "gyrobudget/estimation/navigation/consistency.h"
+#include "words.h"
 
 #include <algorithm>
 #include <cmath>
@@ -205,8 +205,8 @@ std::array<OriginCount, 4> origins(const FlightResult& r) {
   const std::array<std::optional<Origin>, 4> all{Origin::sourced, Origin::derived, Origin::assumed,
                                                  std::nullopt};
   for (std::size_t i = 0; i < all.size(); ++i)
-    counts[i] = {io::to_string(all[i]),
-                 static_cast<int>(std::ranges::count(r.vehicle_numbers, all[i], &io::VehicleNumber::origin))};
+    counts[i] = {files::to_string(all[i]),
+                 static_cast<int>(std::ranges::count(r.vehicle_numbers, all[i], &files::VehicleNumber::origin))};
   return counts;
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/earth/frames.h"
-#include "gyrobudget/report/flight.h"
+#include "gyrobudget/vehicle/earth/frames.h"
+#include "flight.h"
 
 #include <array>
 #include <optional>

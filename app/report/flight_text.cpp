@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Closed-loop flights for the terminal.
-#include "gyrobudget/navigation/consistency.h"
-#include "gyrobudget/report/flight_numbers.h"
-#include "gyrobudget/report/layout.h"
-#include "gyrobudget/report/words.h"
+#include "gyrobudget/estimation/navigation/consistency.h"
+#include "flight_numbers.h"
+#include "layout.h"
+#include "words.h"
 
 #include <fmt/format.h>
 
@@ -25,10 +25,10 @@ constexpr double kDegree = earth::kDegree;
 constexpr double kKilo = 1000;
 
 // A table whose first columns are text and all others numbers.
-Table numbers_table(const std::vector<std::string>& heads, std::size_t text_columns = 1) {
+TextTable numbers_table(const std::vector<std::string>& heads, std::size_t text_columns = 1) {
   std::vector<Align> columns(heads.size(), Align::right);
   std::fill_n(columns.begin(), text_columns, Align::left);
-  Table table(columns);
+  TextTable table(columns);
   table.row(heads);
   return table;
 }
@@ -104,7 +104,7 @@ std::vector<std::string> end_row(const std::string& name, const FlightFrame& fra
 }
 
 std::string ends(std::span<const FlightResult> results, const std::vector<std::string>& names) {
-  Table table = numbers_table({"flight", "t s", "height km", "downrange km", "crossrange m", "speed m/s",
+  TextTable table = numbers_table({"flight", "t s", "height km", "downrange km", "crossrange m", "speed m/s",
                                "distance km", "pitch deg", "ended"});
   for (const Nominal& n : nominals(results, names))
     table.row(end_row(n.name, FlightFrame(*n.result), n.result->study.nominal));
@@ -132,7 +132,7 @@ std::string accounts(std::span<const FlightResult> results, const std::vector<st
 }
 
 std::string departures(std::span<const FlightResult> results, const std::vector<std::string>& names) {
-  Table table = numbers_table(
+  TextTable table = numbers_table(
       {"flight", "downrange m", "crossrange m", "up m", "distance m", "velocity m/s", "attitude deg"});
   bool any = false;
   for (std::size_t i = 0; i < results.size(); ++i) {
@@ -183,11 +183,11 @@ std::string navigation_error(const FlightResult& r, const std::string& name) {
   if (!s.budget) return out + "  none: the flight is too short to navigate\n";
   if (s.budget->lines.empty()) return out + "  none: nothing errs\n";
   const std::size_t last = s.budget->times.size() - 1;
-  const std::vector<double> share = navigation::shares(*s.budget, last);
+  const std::vector<double> share = budget::shares(*s.budget, last);
   std::vector<std::size_t> order(share.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, std::greater{}, [&](std::size_t i) { return share[i]; });
-  Table table = numbers_table(
+  TextTable table = numbers_table(
       {"source", "downrange m", "crossrange m", "up m", "rss m", "vel m/s", "att deg", "share"});
   for (const std::size_t i : order) {
     const auto& line = s.budget->lines[i];
@@ -226,7 +226,7 @@ std::vector<std::string> dispersion_row(const std::string& name, const FlightsOf
 }
 
 std::string dispersion(std::span<const FlightResult> results, const std::vector<std::string>& names) {
-  Table table = numbers_table({"flight", "cause", "downrange m", "crossrange m", "up m", "ellipse m",
+  TextTable table = numbers_table({"flight", "cause", "downrange m", "crossrange m", "up m", "ellipse m",
                                "vel m/s", "att deg", "flown", "lost"},
                               2);
   const bool one = one_nominal(results);
@@ -246,7 +246,7 @@ std::string dispersion(std::span<const FlightResult> results, const std::vector<
 // --- Limits and margins -----------------------------------------------------------------------------------------
 
 std::string limits(std::span<const FlightResult> results, const std::vector<std::string>& names) {
-  Table table = numbers_table({"flight", "highest q kPa", "at s", "Mach", "q x angle kPa deg", "nozzle deg",
+  TextTable table = numbers_table({"flight", "highest q kPa", "at s", "Mach", "q x angle kPa deg", "nozzle deg",
                                "of", "periods at a limit"});
   const auto row = [&](const std::string& name, const FlightResult& r, const flight::FlightRecord& record) {
     const LimitsUsed u = limits_used(r, record);
@@ -263,7 +263,7 @@ std::string limits(std::span<const FlightResult> results, const std::vector<std:
 std::string margins(const Study& s, const std::string& name) {
   const auto least = least_margins(s.margins);
   if (least.empty()) return {};
-  Table table =
+  TextTable table =
       numbers_table({"bending mode", "gain up dB", "at s", "gain down dB", "at s", "phase deg", "at s", ""});
   for (const LeastMargins& m : least) {
     const std::string mode =

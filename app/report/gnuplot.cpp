@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/report/gnuplot.h"
+#include "gnuplot.h"
 
-#include "gyrobudget/io/error.h"
-#include "gyrobudget/report/words.h"
+#include "gyrobudget/app/text/error.h"
+#include "words.h"
 
 #include <fmt/format.h>
 #include <spawn.h>
@@ -18,7 +18,7 @@
 namespace gyrobudget::inline v0::report {
 namespace {
 
-using io::OutputError;
+using text::OutputError;
 
 [[noreturn]] void fail(std::string_view what, int error) {
   throw OutputError(fmt::format("cannot draw with gnuplot: {}: {}", what, std::strerror(error)));

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/noise/units.h"
-#include "gyrobudget/report/curves.h"
-#include "gyrobudget/report/json_text.h"
-#include "gyrobudget/report/page_parts.h"
-#include "gyrobudget/report/report.h"
-#include "gyrobudget/report/words.h"
-#include "gyrobudget/version.h"
+#include "curves.h"
+#include "json_text.h"
+#include "page_parts.h"
+#include "report.h"
+#include "words.h"
+#include "gyrobudget/noise/version.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -169,7 +169,7 @@ Json allan_document(const LogResult& result) {
     const Scale scale(deviation_unit(axis));
     Json out = axis_head(axis);
     Json& points = out["points"] = Json::array();
-    for (const DeviationPoint& p : axis.points) {
+    for (const allan::DeviationPoint& p : axis.points) {
       points.push_back({{"tau_s", p.tau_s},
                         {"m", p.m},
                         {"deviation", scale(p.deviation)},

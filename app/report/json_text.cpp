@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/report/json_text.h"
+#include "json_text.h"
 
 #include <nlohmann/json.hpp>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/report/layout.h"
+#include "layout.h"
 
 #include <algorithm>
 #include <cctype>
@@ -13,7 +13,7 @@ std::size_t width(std::string_view text) {
   }));
 }
 
-std::vector<std::string> Table::lines() const {
+std::vector<std::string> TextTable::lines() const {
   std::vector<std::size_t> widths(columns_.size(), 0);
   for (const auto& cells : rows_) {
     for (std::size_t i = 0; i < cells.size(); ++i) widths[i] = std::max(widths[i], width(cells[i]));
@@ -23,13 +23,13 @@ std::vector<std::string> Table::lines() const {
   return list;
 }
 
-std::string Table::text() const {
+std::string TextTable::text() const {
   std::string out;
   for (const std::string& l : lines()) out += l + '\n';
   return out;
 }
 
-std::string Table::line(const std::vector<std::string>& cells, const std::vector<std::size_t>& widths) const {
+std::string TextTable::line(const std::vector<std::string>& cells, const std::vector<std::size_t>& widths) const {
   std::string out;
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const std::string padding(widths[i] - width(cells[i]), ' ');

@@ -17,9 +17,9 @@ inline constexpr std::size_t kLineWidth = 100;
 enum class Align { left, right };
 
 /// A table whose columns are as wide as what stands in them.
-class Table {
+class TextTable {
  public:
-  explicit Table(std::vector<Align> columns) : columns_(std::move(columns)) {}
+  explicit TextTable(std::vector<Align> columns) : columns_(std::move(columns)) {}
   void row(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
   /// Every row as a line.
   [[nodiscard]] std::string text() const;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/navigation/run.h"
+#include "gyrobudget/estimation/navigation/navigate.h"
 
 #include <string>
 #include <vector>
@@ -16,7 +16,7 @@ struct NavigationResult {
   std::string command;  ///< as typed
   navigation::Scenario scenario;
   navigation::Recording recording;
-  navigation::Run run;
+  navigation::Navigation run;
   std::vector<std::string> notes;  ///< how the data were read
 };
 

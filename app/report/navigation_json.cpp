@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Navigation runs for programs, and the data that navigation.js draws.
-#include "gyrobudget/earth/attitude.h"
-#include "gyrobudget/earth/frames.h"
-#include "gyrobudget/report/navigation.h"
-#include "gyrobudget/report/page_parts.h"
-#include "gyrobudget/version.h"
+#include "gyrobudget/vehicle/earth/attitude.h"
+#include "gyrobudget/vehicle/earth/frames.h"
+#include "navigation.h"
+#include "page_parts.h"
+#include "gyrobudget/noise/version.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -20,7 +20,7 @@ namespace {
 using Eigen::Vector3d;
 using Json = nlohmann::ordered_json;
 using navigation::Aid;
-using navigation::Run;
+using navigation::Navigation;
 
 constexpr double kDegree = earth::kDegree;
 
@@ -34,17 +34,17 @@ Json list(const Vector3d& v, int rows = 3) {
   return out;
 }
 
-std::string_view status_text(Run::Status status) {
+std::string_view status_text(Navigation::Status status) {
   switch (status) {
-    case Run::Status::navigated:
+    case Navigation::Status::navigated:
       return "navigated";
-    case Run::Status::no_start:
+    case Navigation::Status::no_start:
       return "no_start";
-    case Run::Status::heading_not_observable:
+    case Navigation::Status::heading_not_observable:
       return "heading_not_observable";
-    case Run::Status::not_at_rest:
+    case Navigation::Status::not_at_rest:
       return "not_at_rest";
-    case Run::Status::failed:
+    case Navigation::Status::failed:
       return "failed";
   }
   return "failed";
@@ -126,7 +126,7 @@ Json states_json(const NavigationResult& r) {
   return out;
 }
 
-Json reference_json(const Run& run) {
+Json reference_json(const Navigation& run) {
   if (!run.reference || run.reference->errors.empty()) return nullptr;
   const auto& ref = *run.reference;
   const auto& last = ref.errors.back();
@@ -217,7 +217,7 @@ Json series(const std::vector<Item>& items, double unit,
   return {{"t", t}, {"value", value}, {"sigma", sigma}};
 }
 
-Json errors_json(const Run& run) {
+Json errors_json(const Navigation& run) {
   if (!run.reference) return nullptr;
   using E = navigation::ReferenceError;
   const auto& ref = *run.reference;
@@ -235,7 +235,7 @@ Json errors_json(const Run& run) {
 }
 
 // What the filter claims, where nothing tells the error.
-Json claims_json(const Run& run) {
+Json claims_json(const Navigation& run) {
   using S = navigation::Solution;
   const Vector3d zero = Vector3d::Zero();
   return {{"position",
@@ -246,7 +246,7 @@ Json claims_json(const Run& run) {
            series<S>(run.solutions, kDegree, [&](const S& s) { return std::pair(zero, s.attitude_sigma); })}};
 }
 
-Json biases_json(const Run& run) {
+Json biases_json(const Navigation& run) {
   using S = navigation::Solution;
   constexpr double kDegreePerHour = kDegree / 3600, kMilliG = 9.80665e-3;
   const auto has = [&](navigation::Carrier carrier) {

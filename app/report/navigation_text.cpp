@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Navigation runs for the terminal and as CSV.
-#include "gyrobudget/earth/attitude.h"
-#include "gyrobudget/earth/frames.h"
+#include "gyrobudget/vehicle/earth/attitude.h"
+#include "gyrobudget/vehicle/earth/frames.h"
 #include "gyrobudget/noise/units.h"
-#include "gyrobudget/report/layout.h"
-#include "gyrobudget/report/navigation.h"
-#include "gyrobudget/report/words.h"
+#include "layout.h"
+#include "navigation.h"
+#include "words.h"
 
 #include <fmt/format.h>
 
@@ -22,7 +22,7 @@ using Eigen::Vector3d;
 using navigation::Aid;
 using navigation::Carrier;
 using navigation::Effect;
-using navigation::Run;
+using navigation::Navigation;
 
 std::string_view letter(int axis) {
   return std::string_view("xyz").substr(static_cast<std::size_t>(axis), 1);
@@ -87,7 +87,7 @@ std::string final_solution(const NavigationResult& r) {
   const double deg = earth::kDegree;
   std::string out = fmt::format("\nSolution at {:.10g} s (last of {})\n", s.time,
                                 count_text(static_cast<std::int64_t>(r.run.solutions.size())));
-  Table table({Align::left, Align::left, Align::left});
+  TextTable table({Align::left, Align::left, Align::left});
   table.row(
       {"  position",
        fmt::format("{:.8f} deg, {:.8f} deg, {:.3f} m", at.latitude / deg, at.longitude / deg, at.height),
@@ -120,7 +120,7 @@ std::string refused(const NavigationResult& r) {
 std::string aids_table(const NavigationResult& r) {
   if (r.run.aids.empty()) return {};
   std::string out = "\nAids (NIS: squared innovation over what the filter expected; right sigmas give 1)\n";
-  Table table({Align::left, Align::right, Align::right, Align::right, Align::right, Align::left, Align::right,
+  TextTable table({Align::left, Align::right, Align::right, Align::right, Align::right, Align::left, Align::right,
                Align::right, Align::left});
   table.row(
       {"  aid", "used", "gated", "left out", "NIS/dof", "95 % band", "inside 95 %", "residual rms", ""});
@@ -142,7 +142,7 @@ std::string aids_table(const NavigationResult& r) {
 std::string states_table(const NavigationResult& r) {
   if (r.run.model.terms.empty() || r.run.solutions.empty()) return {};
   std::string out = "\nEstimated errors\n";
-  Table table({Align::left, Align::right, Align::right, Align::right, Align::left});
+  TextTable table({Align::left, Align::right, Align::right, Align::right, Align::left});
   table.row({"  state", "sigma at start", "at the end", "sigma", "unit"});
   const navigation::Solution& last = r.run.solutions.back();
   for (std::size_t k = 0; k < r.run.model.terms.size(); ++k) {
@@ -158,7 +158,7 @@ std::string reference_text(const NavigationResult& r) {
   const navigation::ReferenceSummary& ref = *r.run.reference;
   std::string out = fmt::format("\nAgainst the reference, {} epochs (errors as lengths of vectors)\n",
                                 count_text(static_cast<std::int64_t>(ref.errors.size())));
-  Table table({Align::right, Align::right, Align::right, Align::right, Align::right, Align::right,
+  TextTable table({Align::right, Align::right, Align::right, Align::right, Align::right, Align::right,
                Align::right, Align::right});
   table.row({"t [s]", "position [m]", "3 sigma", "velocity [m/s]", "3 sigma", "attitude [deg]", "3 sigma",
              fmt::format("NEES/{}", ref.dof)});
@@ -241,7 +241,7 @@ StateText state_text(const navigation::Scenario& scenario, const navigation::Err
 std::string navigation_text(const NavigationResult& r) {
   std::string out = heading(r);
   std::vector<std::string> words = r.run.alignment.words;
-  if (r.run.status != Run::Status::navigated) {
+  if (r.run.status != Navigation::Status::navigated) {
     out += fmt::format("\n{}", wrapped("No whole solution: " + r.run.why, "", "  "));
   }
   out += bullets("Alignment", words);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/report/accuracy.h"
-#include "gyrobudget/report/flight_numbers.h"
-#include "gyrobudget/report/navigation.h"
-#include "gyrobudget/report/page_parts.h"
-#include "gyrobudget/report/paper.h"
-#include "gyrobudget/report/report.h"
-#include "gyrobudget/report/words.h"
+#include "accuracy.h"
+#include "flight_numbers.h"
+#include "navigation.h"
+#include "page_parts.h"
+#include "paper.h"
+#include "report.h"
+#include "words.h"
 
 #include <algorithm>
 #include <initializer_list>

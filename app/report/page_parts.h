@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/report/accuracy.h"
-#include "gyrobudget/report/budget.h"
-#include "gyrobudget/report/flight.h"
-#include "gyrobudget/report/navigation.h"
-#include "gyrobudget/report/paper.h"
-#include "gyrobudget/report/result.h"
+#include "accuracy.h"
+#include "budget.h"
+#include "flight.h"
+#include "navigation.h"
+#include "paper.h"
+#include "result.h"
 
 #include <span>
 #include <string>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/fit/fit.h"
-#include "gyrobudget/report/result.h"
+#include "gyrobudget/estimation/fit/fit.h"
+#include "result.h"
 
 #include <array>
 #include <cstdint>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // The paper's rows for programs, and the data that paper.js draws.
 #include "gyrobudget/noise/units.h"
-#include "gyrobudget/report/page_parts.h"
-#include "gyrobudget/report/paper.h"
-#include "gyrobudget/report/words.h"
-#include "gyrobudget/version.h"
+#include "page_parts.h"
+#include "paper.h"
+#include "words.h"
+#include "gyrobudget/noise/version.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The paper's tables and figures for the terminal, and the words that the page has too.
-#include "gyrobudget/report/layout.h"
-#include "gyrobudget/report/paper.h"
-#include "gyrobudget/report/words.h"
+#include "layout.h"
+#include "paper.h"
+#include "words.h"
 
 #include <fmt/format.h>
 
@@ -73,7 +73,7 @@ std::string reason(const PaperRow& row) {
 
 std::string section_text(std::span<const PaperRow> rows, const Section& section) {
   using enum Align;
-  Table table({left, right, right, right, right, left});
+  TextTable table({left, right, right, right, right, left});
   const bool fits = rows.front().fitted.has_value(), reasons = section.prefix != "table2.";
   table.row({"", "published", "ours", "theory", fits ? "our fit, 95 %" : "", ""});
   for (const PaperRow& row : rows) table.row(cells(row));
@@ -103,7 +103,7 @@ std::string kilometres(const PaperHypothesis::Gyro& gyro) {
 std::string hypotheses_text(const PaperFlight& flight) {
   if (flight.hypotheses.empty()) return {};
   using enum Align;
-  Table table({left, right, right, right, right, right, right, left});
+  TextTable table({left, right, right, right, right, right, right, left});
   table.row({"", "ideal", "IFOG", "MEMS", "  it takes: ideal", "IFOG", "MEMS", ""});
   const auto& published = flight.published_km;
   table.row({"  published", number(published[0], 3), number(published[1], 3), number(published[2], 3), "", "",

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/report/plan.h"
+#include "plan.h"
 
 #include "gyrobudget/noise/sensor.h"
-#include "gyrobudget/version.h"
+#include "gyrobudget/noise/version.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/io/output.h"
+#include "gyrobudget/app/text/output.h"
 #include "gyrobudget/noise/units.h"
-#include "gyrobudget/report/curves.h"
-#include "gyrobudget/report/gnuplot.h"
-#include "gyrobudget/report/report.h"
-#include "gyrobudget/report/words.h"
+#include "curves.h"
+#include "gnuplot.h"
+#include "report.h"
+#include "words.h"
 
 #include <fmt/format.h>
 
@@ -151,7 +151,7 @@ std::string data_block(std::string_view name, std::size_t panel, const std::stri
 
 std::string point_rows(const Panel& panel) {
   std::string rows;
-  for (const DeviationPoint& p : thinned(panel.axis->points, kPlotPoints)) {
+  for (const allan::DeviationPoint& p : thinned(panel.axis->points, kPlotPoints)) {
     if (!(p.deviation > 0)) continue;  // a log scale has no zero
     // An interval that reaches zero runs out of the picture instead.
     const double lower = p.lower > 0 ? p.lower : panel.curves.deviation_low / 10;
@@ -309,7 +309,7 @@ void write_plot(const LogResult& result, const std::string& path) {
   const Format format = format_of(path);
   std::string picture = run_gnuplot(script_for(result, format));
   if (format == Format::pdf) forget_date(picture);
-  io::write_file(path, picture);
+  text::write_file(path, picture);
 }
 
 }  // namespace gyrobudget::inline v0::report

@@ -6,11 +6,12 @@
 #include "gyrobudget/allan/estimator.h"
 #include "gyrobudget/allan/lines.h"
 #include "gyrobudget/allan/outliers.h"
+#include "gyrobudget/allan/points.h"
 #include "gyrobudget/allan/steps.h"
-#include "gyrobudget/fit/combine.h"
-#include "gyrobudget/fit/fit.h"
-#include "gyrobudget/fit/selection.h"
-#include "gyrobudget/fit/whittle.h"
+#include "gyrobudget/estimation/fit/combine.h"
+#include "gyrobudget/estimation/fit/fit.h"
+#include "gyrobudget/estimation/fit/selection.h"
+#include "gyrobudget/estimation/fit/whittle.h"
 #include "gyrobudget/noise/sensor.h"
 
 #include <cstdint>
@@ -19,20 +20,6 @@
 #include <vector>
 
 namespace gyrobudget::inline v0::report {
-
-/// One averaging time of a measured curve. Deviations in SI units of the axis' signal; time deviations in those times s.
-struct DeviationPoint {
-  std::int64_t m = 1;       ///< averaging factor, samples
-  double tau_s = 0;         ///< averaging time: m / rate, for Theo1 0.75 m / rate
-  double deviation = 0;     ///< its bias divided out
-  double lower = 0;         ///< 95 %, chi-square with `edf`
-  double upper = 0;         ///< 95 %
-  double edf = 0;           ///< equivalent degrees of freedom
-  std::int64_t terms = 0;   ///< overlapping differences averaged
-  int alpha = 0;            ///< power law S ~ f^alpha identified at this tau
-  std::int64_t stride = 1;  ///< samples from one term to the next
-  double bias = 1;          ///< expectation of the estimator's variance over the one it is named for
-};
 
 /// What an axis holds beside noise. Indices count samples of the whole record.
 struct Findings {
@@ -85,7 +72,7 @@ struct AxisResult {
   noise::Signal signal = noise::Signal::angular_rate;  ///< decides units and names
   allan::Estimator estimator = allan::Estimator::oadev;
   double mean = 0;                            ///< of the signal, SI
-  std::vector<DeviationPoint> points;         ///< ascending m; NaN deviations (no terms left) are not in it
+  std::vector<allan::DeviationPoint> points;         ///< ascending m; NaN deviations (no terms left) are not in it
   std::optional<fit::Result> fit;             ///< calibrate only
   std::optional<Chosen> chosen;               ///< where the terms were left to the record
   std::optional<CrossChecked> cross_checked;  ///< where asked for

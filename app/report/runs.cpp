@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // Several records of one sensor type as text, and side by side.
 #include "gyrobudget/noise/units.h"
-#include "gyrobudget/report/layout.h"
-#include "gyrobudget/report/report.h"
-#include "gyrobudget/report/words.h"
+#include "layout.h"
+#include "report.h"
+#include "words.h"
 
 #include <fmt/format.h>
 
@@ -19,7 +19,7 @@ using noise::Term;
 std::string table_of_runs(const RunsResult& result, std::size_t axis) {
   constexpr std::array kTerms{Term::white, Term::flicker, Term::rate_random_walk};
   const noise::Signal signal = result.combined[axis].signal;
-  Table table({Align::left, Align::right, Align::right, Align::right, Align::right, Align::left});
+  TextTable table({Align::left, Align::right, Align::right, Align::right, Align::right, Align::left});
   std::vector<std::string> head{"", fmt::format("mean [{}]", noise::datasheet_unit(signal))};
   for (const Term t : kTerms)
     head.push_back(fmt::format("{} [{}]", static_cast<char>(t), noise::datasheet_unit(signal, t)));
@@ -38,7 +38,7 @@ std::string table_of_runs(const RunsResult& result, std::size_t axis) {
 
 std::string combined_table(const CombinedAxis& axis) {
   if (axis.coefficients.empty()) return "  No record can be quoted, so there is nothing to combine.\n";
-  Table table({Align::left, Align::left, Align::right, Align::right, Align::right, Align::right, Align::left,
+  TextTable table({Align::left, Align::left, Align::right, Align::right, Align::right, Align::right, Align::left,
                Align::left});
   table.row({"", "together", "value", "95 % interval", "spread", "95 % of another", "unit", "records"});
   for (const Term term : reading_order()) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/noise/units.h"
-#include "gyrobudget/report/layout.h"
-#include "gyrobudget/report/report.h"
-#include "gyrobudget/report/words.h"
+#include "layout.h"
+#include "report.h"
+#include "words.h"
 
 #include <fmt/format.h>
 
@@ -40,13 +40,13 @@ std::string curve_table(const AxisResult& axis) {
   const auto unit = deviation_unit(axis);
   const auto in_unit = [&](double si) { return number(noise::from_si(si, unit)); };
   const bool strided = std::ranges::any_of(axis.points, [](const auto& p) { return p.stride > 1; });
-  Table table(std::vector<Align>(strided ? 7 : 6, Align::right));
+  TextTable table(std::vector<Align>(strided ? 7 : 6, Align::right));
   const auto row = [&](std::vector<std::string> cells, std::string stride) {
     if (strided) cells.push_back(std::move(stride));
     table.row(std::move(cells));
   };
   row({"tau [s]", fmt::format("deviation [{}]", unit), "95 % from", "to", "edf", "terms"}, "stride");
-  for (const DeviationPoint& p : axis.points) {
+  for (const allan::DeviationPoint& p : axis.points) {
     row({fmt::format("{:.6g}", p.tau_s), in_unit(p.deviation), in_unit(p.lower), in_unit(p.upper),
          fmt::format("{:.1f}", p.edf), fmt::format("{}", p.terms)},
         fmt::format("{}", p.stride));
@@ -60,7 +60,7 @@ bool is_fitted(const fit::Result& fit, Term term) {
 }
 
 std::string coefficient_table(const AxisResult& axis, const fit::Result& fit) {
-  Table table({Align::left, Align::left, Align::right, Align::right, Align::left, Align::left});
+  TextTable table({Align::left, Align::left, Align::right, Align::right, Align::left, Align::left});
   table.row({"", "", "value ± std", "95 % interval", "unit", "status"});
   for (const Term term : reading_order()) {
     if (!is_fitted(fit, term)) continue;
@@ -119,7 +119,7 @@ std::string axis_sheet(const AxisResult& axis, double rate_hz) {
 /// The coefficients of all axes of one kind beside each other.
 std::string summary_of(const LogResult& result, Signal signal) {
   const std::vector<Term> terms = {Term::white, Term::flicker, Term::rate_random_walk};
-  Table table({Align::left, Align::right, Align::right, Align::right, Align::left});
+  TextTable table({Align::left, Align::right, Align::right, Align::right, Align::left});
   std::vector<std::string> head = {""};
   for (const Term term : terms) {
     head.push_back(fmt::format("{} [{}]", static_cast<char>(term), noise::datasheet_unit(signal, term)));

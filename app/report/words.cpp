@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/report/words.h"
+#include "words.h"
 
 #include "gyrobudget/noise/units.h"
-#include "gyrobudget/report/curves.h"
+#include "curves.h"
 
 #include <fmt/format.h>
 

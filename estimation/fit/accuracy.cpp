@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/fit/accuracy.h"
+#include "accuracy.h"
 
 #include "gyrobudget/allan/factors.h"
-#include "gyrobudget/fit/detail/judge.h"
-#include "gyrobudget/fit/information.h"
+#include "gyrobudget/estimation/fit/detail/judge.h"
+#include "information.h"
 #include "gyrobudget/noise/generate.h"
 
 #include <fmt/format.h>
@@ -76,7 +76,7 @@ class Study {
     const auto rate = generator_({options_.seed, index});
     const auto curve = allan::overlapped_variance(rate, options_.dt, factors_);
     one.seconds = seconds_since(start);
-    Record record{.rate = rate, .dt = options_.dt, .curve = &curve};
+    Data record{.rate = rate, .dt = options_.dt, .curve = &curve};
     if (covariance_) record.covariance = &*covariance_;
     for (const Method method : options_.methods) {
       Options fit_options = options_.fit;

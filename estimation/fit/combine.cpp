@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/fit/combine.h"
+#include "combine.h"
 
-#include "gyrobudget/fit/detail/judge.h"
+#include "gyrobudget/estimation/fit/detail/judge.h"
 
 #include <boost/math/distributions/students_t.hpp>
 

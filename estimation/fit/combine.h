@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/fit/fit.h"
+#include "fit.h"
 
 #include <cstddef>
 #include <span>

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/fit/fit.h"
+#include "fit.h"
 
 #include "gyrobudget/allan/factors.h"
-#include "gyrobudget/fit/detail/gls.h"
-#include "gyrobudget/fit/detail/judge.h"
-#include "gyrobudget/fit/detail/refine.h"
-#include "gyrobudget/fit/detail/weighted.h"
-#include "gyrobudget/fit/visual.h"
-#include "gyrobudget/fit/whittle.h"
+#include "gyrobudget/estimation/fit/detail/gls.h"
+#include "gyrobudget/estimation/fit/detail/judge.h"
+#include "gyrobudget/estimation/fit/detail/refine.h"
+#include "gyrobudget/estimation/fit/detail/weighted.h"
+#include "visual.h"
+#include "whittle.h"
 
 #include <fmt/format.h>
 
@@ -98,7 +98,7 @@ Prepared prepare(const allan::Curve& curve, const allan::CurveCovariance& covari
 }
 
 // The rows [first, end) and columns of a prepared curve as a linear model.
-struct Run {
+struct TestedFit {
   Eigen::Index first = 0;
   std::vector<Term> terms;
   LinearModel model;
@@ -121,7 +121,7 @@ LinearModel linear_model(const Prepared& p, Eigen::Index first, std::span<const 
 }
 
 // Goodness of fit over the rows of the run with n/m >= 16.
-void test_fit(const Prepared& p, Run& run) {
+void test_fit(const Prepared& p, TestedFit& run) {
   const Eigen::Index count = p.tested_until() - run.first;
   run.dof = static_cast<int>(count - (run.solution.theta.array() > 0).count());
   if (run.dof < 1 || run.solution.S.size() == 0) return;
@@ -132,7 +132,7 @@ void test_fit(const Prepared& p, Run& run) {
   run.p_value = chi_square_tail(run.chi2, run.dof);
 }
 
-void solve(Run& run, Method method) {
+void solve(TestedFit& run, Method method) {
   if (method == Method::gls) {
     run.solution = iterate_gls(run.model);
     return;
@@ -143,8 +143,8 @@ void solve(Run& run, Method method) {
   run.covariance = std::move(weighted.covariance);
 }
 
-Run fit_from(const Prepared& p, Eigen::Index first, bool drop_quantization, Method method = Method::gls) {
-  Run run;
+TestedFit fit_from(const Prepared& p, Eigen::Index first, bool drop_quantization, Method method = Method::gls) {
+  TestedFit run;
   run.first = first;
   std::vector<std::size_t> columns;
   for (std::size_t j = 0; j < p.terms.size(); ++j) {
@@ -160,7 +160,7 @@ Run fit_from(const Prepared& p, Eigen::Index first, bool drop_quantization, Meth
 }
 
 // The first tau asked for.
-Run run_from_tau(const Prepared& p, double tau_min_s, Method method) {
+TestedFit run_from_tau(const Prepared& p, double tau_min_s, Method method) {
   const auto first = std::partition_point(
       p.m.begin(), p.m.end(), [&](auto m) { return static_cast<double>(m) * p.dt < tau_min_s * (1 - 1e-9); });
   if (p.m.end() - first <= static_cast<std::ptrdiff_t>(p.terms.size())) {
@@ -173,15 +173,15 @@ Run run_from_tau(const Prepared& p, double tau_min_s, Method method) {
 // The runs that the model describes, longest first: the p-value reaches the limit and the first tau belongs, that is,
 // fitting without that tau does not lower chi-square by more than chance. Quantization is strongest at the first tau:
 // a run that must cut that tau cannot hold it.
-std::vector<Run> described_runs(const Prepared& p, const Options& options) {
+std::vector<TestedFit> described_runs(const Prepared& p, const Options& options) {
   const Eigen::Index tested = p.tested_until();
   const auto fewest = static_cast<Eigen::Index>(p.terms.size()) + kSparePoints;
-  std::vector<Run> runs;
+  std::vector<TestedFit> runs;
   for (Eigen::Index first = 1; first <= tested / 2 + 1 && tested - first >= fewest; ++first) {
     runs.push_back(fit_from(p, first, true));
     if (runs.back().terms.empty()) return {};
   }
-  std::vector<Run> described;
+  std::vector<TestedFit> described;
   for (std::size_t i = 0; i < runs.size() && runs[i].first <= tested / 2; ++i) {
     const bool belongs = i + 1 == runs.size() || runs[i].chi2 - runs[i + 1].chi2 < kFirstTauCut;
     if (belongs && runs[i].p_value >= options.p_value_limit) described.push_back(runs[i]);
@@ -189,15 +189,15 @@ std::vector<Run> described_runs(const Prepared& p, const Options& options) {
   return described;
 }
 
-Run choose_run(const Prepared& p, const Options& options) {
+TestedFit choose_run(const Prepared& p, const Options& options) {
   if (options.tau_min_s) return run_from_tau(p, *options.tau_min_s, options.method);
-  Run whole = fit_from(p, 0, false, options.method);
+  TestedFit whole = fit_from(p, 0, false, options.method);
   if (whole.p_value >= kCutBelow || options.method != Method::gls) return whole;
   const auto described = described_runs(p, options);
   return described.empty() ? whole : described.front();
 }
 
-Eigen::VectorXd standard_deviations(const Run& run) {
+Eigen::VectorXd standard_deviations(const TestedFit& run) {
   if (run.covariance.size() > 0) return run.covariance.diagonal().cwiseSqrt();
   const Eigen::LLT<Eigen::MatrixXd> factor(run.solution.S);
   const Eigen::MatrixXd WA = factor.matrixL().solve(run.model.A);
@@ -217,7 +217,7 @@ std::vector<Eigen::Index> above_zero(const Eigen::VectorXd& theta) {
 }
 
 // Ceres' step over the coefficients above zero; updates the solution and its test, and fills the result's covariance.
-void refine_run(const Prepared& p, Run& run, Result& result) {
+void refine_run(const Prepared& p, TestedFit& run, Result& result) {
   const auto free = above_zero(run.solution.theta);
   const Eigen::MatrixXd A = run.model.A(Eigen::all, free);
   const WhitenedResidual residual(A, run.model.s, run.solution.S);
@@ -230,14 +230,14 @@ void refine_run(const Prepared& p, Run& run, Result& result) {
 }
 
 // Covariance of the coefficients c from that of theta = c^2.
-void spread_covariance(const Prepared& p, const Run& run, Result& result) {
+void spread_covariance(const Prepared& p, const TestedFit& run, Result& result) {
   const auto free = above_zero(run.solution.theta);
   const Eigen::VectorXd slope = 0.5 * run.solution.theta(free).cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd of_theta = run.covariance(free, free);
   result.covariance(free, free) = slope.asDiagonal() * of_theta * slope.asDiagonal() * p.scale;
 }
 
-void finish(const Prepared& p, Run& run, Result& result) {
+void finish(const Prepared& p, TestedFit& run, Result& result) {
   const Eigen::Index size = run.solution.theta.size();
   result.covariance = Eigen::MatrixXd::Constant(size, size, kNaN);
   result.iterations = run.solution.iterations;
@@ -251,21 +251,21 @@ void finish(const Prepared& p, Run& run, Result& result) {
 }
 
 // Zero, and even its limit adds less than 1 % to the deviation anywhere.
-bool negligible(const Run& run, Eigen::Index j, double upper_theta) {
+bool negligible(const TestedFit& run, Eigen::Index j, double upper_theta) {
   if (run.solution.theta(j) > 0) return false;
   const Eigen::ArrayXd model = run.model.A * run.solution.theta;
   const Eigen::ArrayXd added = run.model.A.col(j).array() * upper_theta;
   return ((1 + added / model.max(1e-300)).sqrt() - 1 < kNegligible).all();
 }
 
-HeldTest held_test(const Run& run, Eigen::Index j, double deviation) {
+HeldTest held_test(const TestedFit& run, Eigen::Index j, double deviation) {
   if (run.covariance.size() == 0)
     return [&run, j](double v) { return profile_test(run.model, {j, v}, run.solution.theta); };
   const double theta = run.solution.theta(j);
   return [=](double v) { return std::pow((v - theta) / deviation, 2); };
 }
 
-void add_coefficients(Result& result, const Run& run, double scale, const Options& options) {
+void add_coefficients(Result& result, const TestedFit& run, double scale, const Options& options) {
   const Cuts cuts = cuts_of(run.p_value, run.chi2, run.dof, options);
   const bool settled = run.solution.converged;
   const Eigen::VectorXd deviation = settled ? standard_deviations(run) : Eigen::VectorXd();
@@ -293,7 +293,7 @@ void add_coefficients(Result& result, const Run& run, double scale, const Option
 }
 
 // Every tau of the curve beside the model, the cut ones too.
-void add_residuals(Result& result, const Prepared& p, const Run& run, const allan::Curve& curve) {
+void add_residuals(Result& result, const Prepared& p, const TestedFit& run, const allan::Curve& curve) {
   std::vector<std::size_t> columns;
   for (const Term t : run.terms) {
     columns.push_back(
@@ -317,7 +317,7 @@ void add_residuals(Result& result, const Prepared& p, const Run& run, const alla
   }
 }
 
-void judge_fit(Result& result, const Prepared& p, const Run& run, const Options& options) {
+void judge_fit(Result& result, const Prepared& p, const TestedFit& run, const Options& options) {
   result.chi2 = run.chi2;
   result.dof = run.dof;
   result.p_value = run.p_value;
@@ -329,9 +329,9 @@ void judge_fit(Result& result, const Prepared& p, const Run& run, const Options&
   result.verdict = verdict_of(result, options);
 }
 
-void add_moves(Result& result, const Prepared& p, const Run& run) {
+void add_moves(Result& result, const Prepared& p, const TestedFit& run) {
   if (run.first == 0) return;
-  const Run whole = fit_from(p, 0, false);
+  const TestedFit whole = fit_from(p, 0, false);
   for (std::size_t j = 0; j < whole.terms.size(); ++j) {
     const double from = std::sqrt(whole.solution.theta(static_cast<Eigen::Index>(j)) * p.scale);
     const Coefficient& now = result[whole.terms[j]];
@@ -425,7 +425,7 @@ Result fit(const allan::Curve& curve, const allan::CurveCovariance& covariance, 
   if (options.method == Method::visual) return read_visually(curve, options);
   if (options.method == Method::slope) return read_slopes(curve, options);
 
-  Run run = choose_run(p, options);
+  TestedFit run = choose_run(p, options);
   Result result;
   result.method = options.method;
   result.fitted_terms = run.terms;
@@ -461,10 +461,10 @@ int extreme_exponent(std::span<const double> rate) {
   return extreme ? std::ilogb(range) : 0;
 }
 
-Result fit_scaled(const Record& record, const Options& options, int exponent) {
+Result fit_scaled(const Data& record, const Options& options, int exponent) {
   std::vector<double> scaled(record.rate.begin(), record.rate.end());
   for (double& y : scaled) y = std::ldexp(y, -exponent);
-  Result result = fit(Record{.rate = scaled, .dt = record.dt, .covariance = record.covariance}, options);
+  Result result = fit(Data{.rate = scaled, .dt = record.dt, .covariance = record.covariance}, options);
   rescale(result, std::ldexp(1.0, exponent));
   return result;
 }
@@ -476,7 +476,7 @@ bool is_open(Term t, const Options& options) {
 
 // The likelihood's correlation time and frequency, where the options leave them open; a term for which it has none
 // cannot be fitted to the curve either, and leaves the options.
-std::vector<Coefficient> take_shapes(const Record& record, Options& options) {
+std::vector<Coefficient> take_shapes(const Data& record, Options& options) {
   std::vector<Coefficient> shaped;
   if (std::none_of(options.terms.begin(), options.terms.end(), [&](Term t) { return is_open(t, options); }))
     return shaped;
@@ -513,7 +513,7 @@ void give_shapes(Result& result, const std::vector<Coefficient>& shaped) {
 
 }  // namespace
 
-Result fit(const Record& record, const Options& asked) {
+Result fit(const Data& record, const Options& asked) {
   if (record.rate.empty() && !record.curve) throw std::invalid_argument("a fit needs samples or their curve");
   if (const int exponent = record.curve ? 0 : extreme_exponent(record.rate))
     return fit_scaled(record, asked, exponent);

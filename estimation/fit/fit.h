@@ -152,7 +152,7 @@ struct Result {
 };
 
 /// What a method may need of one axis.
-struct Record {
+struct Data {
   std::span<const double>
       rate;       ///< samples [signal], NaN where missing; needed by `whittle` and where curve is null
   double dt = 1;  ///< sample interval [s]
@@ -168,7 +168,7 @@ struct Record {
 /// of gaps) the term is not fitted. `slope` and `visual` read N, B and K whatever the terms.
 /// @throws std::invalid_argument for what the overloads below and fit_likelihood refuse, and for a record that has
 /// neither samples nor curve, or no samples where the method needs them.
-[[nodiscard]] Result fit(const Record&, const Options& = {});
+[[nodiscard]] Result fit(const Data&, const Options& = {});
 
 /// Fits noise coefficients to an Allan variance curve.
 ///

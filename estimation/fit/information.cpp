@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/fit/information.h"
+#include "information.h"
 
 #include <boost/math/quadrature/gauss.hpp>
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/fit/requirement.h"
+#include "requirement.h"
 
 #include "gyrobudget/noise/sensor.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/fit/accuracy.h"
+#include "accuracy.h"
 
 #include <optional>
 #include <string>

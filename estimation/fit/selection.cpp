@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/fit/selection.h"
+#include "selection.h"
 
-#include "gyrobudget/fit/detail/judge.h"
-#include "gyrobudget/fit/detail/likelihood.h"
-#include "gyrobudget/fit/detail/line.h"
-#include "gyrobudget/fit/detail/transformed.h"
+#include "gyrobudget/estimation/fit/detail/judge.h"
+#include "gyrobudget/estimation/fit/detail/likelihood.h"
+#include "gyrobudget/estimation/fit/detail/sine.h"
+#include "gyrobudget/estimation/fit/detail/transformed.h"
 #include "gyrobudget/noise/normal.h"
 
 #include <boost/math/distributions/chi_squared.hpp>
@@ -196,7 +196,7 @@ class Search {
     for (const Term t : candidates) {
       Candidate c{.term = t};
       if (t == Term::sinusoid) {
-        c.gain = find_line(*null_model.likelihood, null_model.point, t_.coefficients, {}).test;
+        c.gain = find_sine(*null_model.likelihood, null_model.point, t_.coefficients, {}).test;
         c.cut = 2 * std::log(static_cast<double>(last_) / share);
       } else {
         families.emplace_back(bins_, with(terms, t), time_);
@@ -276,9 +276,9 @@ class Search {
          ++round) {  // a strong line raises the spectrum that it is first seen against
       const Family family(bins_, terms, time_);
       const auto model = family.best();
-      const Line line = find_line(*model.likelihood, model.point, t_.coefficients, {});
+      const Sine line = find_sine(*model.likelihood, model.point, t_.coefficients, {});
       frequency_ = line.w / (2 * std::numbers::pi * t_.dt);
-      bins_ = SineBins(without_line(t_, line), t_.used.count, t_.dt, last_);
+      bins_ = SineBins(without_sine(t_, line), t_.used.count, t_.dt, last_);
       bins_.reference = reference;
     }
   }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/fit/visual.h"
+#include "visual.h"
 
 #include "gyrobudget/allan/confidence.h"
-#include "gyrobudget/fit/detail/judge.h"
+#include "gyrobudget/estimation/fit/detail/judge.h"
 
 #include <algorithm>
 #include <array>

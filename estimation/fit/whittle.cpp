@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/fit/whittle.h"
+#include "whittle.h"
 
-#include "gyrobudget/fit/detail/judge.h"
-#include "gyrobudget/fit/detail/likelihood.h"
-#include "gyrobudget/fit/detail/line.h"
-#include "gyrobudget/fit/detail/transformed.h"
+#include "gyrobudget/estimation/fit/detail/judge.h"
+#include "gyrobudget/estimation/fit/detail/likelihood.h"
+#include "gyrobudget/estimation/fit/detail/sine.h"
+#include "gyrobudget/estimation/fit/detail/transformed.h"
 
 #include <boost/math/special_functions/erf.hpp>
 #include <boost/math/special_functions/gamma.hpp>
@@ -67,7 +67,7 @@ struct Fitted {
   std::int64_t last = 0;
   std::optional<SineLikelihood> likelihood;
   SineLikelihood::Point point;
-  Line line;
+  Sine line;
   double time_lower = 0, time_upper = 0;  // of the correlation time
   double chi2 = 0, p_value = 0;
   int dof = 0;
@@ -222,12 +222,12 @@ Fitted fit_band(const Transformed& t, const Band& band, const Options& options, 
     const std::optional<double> w = angle(options.frequency_hz), near = angle(options.near_frequency_hz);
     constexpr int kRounds = 2;  // a strong line raises the spectrum that it is first seen against
     for (int i = 0; i < kRounds; ++i) {
-      f.line = find_line(*f.likelihood, f.point, t.coefficients, w, near);
-      SineBins rest = bins_of(t, without_line(t, f.line), band.first, band.last);
+      f.line = find_sine(*f.likelihood, f.point, t.coefficients, w, near);
+      SineBins rest = bins_of(t, without_sine(t, f.line), band.first, band.last);
       rest.reference = all.reference;
       maximise(f, rest, options);
     }
-    f.line = find_line(*f.likelihood, f.point, t.coefficients, f.line.w);
+    f.line = find_sine(*f.likelihood, f.point, t.coefficients, f.line.w);
   }
   test_fit(f);
   return f;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "aiding.h"
 
-#include "gyrobudget/earth/attitude.h"
+#include "gyrobudget/vehicle/earth/attitude.h"
 
 #include <fmt/format.h>
 

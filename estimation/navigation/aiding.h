@@ -3,9 +3,9 @@
 // residual = H x + v. Sources: Groves (2013), sections 14.3 (GNSS, with lever arm) and 15 (zero velocity).
 #pragma once
 
-#include "gyrobudget/earth/ellipsoid.h"
-#include "gyrobudget/navigation/covariance.h"
-#include "gyrobudget/navigation/strapdown.h"
+#include "gyrobudget/vehicle/earth/ellipsoid.h"
+#include "covariance.h"
+#include "strapdown.h"
 
 #include <Eigen/Geometry>
 

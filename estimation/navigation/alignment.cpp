@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/navigation/alignment.h"
+#include "alignment.h"
 
-#include "gyrobudget/navigation/detail/gauss_markov.h"
-#include "gyrobudget/navigation/sensor_states.h"
+#include "gyrobudget/estimation/navigation/detail/gauss_markov.h"
+#include "sensor_states.h"
 
 #include <fmt/core.h>
 

@@ -4,8 +4,8 @@
 // section 5.6; Britting, Inertial Navigation Systems Analysis (1971), section 9.2.
 #pragma once
 
-#include "gyrobudget/earth/ellipsoid.h"
-#include "gyrobudget/earth/trajectory.h"
+#include "gyrobudget/vehicle/earth/ellipsoid.h"
+#include "gyrobudget/vehicle/earth/trajectory.h"
 #include "gyrobudget/noise/sensor.h"
 
 #include <optional>

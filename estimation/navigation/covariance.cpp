@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "covariance.h"
 
-#include "gyrobudget/navigation/detail/covariance_kernel.h"
+#include "gyrobudget/estimation/navigation/detail/covariance_kernel.h"
 
 #include <fmt/format.h>
 
@@ -301,6 +301,14 @@ double Covariance::variance(int i) const {
   double sum = p_(i, i);
   for (int j = i + 1; j < size_; ++j) sum += p_(i, j) * p_(i, j) * p_(j, j);
   return sum;
+}
+
+LocalSigmas local_sigmas(const CoreMatrix& covariance_e, const Eigen::Matrix3d& C_el) {
+  const auto sigmas = [&](int row) -> Eigen::Vector3d {
+    const Eigen::Matrix3d local = C_el.transpose() * covariance_e.block<3, 3>(row, row) * C_el;
+    return local.diagonal().cwiseMax(0).cwiseSqrt();
+  };
+  return {sigmas(kPosition), sigmas(kVelocity), sigmas(kAttitude)};
 }
 
 }  // namespace gyrobudget::inline v0::navigation

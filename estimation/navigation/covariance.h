@@ -26,7 +26,7 @@
 // & Joseph (1968).
 #pragma once
 
-#include "gyrobudget/navigation/error_state.h"
+#include "error_state.h"
 
 #include <span>
 
@@ -95,5 +95,14 @@ class Covariance {
   int size_;
   StateMatrix p_;  ///< P, or U with D on its diagonal; rows filled up with zeros to whole lanes
 };
+
+/// One sigma along each axis of a local frame: roots of the diagonal of C_el^T P C_el, block by block, P a covariance
+/// of position, velocity and attitude in axes of e and C_el the frame's axes as columns.
+struct LocalSigmas {
+  Eigen::Vector3d position;  ///< [m]
+  Eigen::Vector3d velocity;  ///< [m/s]
+  Eigen::Vector3d attitude;  ///< rotation vector [rad]
+};
+[[nodiscard]] LocalSigmas local_sigmas(const CoreMatrix& covariance_e, const Eigen::Matrix3d& C_el);
 
 }  // namespace gyrobudget::inline v0::navigation

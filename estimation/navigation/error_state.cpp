@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "error_state.h"
 
-#include "gyrobudget/earth/attitude.h"
-#include "gyrobudget/earth/ellipsoid.h"
-#include "gyrobudget/earth/gravity.h"
-#include "gyrobudget/navigation/detail/gauss_markov.h"
+#include "gyrobudget/vehicle/earth/attitude.h"
+#include "gyrobudget/vehicle/earth/ellipsoid.h"
+#include "gyrobudget/vehicle/earth/gravity.h"
+#include "gyrobudget/estimation/navigation/detail/gauss_markov.h"
 
 #include <fmt/format.h>
 

@@ -11,7 +11,7 @@
 // where dw = w_ib_b - w^_ib_b and df alike come from the sensor states, and G is the gradient of gravity.
 #pragma once
 
-#include "gyrobudget/earth/trajectory.h"
+#include "gyrobudget/vehicle/earth/trajectory.h"
 
 #include <array>
 #include <limits>

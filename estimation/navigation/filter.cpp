@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "filter.h"
 
-#include "gyrobudget/earth/attitude.h"
-#include "gyrobudget/earth/ellipsoid.h"
-#include "gyrobudget/earth/gravity.h"
+#include "gyrobudget/vehicle/earth/attitude.h"
+#include "gyrobudget/vehicle/earth/ellipsoid.h"
+#include "gyrobudget/vehicle/earth/gravity.h"
 
 #include <boost/math/distributions/chi_squared.hpp>
 #include <fmt/format.h>
@@ -189,7 +189,7 @@ Innovation Filter::update(const Measurement& measurement) {
   return innovation;
 }
 
-void Filter::record(Record* record) {
+void Filter::record(FilterHistory* record) {
   if (record != nullptr && record->states() != covariance_.size())
     throw std::invalid_argument(
         fmt::format("record of {} states for a filter of {}", record->states(), covariance_.size()));

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/navigation/aiding.h"
-#include "gyrobudget/navigation/covariance.h"
-#include "gyrobudget/navigation/error_state.h"
-#include "gyrobudget/navigation/smoother.h"
-#include "gyrobudget/navigation/strapdown.h"
+#include "aiding.h"
+#include "covariance.h"
+#include "error_state.h"
+#include "smoother.h"
+#include "strapdown.h"
 
 #include <array>
 
@@ -75,7 +75,7 @@ class Filter {
   /// and a copy of the filter tells the same record until it is given its own. Recording allocates.
   /// @throws std::invalid_argument for a record of other size, and for a model with considered states: their
   /// gains are not optimal, which smoothing supposes.
-  void record(Record* record);
+  void record(FilterHistory* record);
   /// Keeps the present as an epoch of the record. @throws std::logic_error without one.
   void keep_epoch();
 
@@ -107,7 +107,7 @@ class Filter {
   bool scaled_ = false;           ///< some term multiplies the signal
   std::array<double, 4> gate_{};  ///< limit of NIS by number of rows
   Pending pending_;
-  Record* record_ = nullptr;
+  FilterHistory* record_ = nullptr;
   Eigen::Vector3d w_eb_b_ = Eigen::Vector3d::Zero();
   double time_ = 0;
 };

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "flicker_states.h"
 
-#include "gyrobudget/navigation/detail/gauss_markov.h"
+#include "gyrobudget/estimation/navigation/detail/gauss_markov.h"
 
 #include <fmt/format.h>
 

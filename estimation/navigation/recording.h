@@ -2,7 +2,7 @@
 // What was recorded: IMU samples and fixes of aids, with their stamps.
 #pragma once
 
-#include "gyrobudget/earth/trajectory.h"
+#include "gyrobudget/vehicle/earth/trajectory.h"
 
 #include <cstdint>
 #include <span>

@@ -3,10 +3,10 @@
 // start of the trajectory.
 #pragma once
 
-#include "gyrobudget/earth/attitude.h"
-#include "gyrobudget/earth/ellipsoid.h"
-#include "gyrobudget/navigation/filter.h"
-#include "gyrobudget/navigation/sensor_states.h"
+#include "gyrobudget/vehicle/earth/attitude.h"
+#include "gyrobudget/vehicle/earth/ellipsoid.h"
+#include "filter.h"
+#include "sensor_states.h"
 #include "gyrobudget/noise/sensor.h"
 
 #include <limits>

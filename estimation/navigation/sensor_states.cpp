@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "sensor_states.h"
 
-#include "gyrobudget/navigation/detail/gauss_markov.h"
-#include "gyrobudget/navigation/flicker_states.h"
+#include "gyrobudget/estimation/navigation/detail/gauss_markov.h"
+#include "flicker_states.h"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/navigation/error_state.h"
+#include "error_state.h"
 #include "gyrobudget/noise/sensor.h"
 
 #include <optional>

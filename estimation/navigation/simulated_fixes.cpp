@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "simulated_fixes.h"
 
-#include "gyrobudget/earth/attitude.h"
-#include "gyrobudget/earth/ellipsoid.h"
-#include "gyrobudget/earth/frames.h"
+#include "gyrobudget/vehicle/earth/attitude.h"
+#include "gyrobudget/vehicle/earth/ellipsoid.h"
+#include "gyrobudget/vehicle/earth/frames.h"
 #include "gyrobudget/noise/normal.h"
 
 #include <algorithm>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/earth/trajectory.h"
-#include "gyrobudget/navigation/recording.h"
-#include "gyrobudget/navigation/scenario.h"
+#include "gyrobudget/vehicle/earth/trajectory.h"
+#include "recording.h"
+#include "scenario.h"
 
 #include <cstdint>
 #include <vector>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "smoother.h"
 
-#include "gyrobudget/earth/attitude.h"
+#include "gyrobudget/vehicle/earth/attitude.h"
 
 #include <fmt/format.h>
 
@@ -51,18 +51,18 @@ struct Adjoint {
 
 }  // namespace
 
-Record::Record(int states) : states_(states) {
+FilterHistory::FilterHistory(int states) : states_(states) {
   if (states < kCoreStates || states > kMaxStates)
     throw std::invalid_argument(
         fmt::format("record of {} states, expected {} to {}", states, kCoreStates, kMaxStates));
 }
 
-void Record::check(Eigen::Index states) const {
+void FilterHistory::check(Eigen::Index states) const {
   if (states != states_)
     throw std::invalid_argument(fmt::format("record of {} states is given {}", states_, states));
 }
 
-void Record::moved(const Transition& step) {
+void FilterHistory::moved(const Transition& step) {
   check(step.size);
   const int terms = states_ - kCoreStates;
   if (!moving_) {
@@ -80,7 +80,7 @@ void Record::moved(const Transition& step) {
   }
 }
 
-void Record::close_stretch() {
+void FilterHistory::close_stretch() {
   if (!moving_) return;
   moving_ = false;
   entries_.push_back({Kind::stretch, numbers_.size()});
@@ -89,7 +89,7 @@ void Record::close_stretch() {
   append(numbers_, decay_.data(), decay_.size());
 }
 
-void Record::updated(const MeasurementRow& row, double innovation_variance, double residual,
+void FilterHistory::updated(const MeasurementRow& row, double innovation_variance, double residual,
                      const StateVector& gain) {
   check(row.h.size());
   check(gain.size());
@@ -101,7 +101,7 @@ void Record::updated(const MeasurementRow& row, double innovation_variance, doub
   numbers_.push_back(residual);
 }
 
-void Record::keep(double time, const NavigationState& state, const StateVector& terms, const StateMatrix& P) {
+void FilterHistory::keep(double time, const NavigationState& state, const StateVector& terms, const StateMatrix& P) {
   check(P.rows());
   check(P.cols());
   check(terms.size() + kCoreStates);
@@ -111,27 +111,27 @@ void Record::keep(double time, const NavigationState& state, const StateVector& 
   epochs_.push_back({time, state, std::vector<double>(terms.data(), terms.data() + terms.size())});
 }
 
-std::size_t Record::bytes() const {
+std::size_t FilterHistory::bytes() const {
   return numbers_.capacity() * sizeof(double) + entries_.capacity() * sizeof(Entry) +
          epochs_.capacity() *
              (sizeof(Epoch) + static_cast<std::size_t>(states_ - kCoreStates) * sizeof(double));
 }
 
-std::vector<SmoothedEpoch> smooth(const Record& record) {
+std::vector<SmoothedEpoch> smooth(const FilterHistory& record) {
   const int n = record.states();
   Adjoint adjoint(n);
   std::vector<SmoothedEpoch> result(record.epochs());
   for (auto entry = record.entries_.rbegin(); entry != record.entries_.rend(); ++entry) {
     const double* numbers = record.numbers_.data() + entry->at;
-    if (entry->kind == Record::Kind::row) {
+    if (entry->kind == FilterHistory::Kind::row) {
       adjoint.back_over_row(numbers);
       continue;
     }
-    if (entry->kind == Record::Kind::stretch) {
+    if (entry->kind == FilterHistory::Kind::stretch) {
       adjoint.back_over_stretch(numbers);
       continue;
     }
-    const Record::Epoch& kept = record.epochs_[entry->index];
+    const FilterHistory::Epoch& kept = record.epochs_[entry->index];
     const ConstMatrix P(numbers, n, n);
     SmoothedEpoch& epoch = result[entry->index];
     const StateVector x = -(P * adjoint.l);

@@ -10,8 +10,8 @@
 // the residuals are the same numbers, so l corrects the estimate that the filter held at that epoch.
 #pragma once
 
-#include "gyrobudget/navigation/covariance.h"
-#include "gyrobudget/navigation/strapdown.h"
+#include "covariance.h"
+#include "strapdown.h"
 
 #include <cstddef>
 #include <vector>
@@ -25,10 +25,10 @@ struct SmoothedEpoch;
 ///   81 + 10 n a stretch between them, 2 (9 + n) + 2 a row, (9 + n)^2 + n an epoch, n the terms.
 /// An hour of 21 states with a fix of three rows and an epoch a second: 24 MB, and what the vectors hold in
 /// reserve.
-class Record {
+class FilterHistory {
  public:
   /// @param states of the filter. @throws std::invalid_argument below 9 or above kMaxStates.
-  explicit Record(int states);
+  explicit FilterHistory(int states);
 
   // Called by the filter. Sizes must be those of the record: std::invalid_argument.
   void moved(const Transition&);
@@ -41,7 +41,7 @@ class Record {
   [[nodiscard]] std::size_t bytes() const;
 
  private:
-  friend std::vector<SmoothedEpoch> smooth(const Record&);
+  friend std::vector<SmoothedEpoch> smooth(const FilterHistory&);
   struct Epoch {
     double time;
     NavigationState state;
@@ -77,6 +77,6 @@ struct SmoothedEpoch {
 /// All epochs kept, in their order. Work: states^3 a stretch, states^2 a row, 2 states^3 an epoch. The
 /// difference P - P L P loses what digits the later measurements took from P: sigmas hold to 1e-6 where they
 /// shrink by less than 1e4.
-[[nodiscard]] std::vector<SmoothedEpoch> smooth(const Record&);
+[[nodiscard]] std::vector<SmoothedEpoch> smooth(const FilterHistory&);
 
 }  // namespace gyrobudget::inline v0::navigation

@@ -2,9 +2,9 @@
 // A step is made in inertial axes that are those of e at its start: there the sensors' part (attitude,
 // velocity and position gained) is one exponential, Earth's part is gravitation alone, and turning back to
 // the axes of e at the end is exact, so that there is no Coriolis term to approximate.
-#include "gyrobudget/navigation/strapdown.h"
+#include "strapdown.h"
 
-#include "gyrobudget/earth/gravity.h"
+#include "gyrobudget/vehicle/earth/gravity.h"
 
 #include <fmt/core.h>
 

@@ -4,7 +4,7 @@
 // Ros, The Magnus expansion and some of its applications, Physics Reports 470:151 (2009), section 5.
 #pragma once
 
-#include "gyrobudget/earth/trajectory.h"
+#include "gyrobudget/vehicle/earth/trajectory.h"
 
 #include <array>
 

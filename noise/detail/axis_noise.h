@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/noise/detail/first_order.h"
-#include "gyrobudget/noise/detail/state_bank.h"
+#include "first_order.h"
+#include "state_bank.h"
 #include "gyrobudget/noise/normal.h"
 #include "gyrobudget/noise/sensor.h"
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/noise/detail/normal_kernel.h"
+#include "normal_kernel.h"
 
 #include <cstddef>
 #include <span>

@@ -24,7 +24,7 @@ TEST(AngleError, IsTheDefinition) {
   std::vector<long double> x{0};
   for (const double y : rate) x.push_back(x.back() + (y - mean) * 0.5L);
   const std::vector<std::int64_t> factors{64, 1, 2, 3, 7, 8, 100, 299, 300, 5};  // in any order
-  const auto found = angle_error(RateRecord(rate, 0.5), factors);
+  const auto found = angle_error(Series(rate, 0.5), factors);
   constexpr double kExact = 1e-12;
   for (std::size_t i = 0; i < factors.size(); ++i) {
     const auto m = static_cast<std::size_t>(factors[i]);
@@ -50,7 +50,7 @@ TEST(AngleError, OfARandomWalkOfTheAngle) {
   const noise::Process white[] = {noise::White{2}};
   const auto rate = noise::generate_record(white, 200'000, 0.01, {.seed = 6});
   const std::int64_t factors[] = {1, 100};
-  const auto found = angle_error(RateRecord(rate, 0.01), factors);
+  const auto found = angle_error(Series(rate, 0.01), factors);
   EXPECT_NEAR(found[1].rms / 2, 1, 4 * std::sqrt(0.5 / 2000));  // 2000 seconds, 4 sigma
   double largest = 0, mean = 0;
   for (const double y : rate) mean += y / 200'000;
@@ -61,13 +61,13 @@ TEST(AngleError, OfARandomWalkOfTheAngle) {
 TEST(AngleError, EdgesAndMisuse) {
   const std::vector<double> nothing(10, std::numeric_limits<double>::quiet_NaN());
   const std::int64_t one[] = {1}, far[] = {11}, none[] = {0};
-  EXPECT_TRUE(std::isnan(angle_error(RateRecord(nothing), one)[0].rms));
-  EXPECT_TRUE(std::isnan(angle_error(RateRecord(nothing), one)[0].greatest));
+  EXPECT_TRUE(std::isnan(angle_error(Series(nothing), one)[0].rms));
+  EXPECT_TRUE(std::isnan(angle_error(Series(nothing), one)[0].greatest));
   const std::vector<double> constant(10, 3.);
-  EXPECT_EQ(angle_error(RateRecord(constant), one)[0].greatest, 0);
-  EXPECT_THROW((void)angle_error(RateRecord(constant), far), std::invalid_argument);
-  EXPECT_THROW((void)angle_error(RateRecord(constant), none), std::invalid_argument);
-  EXPECT_TRUE(angle_error(RateRecord(constant), {}).empty());
+  EXPECT_EQ(angle_error(Series(constant), one)[0].greatest, 0);
+  EXPECT_THROW((void)angle_error(Series(constant), far), std::invalid_argument);
+  EXPECT_THROW((void)angle_error(Series(constant), none), std::invalid_argument);
+  EXPECT_TRUE(angle_error(Series(constant), {}).empty());
 }
 
 }  // namespace

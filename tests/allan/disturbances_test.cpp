@@ -110,7 +110,7 @@ TEST(Outliers, EmptyEqualAndMissingRecordsHaveNone) {
 
 TEST(Steps, NoiseHasNone) {
   EXPECT_LE(alarms([](const auto& y, const Mix&) {
-              return !find_steps(RateRecord(y), {kFalseAlarm, 10}).empty();
+              return !find_steps(Series(y), {kFalseAlarm, 10}).empty();
             }),
             kMostAlarms);
 }
@@ -119,7 +119,7 @@ TEST(Steps, AreFoundWhereTheyAreAndWithTheirSize) {
   std::vector<double> y = record({noise::White{1}}, 11);
   for (std::size_t k = 4321; k < y.size(); ++k) y[k] += 2;
   for (std::size_t k = 15000; k < y.size(); ++k) y[k] -= 3;
-  const auto steps = find_steps(RateRecord(y));
+  const auto steps = find_steps(Series(y));
   ASSERT_EQ(steps.size(), 2U);
   // The middle of a step of 2 sigma is known to a few samples: its likelihood falls by (2/1)^2/2 each.
   EXPECT_NEAR(static_cast<double>(steps[0].index), 4321, 10);
@@ -133,7 +133,7 @@ TEST(Steps, StandOutOfRandomWalkToo) {
   std::vector<double> y = record({noise::White{1}, noise::RateRandomWalk{0.01}}, 12);
   for (std::size_t k = 9000; k < y.size(); ++k) y[k] += 4;
   for (std::size_t k = 100; k < y.size(); k += 100) y[k] = kNaN;  // gaps are no obstacle
-  const auto steps = find_steps(RateRecord(y));
+  const auto steps = find_steps(Series(y));
   ASSERT_EQ(steps.size(), 1U);
   EXPECT_NEAR(static_cast<double>(steps[0].index), 9000, 10);
 }
@@ -143,21 +143,21 @@ TEST(Steps, HaveASizeBesideLongGapsToo) {
   for (std::size_t k = 9000; k < y.size(); ++k) y[k] += 20;
   for (std::size_t k = 9010; k < 9900; ++k) y[k] = kNaN;
   for (std::size_t k = 8100; k < 8995; ++k) y[k] = kNaN;
-  for (const auto& step : find_steps(RateRecord(y))) EXPECT_TRUE(std::isfinite(step.size)) << step.index;
+  for (const auto& step : find_steps(Series(y))) EXPECT_TRUE(std::isfinite(step.size)) << step.index;
 }
 
 TEST(Steps, ShortEqualAndMissingRecordsHaveNone) {
-  EXPECT_TRUE(find_steps(RateRecord({})).empty());
-  EXPECT_TRUE(find_steps(RateRecord(std::vector<double>(100, 1.))).empty());
+  EXPECT_TRUE(find_steps(Series({})).empty());
+  EXPECT_TRUE(find_steps(Series(std::vector<double>(100, 1.))).empty());
   const std::vector<double> equal(5000, 1.), missing(5000, kNaN);
-  EXPECT_TRUE(find_steps(RateRecord(equal)).empty());
-  EXPECT_TRUE(find_steps(RateRecord(missing)).empty());
-  EXPECT_THROW((void)find_steps(RateRecord(equal), {1, 1}), std::invalid_argument);
+  EXPECT_TRUE(find_steps(Series(equal)).empty());
+  EXPECT_TRUE(find_steps(Series(missing)).empty());
+  EXPECT_THROW((void)find_steps(Series(equal), {1, 1}), std::invalid_argument);
 }
 
 TEST(Departures, NoiseHasNone) {
   EXPECT_LE(alarms([](const auto& y, const Mix& mix) {
-              return find_departure(RateRecord(y), mix, {kFalseAlarm}).has_value();
+              return find_departure(Series(y), mix, {kFalseAlarm}).has_value();
             }),
             kMostAlarms);
 }
@@ -167,7 +167,7 @@ TEST(Departures, AWarmUpIsFoundWithItsSizeAndTime) {
   std::vector<double> y = record(mix, 21);
   constexpr double kSize = 0.5, kTime = 1250;  // 1/16 of the record
   for (std::size_t k = 0; k < y.size(); ++k) y[k] += kSize * std::exp(-static_cast<double>(k) / kTime);
-  const auto drift = find_departure(RateRecord(y), mix);
+  const auto drift = find_departure(Series(y), mix);
   ASSERT_TRUE(drift.has_value());
   EXPECT_EQ(drift->kind, Departure::Kind::warm_up);
   // Shapes are tried a factor of two apart; the nearest is within one of them.
@@ -181,7 +181,7 @@ TEST(Departures, ATrendIsFoundAsOne) {
   const Mix mix{noise::White{1}, noise::Flicker{0.01}};
   std::vector<double> y = record(mix, 22);
   for (std::size_t k = 0; k < y.size(); ++k) y[k] -= 0.3 * static_cast<double>(k) / kSamples;
-  const auto drift = find_departure(RateRecord(y), mix);
+  const auto drift = find_departure(Series(y), mix);
   ASSERT_TRUE(drift.has_value());
   EXPECT_EQ(drift->kind, Departure::Kind::trend);
   EXPECT_NEAR(drift->size, -0.3, 0.15);
@@ -192,8 +192,8 @@ TEST(Departures, AStepTooSmallForFindStepsIsFound) {
   const Mix mix{noise::White{1}, noise::RateRandomWalk{0.002}};
   std::vector<double> y = record(mix, 23);
   for (std::size_t k = 7000; k < y.size(); ++k) y[k] += 0.6;
-  EXPECT_TRUE(find_steps(RateRecord(y)).empty());
-  const auto step = find_departure(RateRecord(y), mix);
+  EXPECT_TRUE(find_steps(Series(y)).empty());
+  const auto step = find_departure(Series(y), mix);
   ASSERT_TRUE(step.has_value());
   EXPECT_EQ(step->kind, Departure::Kind::step);
   EXPECT_NEAR(step->size, 0.6, 0.3);
@@ -205,16 +205,16 @@ TEST(Departures, ScaleOfTheNoiseDoesNotMatter) {
       far{noise::White{1e30}, noise::RateRandomWalk{3e26}};
   std::vector<double> y = record(mix, 21);
   for (std::size_t k = 0; k < y.size(); ++k) y[k] += 0.5 * std::exp(-static_cast<double>(k) / 1250);
-  EXPECT_NEAR(find_departure(RateRecord(y), mix)->p_value, find_departure(RateRecord(y), far)->p_value,
+  EXPECT_NEAR(find_departure(Series(y), mix)->p_value, find_departure(Series(y), far)->p_value,
               1e-12);
 }
 
 TEST(Departures, NothingToLookAtIsNoDrift) {
   const std::vector<double> equal(5000, 1.);
-  EXPECT_FALSE(find_departure(RateRecord(equal), Mix{noise::White{1}}).has_value());
-  EXPECT_FALSE(find_departure(RateRecord(equal), Mix{}).has_value());
-  EXPECT_FALSE(find_departure(RateRecord(std::vector<double>(10, 1.)), Mix{noise::White{1}}).has_value());
-  EXPECT_THROW((void)find_departure(RateRecord(equal), Mix{}, {2}), std::invalid_argument);
+  EXPECT_FALSE(find_departure(Series(equal), Mix{noise::White{1}}).has_value());
+  EXPECT_FALSE(find_departure(Series(equal), Mix{}).has_value());
+  EXPECT_FALSE(find_departure(Series(std::vector<double>(10, 1.)), Mix{noise::White{1}}).has_value());
+  EXPECT_THROW((void)find_departure(Series(equal), Mix{}, {2}), std::invalid_argument);
 }
 
 }  // namespace

@@ -24,7 +24,7 @@ TEST(Dynamic, EveryWindowIsItsOwnCurve) {
                                           DynamicOptions{300, 1000}, DynamicOptions{5000, 1}}) {
       const auto [window, hop] = resolved(options, 5000);
       const auto factors = octave_factors(window);
-      const DynamicSurface surface = dynamic_variance(RateRecord(rate, 0.5), factors, options);
+      const DynamicSurface surface = dynamic_variance(Series(rate, 0.5), factors, options);
       ASSERT_EQ(static_cast<std::int64_t>(surface.time.size()), (5000 - window) / hop + 1);
       for (std::size_t w = 0; w < surface.time.size(); w += 5) {
         const auto begin = static_cast<std::size_t>(hop) * w;
@@ -50,7 +50,7 @@ TEST(Dynamic, SeesNoiseThatChanges) {
   std::vector<double> rate = reference::normal(30'000, 72);
   for (std::size_t k = 10'000; k < 20'000; ++k) rate[k] *= 10;
   const std::int64_t factors[] = {1, 8};
-  const DynamicSurface surface = dynamic_variance(RateRecord(rate), factors, {1000, 500});
+  const DynamicSurface surface = dynamic_variance(Series(rate), factors, {1000, 500});
   for (std::size_t w = 0; w < surface.time.size(); ++w) {
     const double from = surface.time[w] - 500, to = surface.time[w] + 500;
     const bool loud = from >= 10'000 && to <= 20'000, quiet = to <= 10'000 || from >= 20'000;
@@ -62,7 +62,7 @@ TEST(Dynamic, SeesNoiseThatChanges) {
 
 TEST(Dynamic, MisuseThrows) {
   const std::vector<double> rate = reference::normal(100, 73);
-  const RateRecord record(rate);
+  const Series record(rate);
   const std::int64_t factors[] = {1, 20};
   EXPECT_THROW((void)dynamic_variance(record, factors, {101, 1}), std::invalid_argument);
   EXPECT_THROW((void)dynamic_variance(record, factors, {1, 1}), std::invalid_argument);

@@ -177,7 +177,7 @@ TEST(FamilyGaps, StrictFormCountsWholeTermsOnly) {
   std::vector<double> rate = reference::normal(300, 17);
   std::vector<double> head(rate.begin(), rate.begin() + 150), tail(rate.begin() + 151, rate.end());
   rate[150] = kNaN;
-  const RateRecord record(rate, 1, 1.0), first(head), second(tail);
+  const Series record(rate, 1, 1.0), first(head), second(tail);
   for (const Estimator estimator :
        {Estimator::mdev, Estimator::ohdev, Estimator::mtotdev, Estimator::htotdev, Estimator::theo1}) {
     for (const std::int64_t m : {10L, 22L, 40L}) {

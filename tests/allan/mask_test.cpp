@@ -38,16 +38,16 @@ std::vector<bool> random_losses(std::int64_t samples, double part, unsigned seed
   return exists;
 }
 
-std::vector<bool> blocks(std::int64_t samples, std::initializer_list<Mask::Run> runs) {
+std::vector<bool> blocks(std::int64_t samples, std::initializer_list<Mask::Gap> runs) {
   std::vector<bool> exists = all_exist(samples);
-  for (const Mask::Run& run : runs) {
+  for (const Mask::Gap& run : runs) {
     for (std::int64_t k = 0; k < run.count; ++k) exists[static_cast<std::size_t>(run.first + k)] = false;
   }
   return exists;
 }
 
 Mask mask_of(const std::vector<bool>& exists, double fill) {
-  std::vector<Mask::Run> runs;
+  std::vector<Mask::Gap> runs;
   for (std::size_t k = 0; k < exists.size(); ++k) {
     if (exists[k]) continue;
     if (k == 0 || exists[k - 1]) runs.push_back({static_cast<std::int64_t>(k), 0});
@@ -115,7 +115,7 @@ TEST(Mask, RoundsTheFewestSamplesUp) {
 }
 
 TEST(Mask, MisuseThrows) {
-  using Runs = std::vector<Mask::Run>;
+  using Runs = std::vector<Mask::Gap>;
   for (const Runs& runs :
        {Runs{{-1, 2}}, Runs{{9, 2}}, Runs{{3, 0}}, Runs{{3, 2}, {5, 1}}, Runs{{5, 1}, {2, 1}}}) {
     EXPECT_THROW(Mask(10, runs, 0.95), std::invalid_argument);

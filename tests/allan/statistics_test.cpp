@@ -294,7 +294,7 @@ TEST(FamilyMonteCarlo, MeanScatterAndCoverage) {
 
 TEST(CurveStatistics, EveryEstimatorAndItsIdentifiedNoise) {
   const std::vector<double> rate = reference::normal(5000, 42);
-  const RateRecord record(rate);
+  const Series record(rate);
   for (const Estimator estimator : kEstimators) {
     const auto factors = octave_factors(estimator, 5000);
     const Curve curve = deviation(record, estimator, factors);
@@ -397,7 +397,7 @@ TEST(HeldNoise, AWhiteRecordsIntervalsHoldTheTruthToItsEnd) {
   const noise::RecordGenerator generate(white, kSamples, 1);
   for (int r = 0; r < kRecords; ++r) {
     const auto rate = generate({.seed = 77, .stream = static_cast<std::uint64_t>(r)});
-    const RateRecord record(rate);
+    const Series record(rate);
     const Curve curve = overlapped_variance(record, factors);
     const auto noises = identify_noise(record, curve);
     const auto facts = statistics(curve, noises);
@@ -418,7 +418,7 @@ TEST(HeldNoise, TotalCurvesDoNotJumpWhereTheNoiseChanges) {
   // White into random walk: from factor to factor the bias of Theo1 goes over in small steps.
   const noise::Process mix[] = {noise::White{1}, noise::RateRandomWalk{0.01}};
   const auto rate = noise::RecordGenerator(mix, 30'000, 1)({.seed = 3, .stream = 0});
-  const RateRecord record(rate);
+  const Series record(rate);
   std::vector<std::int64_t> factors;
   for (double m = 10; m < 25'000; m *= 1.15) factors.push_back(2 * std::lround(m / 2));
   const Curve curve = deviation(record, Estimator::theo1, factors);

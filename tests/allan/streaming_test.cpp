@@ -53,7 +53,7 @@ void expect_same(const Curve& a, const Curve& b, double tolerance) {
 
 /// The strided estimator of a whole record at octaves.
 Curve whole_record(std::span<const double> rate, const StreamingOptions& options = {}) {
-  return deviation(RateRecord(rate, 1, options.minimum_fill), Estimator::oadev,
+  return deviation(Series(rate, 1, options.minimum_fill), Estimator::oadev,
                    octave_factors(static_cast<std::int64_t>(rate.size())),
                    {.overlap = options.overlap, .least_stride = 1});
 }

@@ -7,11 +7,11 @@
 //
 // Errors are those of the position's root sum square at burn-out against the finest of each kind; of Monte Carlo, half
 // the 99 % band of a sigma by that many runs.
-#include "gyrobudget/earth/paths.h"
-#include "gyrobudget/io/output.h"
-#include "gyrobudget/navigation/scene_budget.h"
-#include "gyrobudget/navigation/scene_runs.h"
-#include "gyrobudget/report/gnuplot.h"
+#include "gyrobudget/vehicle/earth/paths.h"
+#include "gyrobudget/app/text/output.h"
+#include "gyrobudget/estimation/budget/scene.h"
+#include "gyrobudget/estimation/budget/scene_runs.h"
+#include "gyrobudget/app/report/gnuplot.h"
 
 #include <fmt/core.h>
 
@@ -26,8 +26,8 @@
 namespace {
 
 using namespace gyrobudget;  // NOLINT
-using navigation::BudgetQuestion;
-using navigation::BudgetScene;
+using budget::BudgetQuestion;
+using budget::BudgetScene;
 using navigation::CoreMatrix;
 using navigation::Scenario;
 
@@ -110,7 +110,7 @@ double strapdown_alone() {
   static const double time = [] {
     const Scenario ideal;
     const BudgetScene scene = scene_of(ideal, 0.4);
-    navigation::MonteCarlo::Options options;
+    budget::MonteCarlo::Options options;
     options.runs = 100;
     return seconds([&] { (void)fly(scene, ideal, options); }) / options.runs;
   }();
@@ -157,7 +157,7 @@ void by_runs(const Scenario& scenario, const std::string& way, Points& points) {
   const double linear = position(error_budget(scene.timeline, scene.sources, scene.design).total.back());
   fmt::print("\n{:<25} found/linear   99 % band of an axis   run time   of a run of strapdown alone\n", way);
   for (const int runs : {50, 200, 1000}) {
-    navigation::MonteCarlo::Options options;
+    budget::MonteCarlo::Options options;
     options.runs = runs;
     double found = 0;
     const double cost = seconds([&] { found = position(fly(scene, scenario, options).covariance(0)); });
@@ -202,5 +202,5 @@ int main(int argc, char** argv) {
     by_runs(aided(), "Monte Carlo with a filter", points);
   }
   const auto plot = std::ranges::find(words, "--plot");
-  if (plot != words.end() && plot + 1 != words.end()) io::write_file(std::string(plot[1]), picture(points));
+  if (plot != words.end() && plot + 1 != words.end()) text::write_file(std::string(plot[1]), picture(points));
 }

@@ -144,7 +144,7 @@ void estimators(const std::vector<double>& rate) {
       "| estimator | taus | longest tau, s | stride there | 1 thread, s | 2 threads, s | statistics, s | "
       "error |\n");
   fmt::print("|---|---|---|---|---|---|---|---|\n");
-  const allan::RateRecord record(rate, kDt);
+  const allan::Series record(rate, kDt);
   (void)record.phase();
   for (const Estimator estimator : allan::kEstimators) {
     const Factors factors = allan::octave_factors(estimator, record.samples());
@@ -214,10 +214,10 @@ void cost_of_statistics(const std::vector<double>& rate) {
   for (const Estimator estimator : {Estimator::oadev, Estimator::mdev, Estimator::ohdev, Estimator::totdev}) {
     const Factors factors = allan::octave_factors(estimator, static_cast<std::int64_t>(rate.size()));
     allan::Curve curve;
-    const allan::RateRecord* made = nullptr;
+    const allan::Series* made = nullptr;
     std::vector<double> ratios;
     for (int run = 0; run < kRuns; ++run) {
-      const allan::RateRecord record(rate, kDt);
+      const allan::Series record(rate, kDt);
       made = &record;
       const double whole =
           seconds(with_threads(1, [&] { curve = allan::deviation(*made, estimator, factors); }));
@@ -296,7 +296,7 @@ void streaming(const std::vector<double>& rate) {
         use(parts[0].curve());
       }));
   row("FAVAR recursion, all octaves", seconds([&] { use(allan::recursive_variance(rate, kDt)); }));
-  const allan::RateRecord record(rate, kDt);
+  const allan::Series record(rate, kDt);
   (void)record.phase();
   const Factors factors = allan::octave_factors(static_cast<std::int64_t>(rate.size()) / 64);
   row("surface, 253 windows of n/64", seconds([&] {

@@ -8,8 +8,8 @@
 //                                          plain, joseph, square_root
 //
 // Alternatives take turns, so a busy machine slows all of them; a figure is the best of its turns.
-#include "gyrobudget/earth/paths.h"
-#include "gyrobudget/navigation/filter.h"
+#include "gyrobudget/vehicle/earth/paths.h"
+#include "gyrobudget/estimation/navigation/filter.h"
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <fmt/core.h>
@@ -22,7 +22,7 @@
 #include <string_view>
 #include <vector>
 
-#include "../navigation/reference.h"
+#include "../estimation/navigation/reference.h"
 
 namespace {
 

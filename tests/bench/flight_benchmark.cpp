@@ -2,13 +2,13 @@
 // Error against run time of the flight: integrators over the stiffness of the actuator, steps on the real
 // scene, what each part costs that a scene may leave out, and flights a second. Alternatives take turns in
 // one run; each counts with its fastest. Usage: flight_benchmark [stiffness|steps|parts|speed|loop ...]
-#include "gyrobudget/closed_loop/inertial_navigator.h"
-#include "gyrobudget/earth/frames.h"
-#include "gyrobudget/flight/fly.h"
-#include "gyrobudget/flight/plan.h"
-#include "gyrobudget/flight/point_mass.h"
-#include "gyrobudget/navigation/scene_budget.h"
-#include "gyrobudget/navigation/strapdown.h"
+#include "gyrobudget/estimation/closed_loop/inertial_navigator.h"
+#include "gyrobudget/vehicle/earth/frames.h"
+#include "gyrobudget/vehicle/flight/fly.h"
+#include "gyrobudget/vehicle/flight/plan.h"
+#include "gyrobudget/vehicle/flight/point_mass.h"
+#include "gyrobudget/estimation/budget/scene.h"
+#include "gyrobudget/estimation/navigation/strapdown.h"
 
 #include <fmt/core.h>
 
@@ -250,9 +250,9 @@ void loop() {
   plan.flight.record_every = 0;
   for (const bool filter : {false, true}) {
     const navigation::Scenario scenario = navigation_scene(filter);
-    const auto scene = budget_scene(scenario, trajectory, {});
-    const navigation::MonteCarlo::Options options{.filter = scenario.filter};
-    const navigation::SimulatedScene simulated(scene.timeline, scenario.sensor, scene.initial, scene.C_enu,
+    const auto scene = budget::budget_scene(scenario, trajectory, {});
+    const budget::MonteCarlo::Options options{.filter = scenario.filter};
+    const budget::SimulatedScene simulated(scene.timeline, scenario.sensor, scene.initial, scene.C_enu,
                                                scene.design, scene.aids, options);
     double best = std::numeric_limits<double>::infinity(), error = 0;
     int states = 0;

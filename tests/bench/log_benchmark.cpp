@@ -3,8 +3,8 @@
 // much memory they need beside the numbers as doubles. They alternate in one run: what disturbs the machine disturbs all.
 //
 //     log_benchmark [hours, 10] [repetitions, 7] [folder for the log, the system's temporary one]
-#include "gyrobudget/io/log.h"
-#include "gyrobudget/io/log_writer.h"
+#include "gyrobudget/app/log/log.h"
+#include "gyrobudget/app/log/log_writer.h"
 #include "gyrobudget/noise/normal.h"
 
 #include <fcntl.h>
@@ -39,7 +39,7 @@ constexpr std::size_t kColumns = 7;  // time and six axes
 /// Six axes of white noise, rounded as loggers round: about 11 characters a number.
 void write_six_axes(const std::string& path, double hours) {
   const auto samples = static_cast<std::size_t>(hours * 3600 * kRate);
-  std::vector<io::LogColumn> columns;
+  std::vector<log::LogColumn> columns;
   for (const char* name : {"gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z"}) {
     const bool gyro = name[0] == 'g';
     std::vector<double> values(samples);
@@ -49,7 +49,7 @@ void write_six_axes(const std::string& path, double hours) {
     for (double& v : values) v = std::round(v * sigma * digits) / digits;
     columns.push_back({name, gyro ? "rad/s" : "m/s^2", std::move(values)});
   }
-  io::write_log(path, columns, kRate);
+  log::write_log(path, columns, kRate);
 }
 
 /// Runs `work` in a process of its own. @returns its peak memory in bytes
@@ -132,7 +132,7 @@ void run(double hours, int repetitions, const std::filesystem::path& folder) {
   fmt::print("six axes, {:g} h at {:g} Hz: {:.0f} MB of text, {:.0f} MB of doubles\n", hours, kRate,
              bytes / 1e6, numbers / 1e6);
 
-  const double memory = peak_memory([&] { (void)io::read_log({.path = path}); });
+  const double memory = peak_memory([&] { (void)log::read_log({.path = path}); });
   fmt::print("peak memory of read_log: {:.0f} MB, {:.2f} x the numbers as doubles\n", memory / 1e6,
              memory / numbers);
 
@@ -147,7 +147,7 @@ void run(double hours, int repetitions, const std::filesystem::path& folder) {
   double sum = 0, whole_memory = 0;
   for (int i = 0; i < repetitions; ++i) {
     parsing.push_back(seconds([&] { sum += sum_of_fields(path); }));
-    reading.push_back(seconds([&] { sum += io::read_log({.path = path}).axes[0].rate[0]; }));
+    reading.push_back(seconds([&] { sum += log::read_log({.path = path}).axes[0].rate[0]; }));
     calibrating.push_back(seconds([&] { whole_memory = peak_memory(silent); }));
   }
   std::filesystem::remove(path);

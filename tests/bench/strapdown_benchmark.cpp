@@ -2,9 +2,9 @@
 // Error against run time of the strapdown, over order and step: a moving profile with vibration, noise-free.
 // Orders take turns, in passes over the same increments; each block of a pass counts with its fastest run,
 // so that other work on the machine counts little.
-#include "gyrobudget/earth/attitude.h"
-#include "gyrobudget/earth/paths.h"
-#include "gyrobudget/navigation/strapdown.h"
+#include "gyrobudget/vehicle/earth/attitude.h"
+#include "gyrobudget/vehicle/earth/paths.h"
+#include "gyrobudget/estimation/navigation/strapdown.h"
 
 #include <fmt/core.h>
 

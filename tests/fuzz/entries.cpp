@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "entries.h"
 
-#include "gyrobudget/io/curve_table.h"
-#include "gyrobudget/io/log.h"
-#include "gyrobudget/io/scene_file.h"
-#include "gyrobudget/io/sensor_file.h"
-#include "gyrobudget/io/vehicle_file.h"
+#include "gyrobudget/app/log/curve_table.h"
+#include "gyrobudget/app/log/log.h"
+#include "gyrobudget/app/files/scene_file.h"
+#include "gyrobudget/app/sensor_file/sensor_file.h"
+#include "gyrobudget/app/files/vehicle_file.h"
 #include "gyrobudget/noise/units.h"
 
 #include <sys/mman.h>
@@ -44,42 +44,42 @@ void promise(bool kept, const char* what) {
 // --- Logs ---------------------------------------------------------------------------------------------------------------
 
 /// The first byte chooses the options, so that a fuzzer reaches them.
-io::LogOptions options_of(std::uint8_t choice) {
-  constexpr io::Input kInputs[] = {io::Input::rate, io::Input::increment, io::Input::angle};
-  io::LogOptions options;
+log::LogOptions options_of(std::uint8_t choice) {
+  constexpr log::Input kInputs[] = {log::Input::rate, log::Input::increment, log::Input::angle};
+  log::LogOptions options;
   if (choice & 1) options.rate_hz = 100;
   if (choice & 2) options.unit = "deg/s";
   if (choice & 4) options.columns = {"2"};
   if (choice & 8) options.scale = 0.01;
   options.input = kInputs[(choice >> 4) % 3];
-  if (options.input == io::Input::angle && options.unit) options.unit = "rad";
+  if (options.input == log::Input::angle && options.unit) options.unit = "rad";
   return options;
 }
 
 struct Reading {
-  std::optional<io::Record> record;
+  std::optional<allan::Record> record;
   std::string message;  ///< where there is none
 };
 
-Reading read(io::LogOptions options, std::size_t chunk_bytes) {
+Reading read(log::LogOptions options, std::size_t chunk_bytes) {
   options.chunk_bytes = chunk_bytes;
   try {
-    return {io::read_log(options), {}};
-  } catch (const io::InputError& error) {
+    return {log::read_log(options), {}};
+  } catch (const text::InputError& error) {
     return {std::nullopt, error.what()};
   }
 }
 
-void check(const io::Record& record) {
+void check(const allan::Record& record) {
   promise(std::isfinite(record.rate_hz) && record.rate_hz > 0, "the rate is no rate");
   promise(!record.axes.empty(), "there is no axis");
   promise(record.missing_samples >= 0 && record.missing_samples <= record.samples, "missing samples");
-  for (const io::Axis& axis : record.axes) {
+  for (const allan::Axis& axis : record.axes) {
     promise(static_cast<std::int64_t>(axis.rate.size()) == record.samples, "an axis has another length");
   }
 }
 
-bool same(const io::Record& a, const io::Record& b) {
+bool same(const allan::Record& a, const allan::Record& b) {
   if (a.axes.size() != b.axes.size() || a.samples != b.samples || a.notes != b.notes) return false;
   for (std::size_t i = 0; i < a.axes.size(); ++i) {
     for (std::size_t k = 0; k < a.axes[i].rate.size(); ++k) {
@@ -95,7 +95,7 @@ bool same(const io::Record& a, const io::Record& b) {
 
 void read_log(std::string_view bytes) {
   if (bytes.empty()) return;
-  io::LogOptions options = options_of(static_cast<std::uint8_t>(bytes.front()));
+  log::LogOptions options = options_of(static_cast<std::uint8_t>(bytes.front()));
   const MemoryFile file(bytes.substr(1));
   options.path = file.path();
   constexpr std::size_t kUsual = std::size_t{1} << 20, kTiny = 37;
@@ -110,13 +110,13 @@ void read_log(std::string_view bytes) {
 /// The first byte chooses among .npy and raw numbers.
 void read_binary(std::string_view bytes) {
   if (bytes.empty()) return;
-  constexpr io::Format kFormats[] = {io::Format::npy, io::Format::f32, io::Format::f64};
+  constexpr log::Format kFormats[] = {log::Format::npy, log::Format::f32, log::Format::f64};
   const auto choice = static_cast<std::uint8_t>(bytes.front());
   const MemoryFile file(bytes.substr(1));
-  io::LogOptions options{.path = file.path(), .rate_hz = 100, .unit = "deg/s"};
+  log::LogOptions options{.path = file.path(), .rate_hz = 100, .unit = "deg/s"};
   options.format = kFormats[(choice & 3) % 3];
   if (choice & 4) options.columns = {"2"};
-  if (options.format != io::Format::npy) options.file_columns = 1 + (choice >> 4);
+  if (options.format != log::Format::npy) options.file_columns = 1 + (choice >> 4);
   const Reading reading = read(options, 1 << 20);
   promise(reading.record.has_value() || !reading.message.empty(), "an error without a message");
   if (reading.record) check(*reading.record);
@@ -125,13 +125,13 @@ void read_binary(std::string_view bytes) {
 /// A log in segments, or resampled.
 void read_cut(std::string_view bytes) {
   if (bytes.empty()) return;
-  io::LogOptions options = options_of(static_cast<std::uint8_t>(bytes.front()));
+  log::LogOptions options = options_of(static_cast<std::uint8_t>(bytes.front()));
   const MemoryFile file(bytes.substr(1));
   options.path = file.path();
   if (bytes.front() & 64) options.resample_hz = 2;
   try {
-    for (const io::Record& segment : io::read_segments(options, 5)) check(segment);
-  } catch (const io::InputError&) {
+    for (const allan::Record& segment : log::read_segments(options, 5)) check(segment);
+  } catch (const text::InputError&) {
   }
 }
 
@@ -141,24 +141,24 @@ void read_sensor(std::string_view bytes) {
   const MemoryFile file(bytes);
   noise::SensorModel sensor;
   try {
-    sensor = io::read_sensor(file.path());
-  } catch (const io::InputError&) {
+    sensor = sensor_file::read_sensor(file.path());
+  } catch (const text::InputError&) {
     return;
   }
   // What was read can be written, and what is written can be read.
-  const std::string text = io::sensor_yaml(sensor);
+  const std::string text = sensor_file::sensor_yaml(sensor);
   const MemoryFile written(text);
-  promise(io::sensor_yaml(io::read_sensor(written.path())) == text, "a sensor file does not come back");
+  promise(sensor_file::sensor_yaml(sensor_file::read_sensor(written.path())) == text, "a sensor file does not come back");
 }
 
 void read_curve(std::string_view bytes) {
   if (bytes.empty()) return;
   const MemoryFile file(bytes.substr(1));
-  io::CurveOptions options{.path = file.path()};
+  log::CurveOptions options{.path = file.path()};
   if (bytes.front() & 1) options.unit = "deg/h";
   if (bytes.front() & 2) options.columns = {"2"};
   try {
-    const io::CurveTable table = io::read_curve(options);
+    const log::CurveTable table = log::read_curve(options);
     promise(!table.columns.empty(), "a table without columns");
     for (std::size_t i = 0; i < table.tau_s.size(); ++i) {
       promise(table.tau_s[i] > (i == 0 ? 0 : table.tau_s[i - 1]), "taus do not ascend");
@@ -166,7 +166,7 @@ void read_curve(std::string_view bytes) {
     for (const auto& column : table.columns) {
       promise(column.deviation.size() == table.tau_s.size(), "a column has another length");
     }
-  } catch (const io::InputError&) {
+  } catch (const text::InputError&) {
   }
 }
 
@@ -174,7 +174,7 @@ void read_curve(std::string_view bytes) {
 void read_scene(std::string_view bytes) {
   const MemoryFile file(bytes);
   try {
-    const io::SceneFile scene = io::read_scene(file.path());
+    const files::SceneFile scene = files::read_scene(file.path());
     promise(scene.aids.size() == scene.scenario.aids.size(), "an aid without its source");
     promise(scene.imu || !scene.trajectory.empty(), "nothing moves");
     for (const auto& aid : scene.scenario.aids) {
@@ -183,7 +183,7 @@ void read_scene(std::string_view bytes) {
     }
     for (const std::size_t aid : scene.scenario.reference)
       promise(aid < scene.scenario.aids.size(), "a reference that there is not");
-  } catch (const io::InputError&) {
+  } catch (const text::InputError&) {
   }
 }
 
@@ -191,12 +191,12 @@ void read_scene(std::string_view bytes) {
 void read_vehicle(std::string_view bytes) {
   const MemoryFile file(bytes);
   try {
-    const io::VehicleFile read = io::read_vehicle(file.path());
+    const files::VehicleFile read = files::read_vehicle(file.path());
     read.vehicle.check();
     promise(!read.numbers.empty(), "a vehicle without numbers");
-    for (const io::VehicleNumber& n : read.numbers)
+    for (const files::VehicleNumber& n : read.numbers)
       promise(n.origin.has_value() == !n.reason.empty(), "an origin without its reason");
-  } catch (const io::InputError&) {
+  } catch (const text::InputError&) {
   }
 }
 
@@ -299,7 +299,7 @@ const std::vector<Entry>& entries() {
         "bias_sigma: 1 deg}}}\n"}},
       {"vehicle",
        read_vehicle,
-       {std::string(io::vehicle_help()),
+       {std::string(files::vehicle_help()),
         "lift_off_mass: {value: 28 t, origin: sourced, reason: published}\npropellant: 12 t\nburn_time: 83 "
         "s\nspecific_impulse: 277 s\ncentre_of_mass: [[0, 7 m], [1, 10 m]]\nroll_inertia: 7e3 kg "
         "m^2\npitch_inertia: {points: [[0, 4e5 kg m^2], [0.5, 3e5 kg m^2], [1, 2e5 kg m^2]], interpolation: "

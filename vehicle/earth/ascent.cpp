@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/earth/detail/check.h"
-#include "gyrobudget/earth/frames.h"
-#include "gyrobudget/earth/gravity.h"
-#include "gyrobudget/earth/paths.h"
+#include "gyrobudget/vehicle/earth/detail/check.h"
+#include "frames.h"
+#include "gravity.h"
+#include "paths.h"
 
 #include <boost/numeric/odeint/algebra/vector_space_algebra.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/earth/attitude.h"
+#include "attitude.h"
 
 #include <fmt/core.h>
 

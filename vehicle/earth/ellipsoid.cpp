@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/earth/ellipsoid.h"
+#include "ellipsoid.h"
 
 #include <fmt/core.h>
 

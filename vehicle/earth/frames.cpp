@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/earth/frames.h"
+#include "frames.h"
 
 #include <fmt/core.h>
 

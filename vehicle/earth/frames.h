@@ -10,7 +10,7 @@
 // (2004), 3.
 #pragma once
 
-#include "gyrobudget/earth/ellipsoid.h"
+#include "ellipsoid.h"
 
 #include <Eigen/Core>
 

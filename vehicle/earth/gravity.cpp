@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/earth/gravity.h"
+#include "gravity.h"
 
 #include <fmt/core.h>
 

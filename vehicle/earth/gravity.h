@@ -6,7 +6,7 @@
 // 4.2.
 #pragma once
 
-#include "gyrobudget/earth/ellipsoid.h"
+#include "ellipsoid.h"
 
 #include <Eigen/Core>
 

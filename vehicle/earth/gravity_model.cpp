@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/earth/gravity_model.h"
+#include "gravity_model.h"
 
 #include <GeographicLib/GravityModel.hpp>
 #include <fmt/core.h>

@@ -2,10 +2,10 @@
 // Paths are written as poses of time, p(t) and q(t), over Taylor numbers of second order: velocity,
 // acceleration and angular rate are their exact derivatives (Boost's automatic differentiation), not a second
 // set of formulas.
-#include "gyrobudget/earth/paths.h"
+#include "paths.h"
 
-#include "gyrobudget/earth/detail/check.h"
-#include "gyrobudget/earth/frames.h"
+#include "gyrobudget/vehicle/earth/detail/check.h"
+#include "frames.h"
 
 #include <boost/math/differentiation/autodiff.hpp>
 

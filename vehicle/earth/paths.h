@@ -4,9 +4,9 @@
 // negative frequency, naming it.
 #pragma once
 
-#include "gyrobudget/earth/attitude.h"
-#include "gyrobudget/earth/site.h"
-#include "gyrobudget/earth/trajectory.h"
+#include "attitude.h"
+#include "site.h"
+#include "trajectory.h"
 
 namespace gyrobudget::inline v0::earth {
 

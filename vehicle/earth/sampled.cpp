@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/earth/sampled.h"
+#include "sampled.h"
 
-#include "gyrobudget/earth/detail/check.h"
-#include "gyrobudget/earth/frames.h"
-#include "gyrobudget/earth/gravity.h"
+#include "gyrobudget/vehicle/earth/detail/check.h"
+#include "frames.h"
+#include "gravity.h"
 
 #include <fmt/core.h>
 

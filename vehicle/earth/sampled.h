@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/earth/ellipsoid.h"
-#include "gyrobudget/earth/trajectory.h"
+#include "ellipsoid.h"
+#include "trajectory.h"
 
 #include <span>
 

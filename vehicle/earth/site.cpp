@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/earth/site.h"
+#include "site.h"
 
 #include <fmt/core.h>
 

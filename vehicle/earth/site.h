@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/earth/ellipsoid.h"
+#include "ellipsoid.h"
 
 #include <span>
 #include <string_view>

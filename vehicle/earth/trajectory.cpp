@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/earth/trajectory.h"
+#include "trajectory.h"
 
-#include "gyrobudget/earth/ellipsoid.h"
-#include "gyrobudget/earth/gravity.h"
+#include "ellipsoid.h"
+#include "gravity.h"
 
 #include <boost/math/quadrature/gauss.hpp>
 #include <fmt/core.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/flight/atmosphere.h"
+#include "atmosphere.h"
 
 #include <algorithm>
 #include <cmath>
@@ -88,7 +88,7 @@ Eigen::Vector3d Wind::at(double height) const {
 }
 
 bool Wind::calm() const {
-  const auto still = [](const Table& table) { return table.range() == std::pair(0.0, 0.0); };
+  const auto still = [](const LookupTable& table) { return table.range() == std::pair(0.0, 0.0); };
   return steady.isZero(0) && still(east) && still(north) && (gust.half_width == 0 || gust.peak.isZero(0));
 }
 

@@ -3,7 +3,7 @@
 // Source: U.S. Standard Atmosphere, 1976 (NOAA-S/T 76-1562), sections 1.2 and 1.3, tables 2 to 4.
 #pragma once
 
-#include "gyrobudget/flight/table.h"
+#include "lookup_table.h"
 
 #include <array>
 
@@ -47,8 +47,8 @@ struct Gust {
 /// Earth (so poles are no special places; 12 km downrange they lean by 0.1 degrees).
 struct Wind {
   Eigen::Vector3d steady = Eigen::Vector3d::Zero();  ///< at every height [m/s]
-  Table east = 0;                                    ///< shear: more, by height [m], of [m/s]
-  Table north = 0;
+  LookupTable east = 0;                                    ///< shear: more, by height [m], of [m/s]
+  LookupTable north = 0;
   Gust gust;
 
   [[nodiscard]] Eigen::Vector3d at(double height) const;

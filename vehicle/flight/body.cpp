@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/flight/body.h"
+#include "body.h"
 
-#include "gyrobudget/earth/attitude.h"
-#include "gyrobudget/earth/frames.h"
-#include "gyrobudget/flight/detail/actuator.h"
-#include "gyrobudget/flight/detail/dynamics.h"
-#include "gyrobudget/flight/detail/rosenbrock.h"
+#include "gyrobudget/vehicle/earth/attitude.h"
+#include "gyrobudget/vehicle/earth/frames.h"
+#include "gyrobudget/vehicle/flight/detail/actuator.h"
+#include "gyrobudget/vehicle/flight/detail/dynamics.h"
+#include "gyrobudget/vehicle/flight/detail/rosenbrock.h"
 
 #include <boost/numeric/odeint/algebra/vector_space_algebra.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta4.hpp>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/earth/ellipsoid.h"
-#include "gyrobudget/earth/site.h"
-#include "gyrobudget/earth/trajectory.h"
-#include "gyrobudget/flight/atmosphere.h"
-#include "gyrobudget/flight/vehicle.h"
+#include "gyrobudget/vehicle/earth/ellipsoid.h"
+#include "gyrobudget/vehicle/earth/site.h"
+#include "gyrobudget/vehicle/earth/trajectory.h"
+#include "atmosphere.h"
+#include "vehicle.h"
 
 #include <cstdint>
 #include <limits>
@@ -61,7 +61,7 @@ struct Faults {
 /// How the equations of motion are integrated. Steps end at control instants, at the points of the thrust's
 /// table, at ends of the atmosphere's layers and where a delayed command arrives.
 ///
-/// Run time of 83 s of flight at 100 Hz in seconds, by how much faster than 4 Hz the actuator is, for an
+/// FlightInProgress time of 83 s of flight at 100 Hz in seconds, by how much faster than 4 Hz the actuator is, for an
 /// error of the angular rate below 1e-8 rad/s (tests/bench/flight_benchmark stiffness; runge_kutta4 in steps
 /// of 1.3 over the actuator's angular frequency, adaptive methods at 1e-7):
 ///   factor                1      10     100    1000    1e4    1e5    1e6

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/flight/control.h"
+#include "control.h"
 
-#include "gyrobudget/earth/attitude.h"
-#include "gyrobudget/earth/frames.h"
+#include "gyrobudget/vehicle/earth/attitude.h"
+#include "gyrobudget/vehicle/earth/frames.h"
 
 #include <fmt/core.h>
 

@@ -2,9 +2,9 @@
 // The two parts a closed loop needs beside the vehicle: who tells where it is, and who says what to do.
 #pragma once
 
-#include "gyrobudget/earth/ellipsoid.h"
-#include "gyrobudget/earth/trajectory.h"
-#include "gyrobudget/flight/body.h"
+#include "gyrobudget/vehicle/earth/ellipsoid.h"
+#include "gyrobudget/vehicle/earth/trajectory.h"
+#include "body.h"
 
 #include <array>
 #include <complex>
@@ -58,7 +58,7 @@ class PerfectNavigator {
 /// A filter that takes out a band, (s^2 + 2 depth s w + w^2)/(s^2 + 2 width s w + w^2), by the bilinear
 /// transform with w kept in its place. At w it passes depth/width.
 struct Notch {
-  Table frequency;  ///< over burn fraction [Hz]
+  LookupTable frequency;  ///< over burn fraction [Hz]
   double depth = 0.05;
   double width = 0.5;
 };
@@ -71,7 +71,7 @@ enum class RateFeedback {
 
 struct AttitudeControlOptions {
   /// Pitch above the site's horizon over time [rad]; yaw and roll against the launch plane are zero.
-  Table pitch = Table::linear({{8, 90 * earth::kDegree}, {83, 50 * earth::kDegree}});
+  LookupTable pitch = LookupTable::linear({{8, 90 * earth::kDegree}, {83, 50 * earth::kDegree}});
   double azimuth = 90 * earth::kDegree;  ///< of the launch plane
   double frequency = 2.5;                ///< of the closed attitude loop [rad/s]
   double damping = 0.7;

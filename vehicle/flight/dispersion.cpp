@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/flight/dispersion.h"
+#include "dispersion.h"
 
 #include "gyrobudget/noise/normal.h"
 
@@ -98,7 +98,7 @@ Flight disperse(const Flight& flight, const Dispersion& d, std::uint64_t seed, s
   v.burn_time *= factor(d.burn_time, Quantity::burn_time);
   v.lift_off_mass *= factor(d.mass, Quantity::mass);
   if (const double f = factor(d.inertia, Quantity::inertia); f != 1)
-    for (Table* table : {&v.roll_inertia, &v.pitch_inertia, &v.yaw_inertia}) *table = table->scaled(f);
+    for (LookupTable* table : {&v.roll_inertia, &v.pitch_inertia, &v.yaw_inertia}) *table = table->scaled(f);
   if (const double f = factor(d.axial_drag, Quantity::axial_drag); f != 1)
     v.axial_drag = v.axial_drag.scaled(f);
   v.normal_force_slope *= factor(d.normal_force, Quantity::normal_force);

@@ -2,7 +2,7 @@
 // What differs from one vehicle of a kind to the next, and from day to day.
 #pragma once
 
-#include "gyrobudget/flight/fly.h"
+#include "fly.h"
 
 #include <cstdint>
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/flight/faults.h"
+#include "faults.h"
 
 #include <fmt/core.h>
 

@@ -2,8 +2,8 @@
 // What may be wrong between a navigator and the controller that listens to it.
 #pragma once
 
-#include "gyrobudget/earth/trajectory.h"
-#include "gyrobudget/flight/control.h"
+#include "gyrobudget/vehicle/earth/trajectory.h"
+#include "control.h"
 
 #include <cstddef>
 #include <optional>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/flight/fly.h"
+#include "fly.h"
 
-#include "gyrobudget/flight/detail/burn.h"
-#include "gyrobudget/flight/detail/height.h"
+#include "gyrobudget/vehicle/flight/detail/burn.h"
+#include "gyrobudget/vehicle/flight/detail/height.h"
 
 #include <fmt/core.h>
 
@@ -65,7 +65,7 @@ BodyState at_ignition(const Flight& flight) {
   return state;
 }
 
-Run::Run(const Flight& flight)
+FlightInProgress::FlightInProgress(const Flight& flight)
     : flight_(flight),
       duration_(checked_duration(flight)),
       pad_height_(flight.world.site.height),
@@ -78,19 +78,19 @@ Run::Run(const Flight& flight)
   if (flight.keep_increments) result_.increments.reserve(periods);
 }
 
-void Run::record(const Command& command, const Seen& seen) {
+void FlightInProgress::record(const Command& command, const Seen& seen) {
   const BodyState& s = body_.state();
   result_.end = {s.t,          body_.pose(), {seen.p_eb_e, seen.v_eb_e, seen.q_eb}, body_.flow(), command,
                  s.deflection, s.bend};
   result_.highest_pressure = std::max(result_.highest_pressure, result_.end.flow.dynamic_pressure);
 }
 
-void Run::end(Ended how) {
+void FlightInProgress::end(Ended how) {
   result_.ended = how;
   going_ = false;
 }
 
-bool Run::beyond_limits() {
+bool FlightInProgress::beyond_limits() {
   const BodyState& s = body_.state();
   if (!(s.w_ib_b.norm() < flight_.rate_limit)) {
     end(Ended::tumbling);
@@ -103,7 +103,7 @@ bool Run::beyond_limits() {
   return !going_;
 }
 
-void Run::advance(const Command& command, const Seen& seen) {
+void FlightInProgress::advance(const Command& command, const Seen& seen) {
   if (flight_.record_every > 0 && period_ % flight_.record_every == 0) {
     record(command, seen);
     result_.points.push_back(result_.end);
@@ -122,7 +122,7 @@ void Run::advance(const Command& command, const Seen& seen) {
   if (!beyond_limits() && to >= duration_ - 1e-9 * flight_.period) end(Ended::complete);
 }
 
-FlightRecord Run::finish(const Seen& seen) {
+FlightRecord FlightInProgress::finish(const Seen& seen) {
   Seen last = seen;
   if (!sound(last)) {  // what navigation told is no number: the truth stands there, and the account says so
     const Body::Pose truth = body_.pose();

@@ -2,8 +2,8 @@
 // The closed loop: vehicle, IMU, navigation, control.
 #pragma once
 
-#include "gyrobudget/flight/body.h"
-#include "gyrobudget/flight/control.h"
+#include "body.h"
+#include "control.h"
 
 #include <limits>
 #include <string>
@@ -66,9 +66,9 @@ struct FlightRecord {
 namespace detail {
 
 /// One flight without its controller and navigator.
-class Run {
+class FlightInProgress {
  public:
-  explicit Run(const Flight&);
+  explicit FlightInProgress(const Flight&);
 
   [[nodiscard]] bool going() const { return going_; }
   [[nodiscard]] double t() const { return body_.state().t; }
@@ -98,7 +98,7 @@ class Run {
 };
 
 template <Navigator N>
-Seen look(const Run& run, N& navigator) {
+Seen look(const FlightInProgress& run, N& navigator) {
   if constexpr (requires { navigator.know(run.truth()); }) navigator.know(run.truth());
   const auto& state = navigator.state();
   Eigen::Vector3d angle = run.increment().angle;
@@ -124,7 +124,7 @@ Seen look(const Run& run, N& navigator) {
 /// @throws std::invalid_argument as Body does, and for a period or duration that is not positive.
 template <Controller C, Navigator N>
 [[nodiscard]] FlightRecord fly(const Flight& flight, C& controller, N& navigator) {
-  detail::Run run(flight);
+  detail::FlightInProgress run(flight);
   Seen seen = detail::look(run, navigator);
   while (run.going()) {
     run.advance(controller.command(seen), seen);

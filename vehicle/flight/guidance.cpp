@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/flight/guidance.h"
+#include "guidance.h"
 
-#include "gyrobudget/earth/attitude.h"
+#include "gyrobudget/vehicle/earth/attitude.h"
 
 #include <fmt/core.h>
 

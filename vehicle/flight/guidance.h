@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/flight/control.h"
-#include "gyrobudget/flight/fly.h"
+#include "control.h"
+#include "fly.h"
 
 #include <span>
 #include <vector>

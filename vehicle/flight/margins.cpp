@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/flight/margins.h"
+#include "margins.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/flight/control.h"
-#include "gyrobudget/flight/vehicle.h"
+#include "control.h"
+#include "vehicle.h"
 
 #include <complex>
 #include <limits>

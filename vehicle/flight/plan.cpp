@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/flight/plan.h"
+#include "plan.h"
 
-#include "gyrobudget/earth/sampled.h"
+#include "gyrobudget/vehicle/earth/sampled.h"
 
 #include <algorithm>
 #include <cmath>

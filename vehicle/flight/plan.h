@@ -2,10 +2,10 @@
 // A flight with who steers it: what a scene says, and how to fly it.
 #pragma once
 
-#include "gyrobudget/flight/control.h"
-#include "gyrobudget/flight/faults.h"
-#include "gyrobudget/flight/fly.h"
-#include "gyrobudget/flight/guidance.h"
+#include "control.h"
+#include "faults.h"
+#include "fly.h"
+#include "guidance.h"
 
 #include <optional>
 #include <span>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/flight/point_mass.h"
+#include "point_mass.h"
 
-#include "gyrobudget/earth/attitude.h"
-#include "gyrobudget/earth/frames.h"
-#include "gyrobudget/flight/detail/dynamics.h"
+#include "gyrobudget/vehicle/earth/attitude.h"
+#include "gyrobudget/vehicle/earth/frames.h"
+#include "gyrobudget/vehicle/flight/detail/dynamics.h"
 
 #include <boost/numeric/odeint/algebra/vector_space_algebra.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta4.hpp>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/flight/vehicle.h"
+#include "vehicle.h"
 
-#include "gyrobudget/flight/detail/burn.h"
+#include "gyrobudget/vehicle/flight/detail/burn.h"
 
 #include <fmt/core.h>
 
@@ -25,14 +25,14 @@ void positive(double value, std::string_view number, const char* what, const cha
 void not_negative(double value, std::string_view number, const char* what, const char* unit) {
   require(value >= 0, number, what, value, "zero or more", unit);
 }
-void positive(const Table& table, std::string_view number, const char* what, const char* unit) {
+void positive(const LookupTable& table, std::string_view number, const char* what, const char* unit) {
   positive(table.range().first, number, what, unit);
 }
 void finite(double value, std::string_view number, const char* what, const char* unit) {
   require(true, number, what, value, "finite", unit);
 }
 
-void check_thrust_shape(const Table& shape) {
+void check_thrust_shape(const LookupTable& shape) {
   constexpr std::string_view kNumber = "thrust_shape";
   not_negative(shape.range().first, kNumber, "least value of the thrust shape", "");
   const double first = shape.points().front().first;
@@ -100,10 +100,10 @@ Vehicle vlm1() {
   v.burn_time = 83;
   v.specific_impulse = 277;
   v.thrust_shape =
-      Table::linear({{0, 1.05}, {0.02, 1.10}, {0.25, 1.22}, {0.5, 1.12}, {0.75, 0.92}, {0.93, 0.75}, {1, 0}});
+      LookupTable::linear({{0, 1.05}, {0.02, 1.10}, {0.25, 1.22}, {0.5, 1.12}, {0.75, 0.92}, {0.93, 0.75}, {1, 0}});
   v.exit_area = 0.35;
   v.reference_area = std::numbers::pi / 4 * diameter * diameter;
-  v.axial_drag = Table::smooth({{0, 0.30},
+  v.axial_drag = LookupTable::smooth({{0, 0.30},
                                 {0.8, 0.33},
                                 {0.95, 0.42},
                                 {1.05, 0.55},
@@ -114,9 +114,9 @@ Vehicle vlm1() {
                                 {5, 0.25}});
   v.normal_force_slope = 2.8;
   v.pressure_ahead = 3;
-  v.centre_of_mass = Table::linear({{0, 7}, {1, 10}});
-  v.roll_inertia = Table::linear({{0, 7.1e3}, {1, 4.2e3}});
-  v.pitch_inertia = Table::linear({{0, 4.2e5}, {1, 2.0e5}});
+  v.centre_of_mass = LookupTable::linear({{0, 7}, {1, 10}});
+  v.roll_inertia = LookupTable::linear({{0, 7.1e3}, {1, 4.2e3}});
+  v.pitch_inertia = LookupTable::linear({{0, 4.2e5}, {1, 2.0e5}});
   v.yaw_inertia = v.pitch_inertia;
   v.imu_station = 16;
   v.actuator.delay = 0.01;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/earth/ellipsoid.h"
-#include "gyrobudget/flight/table.h"
+#include "gyrobudget/vehicle/earth/ellipsoid.h"
+#include "lookup_table.h"
 
 #include <optional>
 #include <span>
@@ -29,7 +29,7 @@ struct Actuator {
 /// F_gimbal is the nozzle's lateral force and m the vehicle's mass as generalised mass. The IMU is turned by
 /// slope_at_imu e against the rigid body; what the mode shifts it by is left out.
 struct Bending {
-  Table frequency = Table::linear({{0, 6}, {1, 8}});  ///< over burn fraction [Hz]
+  LookupTable frequency = LookupTable::linear({{0, 6}, {1, 8}});  ///< over burn fraction [Hz]
   double damping = 0.005;
   double gimbal_deflection = 2;
   /// [rad/m]; positive where a force that pitches the body up turns the IMU up with the mode, as near the
@@ -52,16 +52,16 @@ struct Vehicle {
   double propellant = 0;        ///< of this stage [kg]
   double burn_time = 0;         ///< [s]
   double specific_impulse = 0;  ///< in vacuum [s]
-  Table thrust_shape = 1;     ///< over burn fraction; only its shape counts, its mean over 0 to 1 is set to 1
+  LookupTable thrust_shape = 1;     ///< over burn fraction; only its shape counts, its mean over 0 to 1 is set to 1
   double exit_area = 0;       ///< [m^2]
   double reference_area = 0;  ///< of the aerodynamic coefficients [m^2]
-  Table axial_drag = 0;       ///< coefficient by Mach number
+  LookupTable axial_drag = 0;       ///< coefficient by Mach number
   double normal_force_slope = 0;  ///< [1/rad]
   double pressure_ahead = 0;      ///< centre of pressure ahead of centre of mass [m]
-  Table centre_of_mass = 0;       ///< station over propellant fraction: the gimbal's arm [m]
-  Table roll_inertia = 1;         ///< principal moments over propellant fraction [kg m^2]
-  Table pitch_inertia = 1;
-  Table yaw_inertia = 1;
+  LookupTable centre_of_mass = 0;       ///< station over propellant fraction: the gimbal's arm [m]
+  LookupTable roll_inertia = 1;         ///< principal moments over propellant fraction [kg m^2]
+  LookupTable pitch_inertia = 1;
+  LookupTable yaw_inertia = 1;
   double imu_station = 0;  ///< [m]
   Actuator actuator;
   double roll_moment_limit = 0;    ///< of the roll control [N m]

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/fit/detail/dst.h"
+#include "dst.h"
 
 #include "gyrobudget/noise/fft.h"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/fit/detail/gls.h"
+#include "gls.h"
 
 #include <algorithm>
 #include <cmath>

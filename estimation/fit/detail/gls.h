@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/fit/detail/profile.h"
+#include "profile.h"
 
 #include <functional>
 #include <optional>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/fit/detail/profile.h"
-#include "gyrobudget/fit/fit.h"
+#include "profile.h"
+#include "gyrobudget/estimation/fit/fit.h"
 
 #include <span>
 #include <vector>

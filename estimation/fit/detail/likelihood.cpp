@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/fit/detail/likelihood.h"
+#include "likelihood.h"
 
-#include "gyrobudget/fit/detail/dst.h"
+#include "dst.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/fit/detail/profile.h"
+#include "profile.h"
 
 #include <boost/math/tools/roots.hpp>
 

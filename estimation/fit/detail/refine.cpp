@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/fit/detail/refine.h"
+#include "refine.h"
 
 #include <ceres/ceres.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/fit/detail/transformed.h"
+#include "transformed.h"
 
-#include "gyrobudget/fit/detail/dst.h"
+#include "dst.h"
 #include "gyrobudget/noise/fft.h"
 
 #include <algorithm>

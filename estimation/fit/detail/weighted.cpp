@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/fit/detail/weighted.h"
+#include "weighted.h"
 
 #include <cmath>
 #include <limits>

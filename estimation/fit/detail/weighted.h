@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/fit/detail/gls.h"
+#include "gls.h"
 
 namespace gyrobudget::inline v0::fit {
 

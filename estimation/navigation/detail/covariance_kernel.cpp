@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Four rows at a time in vectors of the compiler, which become two or one registers: no target is named
 // outside the two functions at the end, and of Eigen nothing but data() is called, so no code for AVX2 leaks.
-#include "gyrobudget/navigation/detail/covariance_kernel.h"
+#include "covariance_kernel.h"
 
 #define GYROBUDGET_INLINE inline __attribute__((always_inline))
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/navigation/error_state.h"
+#include "gyrobudget/estimation/navigation/error_state.h"
 
 namespace gyrobudget::inline v0::navigation::detail {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fix_track.h"
 
-#include "gyrobudget/earth/frames.h"
+#include "gyrobudget/vehicle/earth/frames.h"
 
 #include <fmt/format.h>
 

@@ -2,8 +2,8 @@
 // Inside navigation: the fixes of one aid as a function of time.
 #pragma once
 
-#include "gyrobudget/navigation/recording.h"
-#include "gyrobudget/navigation/scenario.h"
+#include "gyrobudget/estimation/navigation/recording.h"
+#include "gyrobudget/estimation/navigation/scenario.h"
 
 #include <optional>
 

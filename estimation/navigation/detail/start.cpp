@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "start.h"
 
-#include "gyrobudget/earth/attitude.h"
-#include "gyrobudget/earth/frames.h"
-#include "gyrobudget/earth/gravity.h"
-#include "gyrobudget/navigation/alignment.h"
-#include "gyrobudget/navigation/budget.h"
+#include "gyrobudget/vehicle/earth/attitude.h"
+#include "gyrobudget/vehicle/earth/frames.h"
+#include "gyrobudget/vehicle/earth/gravity.h"
+#include "gyrobudget/estimation/navigation/alignment.h"
+#include "gyrobudget/estimation/navigation/planned_fix.h"
 
 #include <fmt/format.h>
 
@@ -126,7 +126,7 @@ std::variant<NoStart, AtRest> align_at_rest(const Scenario& scenario, const Reco
   const Piece piece = piece_of(recording, span);
   constexpr std::size_t kFewest = 12;
   if (piece.increments.size() < kFewest)
-    return NoStart{Run::Status::no_start,
+    return NoStart{Navigation::Status::no_start,
                    fmt::format("{} IMU samples from {:g} s to {:g} s, the alignment needs {}",
                                piece.increments.size(), span.from, span.to, kFewest)};
   AlignmentOptions options;
@@ -148,7 +148,7 @@ std::variant<NoStart, AtRest> align_at_rest(const Scenario& scenario, const Reco
   const double may_err = kAnomaly * gravity + kSigmas * of_sensor;
   if (!(std::abs(force - gravity) < may_err)) {
     return NoStart{
-        Run::Status::not_at_rest,
+        Navigation::Status::not_at_rest,
         fmt::format(
             "over the {:g} s of the alignment the mean specific force is {:.5f} m/s^2 and gravity {:.5f}, "
             "more apart than the {:.2g} m/s^2 that this sensor may be off at rest; look at units and "
@@ -157,7 +157,7 @@ std::variant<NoStart, AtRest> align_at_rest(const Scenario& scenario, const Reco
   }
   if (!found.q_nb)
     return NoStart{
-        Run::Status::heading_not_observable,
+        Navigation::Status::heading_not_observable,
         found.message + " The alignment takes heading and heading_sigma, or the attitude of an aid."};
   AtRest result{*found.q_nb, found.covariance, {}, found.message};
   const StepInput over{span.to - span.from, p_eb_e, Matrix3d::Identity(), found.means.w_ib_b,
@@ -266,7 +266,7 @@ class Starter {
     } else if (const auto found = fix(plan_.position)) {
       state().p_eb_e = found->value;
     } else {
-      return NoStart{Run::Status::no_start,
+      return NoStart{Navigation::Status::no_start,
                      "the aid that gives the position has no fix where the alignment ends"};
     }
     axes_ = axes_at(state().p_eb_e);
@@ -292,7 +292,7 @@ class Starter {
         q_nb = found->q_nb;
         sigma = total_sigma(aid_of(plan_.attitude)).maxCoeff();
       } else {
-        return NoStart{Run::Status::no_start,
+        return NoStart{Navigation::Status::no_start,
                        "the aid that gives the attitude has no fix where the alignment ends"};
       }
       const double level = plan_.level_sigma.value_or(sigma);
@@ -310,7 +310,7 @@ class Starter {
       state().v_eb_e =
           axes_.C_ned * found->value - state().q_eb * w_eb_b_.cross(aid_of(plan_.velocity).lever_arm);
     } else {
-      return NoStart{Run::Status::no_start,
+      return NoStart{Navigation::Status::no_start,
                      "the aid that gives the velocity has no fix where the alignment ends"};
     }
     return std::nullopt;
@@ -353,7 +353,7 @@ class Starter {
   }
 
   void covariance() {
-    const Timeline::Instant at = instant();
+    const Instant at = instant();
     if (is_the_aids(plan_.attitude, plan_.level_sigma || plan_.heading_sigma)) {
       const StartFromFix from = start_from(
           {0, AttitudeFix{state().q_eb, aid_of(plan_.attitude).sigma, number(plan_.attitude)}}, at, model_);
@@ -395,7 +395,7 @@ class Starter {
     result_.result.covariance = result_.P0.topLeftCorner<kCoreStates, kCoreStates>();
   }
 
-  [[nodiscard]] Timeline::Instant instant() {
+  [[nodiscard]] Instant instant() {
     const Vector3d coriolis = 2 * Vector3d(0, 0, earth::wgs84::kEarthRate).cross(state().v_eb_e);
     return {state(), w_eb_b_, state().q_eb * f_ib_b_ + earth::normal_gravity(state().p_eb_e) - coriolis};
   }
@@ -435,12 +435,12 @@ std::variant<NoStart, Span> start_span(const Scenario& scenario, const ImuLog& i
   wait_for(from_aid(a.velocity));
   wait_for(from_aid(a.position));
   if (!missing.empty())
-    return NoStart{Run::Status::no_start,
+    return NoStart{Navigation::Status::no_start,
                    fmt::format("{} has no fix from {:g} s on, which the alignment needs", missing, from)};
   const auto* self = std::get_if<SelfAlignment>(&a.attitude);
   const double end = std::min(scenario.until, log_end(imu, origin));
   if (from >= end)
-    return NoStart{Run::Status::no_start,
+    return NoStart{Navigation::Status::no_start,
                    fmt::format("the alignment starts at {:g} s, where the log ends at {:g} s", from, end)};
   const Span span{from, self != nullptr ? std::min(from + self->duration, end) : from};
   return span;

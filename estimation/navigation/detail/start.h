@@ -2,8 +2,8 @@
 // Inside navigation: from a scene's alignment to the filter's start.
 #pragma once
 
-#include "gyrobudget/navigation/detail/fix_track.h"
-#include "gyrobudget/navigation/run.h"
+#include "fix_track.h"
+#include "gyrobudget/estimation/navigation/navigate.h"
 
 #include <variant>
 
@@ -11,7 +11,7 @@ namespace gyrobudget::inline v0::navigation::detail {
 
 /// Why there is no start.
 struct NoStart {
-  Run::Status status;
+  Navigation::Status status;
   std::string why;
 };
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
-#include <gyrobudget/earth/frames.h>
-#include <gyrobudget/earth/gravity.h>
-#include <gyrobudget/earth/gravity_model.h>
-#include <gyrobudget/earth/paths.h>
-#include <gyrobudget/earth/sampled.h>
-#include <gyrobudget/earth/site.h>
+#include <gyrobudget/vehicle/earth/frames.h>
+#include <gyrobudget/vehicle/earth/gravity.h>
+#include <gyrobudget/vehicle/earth/gravity_model.h>
+#include <gyrobudget/vehicle/earth/paths.h>
+#include <gyrobudget/vehicle/earth/sampled.h>
+#include <gyrobudget/vehicle/earth/site.h>
 
 #include <cmath>
 #include <cstdio>

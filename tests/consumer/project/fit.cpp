@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include <gyrobudget/allan/factors.h>
-#include <gyrobudget/fit/fit.h>
+#include <gyrobudget/estimation/fit/fit.h>
 #include <gyrobudget/noise/generate.h>
 
 #include <array>

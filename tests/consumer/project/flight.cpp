@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-#include <gyrobudget/flight/fly.h>
-#include <gyrobudget/flight/margins.h>
+#include <gyrobudget/vehicle/flight/fly.h>
+#include <gyrobudget/vehicle/flight/margins.h>
 
 #include <cstdio>
 

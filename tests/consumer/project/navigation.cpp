@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include <gyrobudget/earth/paths.h>
-#include <gyrobudget/navigation/alignment.h>
-#include <gyrobudget/navigation/strapdown.h>
+#include <gyrobudget/vehicle/earth/paths.h>
+#include <gyrobudget/estimation/navigation/alignment.h>
+#include <gyrobudget/estimation/navigation/strapdown.h>
 
 #include <cstdio>
 

@@ -4,7 +4,7 @@
 #include <gyrobudget/allan/deviation.h>
 #include <gyrobudget/allan/factors.h>
 #include <gyrobudget/noise/generate.h>
-#include <gyrobudget/version.h>
+#include <gyrobudget/noise/version.h>
 
 #include <array>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/earth/detail/check.h"
+#include "check.h"
 
 #include <fmt/core.h>
 

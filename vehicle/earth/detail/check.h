@@ -2,7 +2,7 @@
 // Options are checked in one voice: what, its value, its limit, its unit. All throw std::invalid_argument.
 #pragma once
 
-#include "gyrobudget/earth/ellipsoid.h"
+#include "gyrobudget/vehicle/earth/ellipsoid.h"
 
 #include <string_view>
 

@@ -2,7 +2,7 @@
 // The actuator in closed form over an interval with a constant command.
 #pragma once
 
-#include "gyrobudget/flight/vehicle.h"
+#include "gyrobudget/vehicle/flight/vehicle.h"
 
 #include <cmath>
 #include <numbers>

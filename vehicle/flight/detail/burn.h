@@ -3,7 +3,7 @@
 // is integrated numerically.
 #pragma once
 
-#include "gyrobudget/flight/vehicle.h"
+#include "gyrobudget/vehicle/flight/vehicle.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -40,11 +40,11 @@ class Burn {
   }
   [[nodiscard]] Now at(double t, const Piece& piece) const {
     const double fraction = std::clamp(t, 0.0, end_) / v_.burn_time;
-    const Table::Jet shape = v_.thrust_shape.at(fraction, piece.shape);
+    const LookupTable::Jet shape = v_.thrust_shape.at(fraction, piece.shape);
     const double flow = piece.burning ? shape.value * rate_ : 0;  // of the propellant fraction [1/s]
     const double flow_rate = piece.burning ? shape.first * rate_ / v_.burn_time : 0;
     const double used = v_.thrust_shape.integral(fraction, piece.shape) * rate_ * v_.burn_time;
-    const Table::Jet cm = v_.centre_of_mass.at(std::min(used, 1 - 1e-15));
+    const LookupTable::Jet cm = v_.centre_of_mass.at(std::min(used, 1 - 1e-15));
     return {used,
             flow,
             v_.lift_off_mass - v_.propellant * used,

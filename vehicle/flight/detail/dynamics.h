@@ -2,12 +2,12 @@
 // The equations of motion, for body.cpp alone.
 #pragma once
 
-#include "gyrobudget/earth/attitude.h"
-#include "gyrobudget/earth/frames.h"
-#include "gyrobudget/earth/gravity.h"
-#include "gyrobudget/flight/body.h"
-#include "gyrobudget/flight/detail/burn.h"
-#include "gyrobudget/flight/detail/height.h"
+#include "gyrobudget/vehicle/earth/attitude.h"
+#include "gyrobudget/vehicle/earth/frames.h"
+#include "gyrobudget/vehicle/earth/gravity.h"
+#include "gyrobudget/vehicle/flight/body.h"
+#include "burn.h"
+#include "height.h"
 
 #include <cmath>
 #include <cstddef>

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+#include "fixes_file.h"
+
+#include "gyrobudget/vehicle/earth/ellipsoid.h"
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <map>
+
+namespace gyrobudget::inline v0::files {
+namespace {
+
+using navigation::Aid;
+using navigation::Fix;
+
+std::string_view header(Aid::Kind kind) {
+  switch (kind) {
+    case Aid::Kind::position:
+      return ",latitude (deg),longitude (deg),height (m)";
+    case Aid::Kind::velocity:
+      return ",velocity_north (m/s),velocity_east (m/s),velocity_down (m/s)";
+    case Aid::Kind::height:
+      return ",height (m)";
+    case Aid::Kind::attitude:
+      return ",q_w (1),q_x (1),q_y (1),q_z (1)";
+    default:
+      return "";
+  }
+}
+
+std::string_view empty_cells(Aid::Kind kind) {
+  return kind == Aid::Kind::height ? "," : kind == Aid::Kind::attitude ? ",,,," : ",,,";
+}
+
+std::string cells(Aid::Kind kind, const Fix& fix) {
+  switch (kind) {
+    case Aid::Kind::position: {
+      const earth::Geodetic at = earth::to_geodetic(fix.value);
+      return fmt::format(",{:.11f},{:.11f},{:.6f}", at.latitude / earth::kDegree,
+                         at.longitude / earth::kDegree, at.height);
+    }
+    case Aid::Kind::velocity:
+      return fmt::format(",{:.9g},{:.9g},{:.9g}", fix.value[0], fix.value[1], fix.value[2]);
+    case Aid::Kind::height:
+      return fmt::format(",{:.6f}", fix.value[0]);
+    default: {
+      const double sign = fix.q_nb.w() < 0 ? -1 : 1;
+      return fmt::format(",{:.12f},{:.12f},{:.12f},{:.12f}", sign * fix.q_nb.w(), sign * fix.q_nb.x(),
+                         sign * fix.q_nb.y(), sign * fix.q_nb.z());
+    }
+  }
+}
+
+}  // namespace
+
+std::string fixes_csv(const DeviceFixes& device) {
+  const std::size_t kinds = device.kinds.size();
+  std::map<std::int64_t, std::vector<const Fix*>> rows;
+  for (std::size_t k = 0; k < kinds; ++k)
+    for (const Fix& fix : device.fixes[k]) {
+      auto& row = rows[fix.stamp];
+      row.resize(kinds, nullptr);
+      row[k] = &fix;
+    }
+  std::string out = "time (s)";
+  for (const auto kind : device.kinds) out += header(kind);
+  out += "\n";
+  for (const auto& [stamp, row] : rows) {
+    out += fmt::format("{:.9f}", static_cast<double>(stamp) * 1e-9);
+    for (std::size_t k = 0; k < kinds; ++k)
+      out += row[k] != nullptr ? cells(device.kinds[k], *row[k]) : std::string(empty_cells(device.kinds[k]));
+    out += "\n";
+  }
+  return out;
+}
+
+}  // namespace gyrobudget::inline v0::files

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: MIT
+// Inside io: which columns of a log are time and which are data, and in what units.
+#pragma once
+
+#include "layout.h"
+#include "log.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace gyrobudget::inline v0::log {
+
+/// A column that is (a part of) the time stamp; a stamp is the sum of its parts (secs and nsecs).
+struct StampColumn {
+  std::size_t index = 0;
+  std::int64_t ns_per_unit = 1;
+};
+
+struct DataColumn {
+  std::size_t index = 0;
+  std::string name;
+  noise::Signal signal = noise::Signal::angular_rate;
+  double to_si = 1;  ///< number in the file * to_si is SI, the scale included
+};
+
+struct Choice {
+  std::vector<StampColumn> stamps;  ///< empty: no time column, the rate is given
+  std::string time_name;            ///< of the (first) time column
+  std::vector<DataColumn> data;
+  std::vector<std::string> notes;  ///< what was taken for what, and what was left out
+};
+
+/// Chooses by names, units, the options and the numbers of the first rows. Nothing is guessed: a column whose unit or
+/// a log whose rate cannot be told is an error.
+/// @throws InputError, and std::invalid_argument for options that are wrong with any log (an unknown --unit).
+[[nodiscard]] Choice choose_columns(const std::string& source, const Layout&, const LogOptions&);
+
+}  // namespace gyrobudget::inline v0::log

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// Inside io: how the text of a log is laid out, found from its first lines.
+#pragma once
+
+#include "bytes.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gyrobudget::inline v0::log {
+
+/// How a row is cut into cells.
+struct Dialect {
+  char delimiter = ',';        ///< ' ' stands for any run of blanks and tabs
+  bool decimal_comma = false;  ///< 0,5 is a half
+};
+
+enum class LineKind { blank, comment, data };
+/// A line without its '\n'. Comments start with #, % or //.
+[[nodiscard]] LineKind kind_of(std::string_view line);
+
+/// The cells of a row, trimmed.
+[[nodiscard]] std::vector<std::string_view> split(std::string_view line, char delimiter);
+
+/// A name in the header: `gyro_x (deg/s)` has the unit "deg/s"; without brackets at its end it has none.
+struct Heading {
+  std::string name;
+  std::string unit;
+  std::int64_t column = 1;  ///< where it stands in its line, from 1
+};
+
+struct Layout {
+  Dialect dialect;
+  std::size_t columns = 0;
+  std::vector<Heading> headings;                      ///< one for each column, or empty
+  std::int64_t heading_line = 0;                      ///< its number, from 1; 0 without header
+  std::size_t body = 0;                               ///< where the first row starts in the text
+  std::int64_t body_line = 0;                         ///< its number, from 1
+  std::vector<std::vector<std::string_view>> sample;  ///< the cells of the first rows
+};
+
+/// Finds delimiter, decimal mark, header and units. The header is a first line without numbers, or the comment line
+/// just above the rows that has as many cells; a line of units may follow it.
+/// @throws InputError where there are no rows, or where commas may be delimiters and decimal marks alike.
+[[nodiscard]] Layout read_layout(const Bytes&);
+
+}  // namespace gyrobudget::inline v0::log

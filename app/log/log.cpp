@@ -1,0 +1,347 @@
+// SPDX-License-Identifier: MIT
+#include "log.h"
+
+#include "binary.h"
+#include "columns.h"
+#include "grid.h"
+#include "layout.h"
+#include "resample.h"
+#include "segments.h"
+#include "bytes.h"
+#include "table.h"
+
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+
+namespace gyrobudget::inline v0::log {
+namespace {
+
+void check(const LogOptions& options) {
+  if (options.rate_hz && !(std::isfinite(*options.rate_hz) && *options.rate_hz > 0)) {
+    throw std::invalid_argument(
+        fmt::format("rate_hz is {} Hz; it must be above 0 and finite", *options.rate_hz));
+  }
+  if (!std::isfinite(options.scale) || options.scale == 0) {
+    throw std::invalid_argument(fmt::format("scale is {}; it must be finite and not 0", options.scale));
+  }
+  if (options.resample_hz && !(std::isfinite(*options.resample_hz) && *options.resample_hz > 0)) {
+    throw std::invalid_argument(
+        fmt::format("resample_hz is {} Hz; it must be above 0 and finite", *options.resample_hz));
+  }
+  if (options.file_columns < 1) {
+    throw std::invalid_argument(
+        fmt::format("file_columns is {}; it must be at least 1", options.file_columns));
+  }
+}
+
+/// n angles give n - 1 rates.
+std::int64_t fewest_rows(Input input) { return input == Input::angle ? 3 : 2; }
+
+void check_length(const std::string& source, std::int64_t found, Input input, std::string_view what,
+                  std::string_view where) {
+  if (found >= fewest_rows(input)) return;
+  text::fail(source, fmt::format("holds {} {}{}{}, expected at least {}; record longer: a datasheet needs hours",
+                           found, what, found == 1 ? "" : "s", where, fewest_rows(input)));
+}
+
+std::int64_t count_numbers(const std::vector<double>& values) {
+  return std::ranges::count_if(values, [](double v) { return !std::isnan(v); });
+}
+
+// --- From what the file holds to rates -----------------------------------------------------------------------------
+
+/// Unwraps an angle that is kept within one turn. @returns how often it went round
+std::int64_t unwrap(std::vector<double>& angle) {
+  constexpr double kTurn = 2 * std::numbers::pi;
+  constexpr double kRounding = 1e-6;
+  double least = HUGE_VAL, most = -HUGE_VAL;
+  for (const double a : angle) {
+    least = std::fmin(least, a);
+    most = std::fmax(most, a);
+  }
+  if (most - least > kTurn * (1 + kRounding)) return 0;
+  std::int64_t turns = 0;
+  double offset = 0;
+  double before = std::numeric_limits<double>::quiet_NaN();
+  for (double& a : angle) {
+    const double step = a - before;  // NaN at the start and behind a gap: no turn can be told
+    if (std::abs(step) > kTurn / 2) {
+      offset -= std::copysign(kTurn, step);
+      ++turns;
+    }
+    before = a;
+    a += offset;
+  }
+  return turns;
+}
+
+/// @returns how often an angle was unwrapped
+std::int64_t to_rate(std::vector<double>& values, Input input, noise::Signal signal, double rate_hz) {
+  if (input == Input::increment) {
+    for (double& v : values) v *= rate_hz;
+  }
+  if (input != Input::angle) return 0;
+  const std::int64_t turns = signal == noise::Signal::angular_rate ? unwrap(values) : 0;
+  for (std::size_t i = 0; i + 1 < values.size(); ++i) values[i] = (values[i + 1] - values[i]) * rate_hz;
+  values.pop_back();
+  return turns;
+}
+
+/// Grid points at which any axis has no number.
+std::int64_t count_missing(const allan::Record& record) {
+  using Range = tbb::blocked_range<std::size_t>;
+  const auto in_range = [&](const Range& range, std::int64_t sum) {
+    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+      bool missing = false;
+      for (const allan::Axis& axis : record.axes) missing |= std::isnan(axis.rate[i]);
+      sum += missing ? 1 : 0;
+    }
+    return sum;
+  };
+  return tbb::parallel_reduce(Range(0, static_cast<std::size_t>(record.samples)), std::int64_t{0}, in_range,
+                              std::plus<>());
+}
+
+void append(std::vector<std::string>& notes, std::vector<std::string> more) {
+  std::ranges::move(more, std::back_inserter(notes));
+}
+
+/// Notes on how the text was read, where it was not the obvious way.
+std::vector<std::string> notes_on_text(const Bytes& source, const Layout& layout, const Table& table) {
+  std::vector<std::string> notes;
+  if (source.unpacked()) notes.emplace_back("gzip was unpacked into memory");
+  if (layout.dialect.decimal_comma) notes.emplace_back("commas are read as decimal marks");
+  if (table.inner_blank > 0)
+    notes.push_back(fmt::format("{} blank lines among the rows are skipped", table.inner_blank));
+  return notes;
+}
+
+/// Rows that become one record.
+struct Piece {
+  Stretch rows;
+  std::int64_t line = 1;  ///< of its first row
+  Grid grid;
+  std::optional<Resampler> resampler;
+};
+
+/// Columns of numbers, read but not yet rates.
+struct Raw {
+  std::string source;
+  Choice choice;
+  Table table;
+  std::vector<Piece> pieces;
+  std::vector<std::string> notes;
+};
+
+using LineOfRow = std::function<std::int64_t(std::size_t)>;
+
+void place_on_grid(Piece& piece, std::vector<std::int64_t> stamps, const Raw& raw,
+                   const LineOfRow& line_of_row, const LogOptions& options) {
+  piece.line = line_of_row(piece.rows.first);
+  if (stamps.empty()) {
+    piece.grid = {*options.rate_hz, static_cast<std::int64_t>(piece.rows.rows), {}, {}};
+    return;
+  }
+  const TimeColumn column{raw.source, raw.choice.time_name,
+                          [&](std::size_t row) { return line_of_row(piece.rows.first + row); }};
+  if (options.resample_hz) {
+    const Resampler& by =
+        piece.resampler.emplace(std::move(stamps), *options.resample_hz, options.input, column);
+    piece.grid = {by.rate_hz(), by.cells(), {}, {by.note()}};
+    return;
+  }
+  piece.grid = make_grid(stamps, options.rate_hz, column);
+}
+
+std::string length_text(double seconds) {
+  if (seconds >= 3600) return fmt::format("{:.3g} h", seconds / 3600);
+  return seconds >= 120 ? fmt::format("{:.3g} min", seconds / 60) : fmt::format("{:.3g} s", seconds);
+}
+
+Stretches cut_or_fail(const Raw& raw, const LogOptions& options, double longest_gap_s) {
+  Stretches cuts = cut(raw.table, options.rate_hz.value_or(1), longest_gap_s);
+  if (!cuts.kept.empty()) return cuts;
+  text::fail(raw.source,
+       fmt::format(
+           "no segment without a gap above {:g} s has {} rows (the longest has {}); give --segments a gap "
+           "longer than the sample interval and the short gaps that may stay",
+           longest_gap_s, kFewestRows, cuts.longest_rows));
+}
+
+/// The pieces of the table, each on its grid: the whole, or what is left between long gaps.
+void arrange(Raw& raw, const LineOfRow& line_of_row, const LogOptions& options,
+             std::optional<double> longest_gap_s) {
+  if (options.resample_hz && raw.choice.stamps.empty())
+    text::fail(raw.source, "has no time column, which resampling needs; leave out --resample");
+  if (!longest_gap_s) {
+    Piece& whole = raw.pieces.emplace_back();
+    whole.rows.rows = raw.table.rows;
+    place_on_grid(whole, std::exchange(raw.table.stamps, {}), raw, line_of_row, options);
+    append(raw.notes, std::move(raw.choice.notes));
+    append(raw.notes, std::exchange(whole.grid.notes, {}));
+    return;
+  }
+  const Stretches cuts = cut_or_fail(raw, options, *longest_gap_s);
+  std::vector<std::string> lengths;
+  for (const Stretch& stretch : cuts.kept) {
+    Piece& piece = raw.pieces.emplace_back();
+    piece.rows = stretch;
+    std::vector<std::int64_t> stamps;
+    if (!raw.table.stamps.empty()) {
+      const auto first = raw.table.stamps.begin() + static_cast<std::ptrdiff_t>(stretch.first);
+      stamps.assign(first, first + static_cast<std::ptrdiff_t>(stretch.rows));
+    }
+    place_on_grid(piece, std::move(stamps), raw, line_of_row, options);
+    lengths.push_back(length_text(static_cast<double>(piece.grid.points) / piece.grid.rate_hz));
+  }
+  append(raw.notes, std::move(raw.choice.notes));
+  raw.notes.push_back(describe(cuts, lengths, *longest_gap_s));
+}
+
+Raw read_text(const LogOptions& options, std::optional<double> longest_gap_s) {
+  const Bytes source(options.path);
+  const Layout layout = read_layout(source);
+  Raw raw{source.name(), choose_columns(source.name(), layout, options), {}, {}, {}};
+  const TableReader reader(source, layout, options.chunk_bytes);
+  raw.table = reader.read(raw.choice);
+  check_length(raw.source, static_cast<std::int64_t>(raw.table.rows), options.input, "sample", "");
+  raw.notes = notes_on_text(source, layout, raw.table);
+  arrange(
+      raw, [&](std::size_t row) { return reader.line_of_row(row); }, options, longest_gap_s);
+  return raw;
+}
+
+Raw read_binary(const LogOptions& options, Format format, std::optional<double> longest_gap_s) {
+  const Bytes source(options.path, Content::bytes);
+  const std::string_view bytes = source.text();
+  const BinaryLayout layout = binary_layout(source.name(), bytes, format, options.file_columns);
+  const std::string_view body = bytes.substr(layout.offset);
+  const std::int64_t rows = count_rows(source.name(), layout, body.size());
+  check_length(source.name(), rows, options.input, "sample", "");
+  Raw raw{source.name(), choose_binary_columns(source.name(), layout, options), {}, {}, {}};
+  raw.table.rows = static_cast<std::size_t>(rows);
+  raw.table.complete = false;
+  raw.table.numbers.assign(raw.choice.data.size(), std::vector<double>(raw.table.rows));
+  decode(body, layout, raw.choice,
+         std::vector<std::span<double>>(raw.table.numbers.begin(), raw.table.numbers.end()));
+  arrange(
+      raw, [](std::size_t row) { return static_cast<std::int64_t>(row) + 1; }, options, longest_gap_s);
+  return raw;
+}
+
+Raw read_raw(const LogOptions& options, std::optional<double> longest_gap_s) {
+  check(options);
+  const Format format = options.format.value_or(format_of(options.path));
+  return format == Format::csv ? read_text(options, longest_gap_s)
+                               : read_binary(options, format, longest_gap_s);
+}
+
+/// The values of a column in the rows of a piece; the only piece takes them all.
+std::vector<double> take(std::vector<double>& column, const Piece& piece) {
+  if (piece.rows.rows == column.size()) return std::move(column);
+  const auto first = column.begin() + static_cast<std::ptrdiff_t>(piece.rows.first);
+  return {first, first + static_cast<std::ptrdiff_t>(piece.rows.rows)};
+}
+
+/// How often an angle was unwrapped, and how many numbers there were, of each column.
+struct Counts {
+  std::vector<std::int64_t> turns, numbers;
+};
+
+allan::Record to_record(Raw& raw, const Piece& piece, Input input, Counts& counts) {
+  const std::size_t axes = raw.choice.data.size();
+  const bool complete = raw.table.complete && piece.grid.places.empty() && !piece.resampler;
+  allan::Record record;
+  record.source = raw.source;
+  record.rate_hz = piece.grid.rate_hz;
+  record.start_s = piece.rows.start_s;
+  record.first_row = piece.line;
+  record.axes.resize(axes);
+  tbb::parallel_for(std::size_t{0}, axes, [&](std::size_t i) {
+    const DataColumn& column = raw.choice.data[i];
+    std::vector<double> values = take(raw.table.numbers[i], piece);
+    if (piece.resampler) {
+      if (input == Input::angle && column.signal == noise::Signal::angular_rate)
+        counts.turns[i] += unwrap(values);
+      values = (*piece.resampler)(values);
+      counts.numbers[i] += count_numbers(values);
+    } else {
+      put_on_grid(piece.grid, values);
+      counts.numbers[i] += complete ? static_cast<std::int64_t>(piece.rows.rows) : count_numbers(values);
+      counts.turns[i] += to_rate(values, input, column.signal, piece.grid.rate_hz);
+    }
+    record.axes[i] = {column.name, column.signal, std::move(values)};
+  });
+  record.samples = static_cast<std::int64_t>(record.axes.front().rate.size());
+  record.missing_samples = complete ? 0 : count_missing(record);
+  return record;
+}
+
+std::vector<allan::Record> to_records(Raw raw, Input input) {
+  const std::size_t axes = raw.choice.data.size();
+  Counts counts{std::vector<std::int64_t>(axes), std::vector<std::int64_t>(axes)};
+  std::vector<allan::Record> records;
+  for (Piece& piece : raw.pieces) records.push_back(to_record(raw, piece, input, counts));
+  for (std::size_t i = 0; i < axes; ++i) {
+    const DataColumn& column = raw.choice.data[i];
+    check_length(raw.source, counts.numbers[i], input, "number", " in column " + text::quoted(column.name));
+    if (counts.turns[i] > 0)
+      raw.notes.push_back(fmt::format("{} is unwrapped {} times", text::quoted(column.name), counts.turns[i]));
+  }
+  records.front().notes = std::move(raw.notes);
+  return records;
+}
+
+/// Gives all segments the rate of the longest, which is known best. Their own notes follow, marked.
+void share_rate(std::vector<allan::Record>& records, const std::vector<Grid>& grids, bool resampled) {
+  const auto longest = std::ranges::max_element(records, {}, &allan::Record::samples) - records.begin();
+  const double rate = records[static_cast<std::size_t>(longest)].rate_hz;
+  const auto name = [](std::size_t i) { return fmt::format("segment {}", i + 1); };
+  for (std::size_t i = 0; i < records.size(); ++i) {
+    allan::Record& record = records[i];
+    if (std::abs(record.rate_hz / rate - 1) > kRateTolerance) {
+      text::fail(record.source,
+           fmt::format("the time of {} (from line {}) says {:.6g} Hz, that of {} {:.6g} Hz; segments "
+                       "must have one rate: cut the log there",
+                       name(i), record.first_row, record.rate_hz, name(static_cast<std::size_t>(longest)),
+                       rate));
+    }
+    record.rate_hz = rate;
+    const bool first_is_rate = !resampled;  // the rate of each is of no interest, but that of the longest
+    for (std::size_t k = 0; k < grids[i].notes.size(); ++k) {
+      if (k > 0 || !first_is_rate || i == static_cast<std::size_t>(longest))
+        record.notes.push_back(fmt::format("{}: {}", name(i), grids[i].notes[k]));
+    }
+  }
+}
+
+}  // namespace
+
+allan::Record read_log(const LogOptions& options) {
+  return std::move(to_records(read_raw(options, {}), options.input).front());
+}
+
+std::vector<allan::Record> read_segments(const LogOptions& options, double longest_gap_s) {
+  if (!(longest_gap_s > 0) || !std::isfinite(longest_gap_s)) {
+    throw std::invalid_argument(
+        fmt::format("longest gap is {} s; it must be above 0 and finite", longest_gap_s));
+  }
+  Raw raw = read_raw(options, longest_gap_s);
+  std::vector<Grid> grids;
+  for (const Piece& piece : raw.pieces) grids.push_back({piece.grid.rate_hz, 0, {}, piece.grid.notes});
+  std::vector<allan::Record> records = to_records(std::move(raw), options.input);
+  share_rate(records, grids, options.resample_hz.has_value());
+  return records;
+}
+
+}  // namespace gyrobudget::inline v0::log

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "gyrobudget/app/text/error.h"
+#include "format.h"
+#include "gyrobudget/allan/record.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace gyrobudget::inline v0::log {
+
+/// What a column holds for each sample: a rate (or acceleration); its increment over the sample interval, an angle (or
+/// velocity); or the angle (velocity) itself. n angles give n - 1 rates. An angle that is kept within one turn is
+/// unwrapped.
+enum class Input { rate, increment, angle };
+
+struct LogOptions {
+  std::string path = {};                 ///< "-" is standard input
+  std::optional<double> rate_hz = {};    ///< needed where there is no time column; checked where there is one
+  std::optional<std::string> unit = {};  ///< of data columns without one in the header; "1" is dimensionless
+  Input input = Input::rate;
+  double scale = 1;                        ///< units per count, for all data columns
+  std::vector<std::string> columns = {};   ///< names or numbers (from 1); empty: every data column
+  std::optional<Format> format = {};       ///< unset: what the ending of the path says
+  std::int64_t file_columns = 1;           ///< numbers a row of a raw binary log has
+  std::optional<double> resample_hz = {};  ///< average uneven readings over even intervals; else never
+  /// Text that one task parses, in bytes; the result does not depend on it.
+  std::size_t chunk_bytes = std::size_t{1} << 20;
+};
+
+// How the time column becomes a grid; each is said in a note or in the error.
+inline constexpr double kRateTolerance =
+    0.01;  ///< LogOptions::rate_hz may differ this much from the time column
+inline constexpr double kMostRepeated = 0.05;   ///< share of repeated stamps from which the column is refused
+inline constexpr double kMostMissing = 0.5;     ///< share of missing samples from which the record is refused
+inline constexpr double kLargestJitter = 0.25;  ///< rms of the stamps about the grid, in sample intervals
+
+/// Reads a log as people have them.
+///
+/// **Text**: cells parted by commas, semicolons, tabs or blanks; comment lines (#, %, //) and blank lines anywhere; a
+/// header with units in brackets, also as a comment, or none; LF or CR LF; byte order mark; gzip; decimal commas where
+/// they are not delimiters too. Empty cells, NaN, Inf, NA and the like are missing samples. Numbers are correctly
+/// rounded; a chosen cell that holds text, a row with more or fewer cells than the others, and a number beyond double
+/// are errors, and the first one in the file is reported.
+///
+/// **Columns**: a unit comes from the header, `gyro_x (deg/s)`, or from LogOptions::unit. Its dimension tells gyros
+/// from accelerometers. Without LogOptions::columns every column is read that has a unit of the kind that
+/// LogOptions::input asks for; what is left out is said in the notes.
+///
+/// **Time**: the column that is named time, timestamp, t ... or has a unit of time, absolute or relative, in integer
+/// nanoseconds (never through double). A time column without unit is taken only where one of s, ms, us, ns agrees with
+/// LogOptions::rate_hz. The rate is the slope of the stamps over the sample number. Gaps become missing samples; a
+/// stamp that repeats masks its grid point; jitter is tolerated up to kLargestJitter and said. Time that goes back is
+/// an error.
+///
+/// **Resampling**, only where LogOptions::resample_hz asks for it: for readings at truly uneven times. Rates become
+/// means over even intervals, angles and increments are interpolated at their ends; intervals without readings are
+/// missing. The notes say what that does to white noise at short averaging times (see resample.h).
+///
+/// **Binary** (Format::f32, f64, npy): numbers without time or names; rate_hz and unit must be given, and the columns are
+/// named "column 1" and so on. What is not finite is missing.
+///
+/// **Memory**: a plain file is mapped and parsed in chunks on all cores; the peak is about the numbers read, as
+/// doubles. gzip, pipes and standard input take the length of the text beside that.
+///
+///     const io::Record record = io::read_log({.path = "log.csv", .rate_hz = 100, .unit = "deg/s"});
+///
+/// @throws InputError for the log, with place, finding, expectation and mend; std::invalid_argument for options that
+/// are wrong with any log (rate_hz or scale not a positive number, an unknown unit).
+[[nodiscard]] allan::Record read_log(const LogOptions&);
+
+/// A log of several stretches (power-ups, dropped data), cut where no column has a number for longer than
+/// `longest_gap_s` [s] and where time goes back. Each is a record on a grid of its own; they share the rate of the
+/// longest one. Pieces of fewer than 32 rows are left out. The notes say how many there are and how long, what was
+/// left out, and, after "segment K:", what is to be known of one.
+/// @return at least one, in the order of the log.
+/// @throws as read_log; InputError too for rates that differ by more than kRateTolerance between segments, and where
+/// no piece is long enough; std::invalid_argument for a gap that is not positive.
+[[nodiscard]] std::vector<allan::Record> read_segments(const LogOptions&, double longest_gap_s);
+
+}  // namespace gyrobudget::inline v0::log

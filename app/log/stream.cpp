@@ -1,0 +1,357 @@
+// SPDX-License-Identifier: MIT
+#include "stream.h"
+
+#include "binary.h"
+#include "grid.h"
+#include "layout.h"
+#include "gyrobudget/app/text/input.h"
+#include "gyrobudget/app/text/number.h"
+#include "bytes.h"
+#include "table.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+namespace gyrobudget::inline v0::log {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr std::size_t kBlock = std::size_t{1} << 20;
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+/// A descriptor and the bytes of it that are not used yet.
+class Inlet {
+ public:
+  explicit Inlet(const std::string& path)
+      : name_(path == "-" ? "standard input" : path),
+        descriptor_(path == "-" ? STDIN_FILENO : ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOCTTY)),
+        owned_(path != "-") {
+    if (descriptor_ < 0) fail_to_read(errno);
+  }
+  ~Inlet() {
+    if (owned_) ::close(descriptor_);
+  }
+  Inlet(const Inlet&) = delete;
+  Inlet& operator=(const Inlet&) = delete;
+
+  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] std::string_view bytes() const { return buffer_; }
+  [[nodiscard]] bool ended() const { return ended_; }
+  void drop(std::size_t count) { buffer_.erase(0, count); }
+
+  /// Takes in what is there, up to a block; waits at most `patience` for the first of it.
+  void fill(milliseconds patience) {
+    while (!ended_ && buffer_.size() < kBlock && readable(patience)) {
+      const std::size_t before = buffer_.size();
+      buffer_.resize(kBlock);
+      const ssize_t got = ::read(descriptor_, buffer_.data() + before, kBlock - before);
+      const int error = errno;
+      buffer_.resize(before + static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
+      if (got < 0 && error == EINTR) return;
+      if (got < 0) fail_to_read(error);
+      ended_ = got == 0;
+      patience = milliseconds{0};
+    }
+  }
+
+ private:
+  [[noreturn]] void fail_to_read(int error) const {
+    text::fail(name_, fmt::format("cannot be read: {}; check the path and the disk",
+                            std::generic_category().message(error)));
+  }
+  [[nodiscard]] bool readable(milliseconds patience) const {
+    pollfd wanted{descriptor_, POLLIN, 0};
+    return ::poll(&wanted, 1, static_cast<int>(patience.count())) > 0;
+  }
+
+  std::string name_;
+  int descriptor_;
+  bool owned_;
+  bool ended_ = false;
+  std::string buffer_;
+};
+
+/// Follows time stamps that come one by one.
+class Tracker {
+ public:
+  struct Place {
+    std::int64_t missing = 0;  ///< points to leave out before this one
+    bool repeated = false;     ///< the stamp of the row before: masks its point
+  };
+
+  explicit Tracker(double interval_ns) : interval_(interval_ns) {}
+
+  /// @param fail_here is called with what is wrong with this stamp.
+  template <class Fail>
+  Place next(std::int64_t stamp, const Fail& fail_here) {
+    if (!started_) {
+      started_ = true;
+      origin_ = before_ = stamp;
+      expected_ = interval_;
+      points_ = 1;
+      return {};
+    }
+    if (stamp == before_) return {.repeated = true};
+    if (stamp < before_) {
+      fail_here(fmt::format("goes back by {:g} s", static_cast<double>(before_ - stamp) * 1e-9));
+    }
+    before_ = stamp;
+    const auto time = static_cast<double>(stamp - origin_);
+    const double late = std::max(0.0, std::rint((time - expected_) / interval_));
+    constexpr double kLongestGap = 1e6;
+    if (late > std::max(kLongestGap, static_cast<double>(points_))) {
+      fail_here(fmt::format("jumps by {:g} s, over more samples than there are before it",
+                            (time - expected_) * 1e-9));
+    }
+    constexpr double kGain = 0.05;  // share of the offset that is taken over with each stamp
+    const double tracked = expected_ + late * interval_;
+    expected_ = tracked + kGain * (time - tracked) + interval_;
+    points_ += static_cast<std::int64_t>(late) + 1;
+    return {.missing = static_cast<std::int64_t>(late)};
+  }
+
+ private:
+  double interval_;
+  bool started_ = false;
+  std::int64_t origin_ = 0, before_ = 0, points_ = 0;
+  double expected_ = 0;
+};
+
+LogOptions checked(const LogOptions& options) {
+  if (options.rate_hz && !(std::isfinite(*options.rate_hz) && *options.rate_hz > 0)) {
+    throw std::invalid_argument(
+        fmt::format("rate_hz is {} Hz; it must be above 0 and finite", *options.rate_hz));
+  }
+  if (!std::isfinite(options.scale) || options.scale == 0) {
+    throw std::invalid_argument(fmt::format("scale is {}; it must be finite and not 0", options.scale));
+  }
+  if (options.input == Input::angle) {
+    throw std::invalid_argument("a stream holds rates or increments; angles are read as a whole only");
+  }
+  return options;
+}
+
+}  // namespace
+
+// --- What both kinds share ----------------------------------------------------------------------------------------------
+
+class LogStream::Reader {
+ public:
+  explicit Reader(const LogOptions& options) : options_(checked(options)), inlet_(options.path) {}
+  virtual ~Reader() = default;
+  Reader(const Reader&) = delete;
+  Reader& operator=(const Reader&) = delete;
+
+  Progress read(std::vector<std::vector<double>>& rates, milliseconds patience) {
+    rates.resize(columns_.size());
+    for (auto& column : rates) column.clear();
+    inlet_.fill(patience);
+    take(rates);
+    if (options_.input == Input::increment) {
+      for (auto& column : rates) {
+        for (double& v : column) v *= rate_hz_;
+      }
+    }
+    count_missing(rates);
+    if (inlet_.ended()) return Progress::end;
+    return rates.front().empty() ? Progress::none : Progress::samples;
+  }
+
+  std::vector<Column> columns_;
+  double rate_hz_ = 0;
+  std::vector<std::string> notes_;
+  std::int64_t missing_ = 0;
+  [[nodiscard]] const Inlet& inlet() const { return inlet_; }
+
+ protected:
+  /// Moves all whole rows from the inlet into the columns.
+  virtual void take(std::vector<std::vector<double>>& columns) = 0;
+
+  void choose(Choice choice) {
+    choice_ = std::move(choice);
+    for (const DataColumn& c : choice_.data) columns_.push_back({c.name, c.signal});
+    notes_.insert(notes_.end(), choice_.notes.begin(), choice_.notes.end());
+  }
+
+  LogOptions options_;
+  Inlet inlet_;
+  Choice choice_;
+
+ private:
+  void count_missing(const std::vector<std::vector<double>>& rates) {
+    for (std::size_t i = 0; i < rates.front().size(); ++i) {
+      missing_ += std::ranges::any_of(rates, [&](const auto& c) { return std::isnan(c[i]); }) ? 1 : 0;
+    }
+  }
+};
+
+// --- Binary ---------------------------------------------------------------------------------------------------------------
+
+class LogStream::Binary : public LogStream::Reader {
+ public:
+  Binary(const LogOptions& options, Format format) : Reader(options) {
+    if (format == Format::npy) {
+      wait_for(12);  // longest prefix; a file that ends before it is told so
+      wait_for(npy_header_bytes(inlet_.name(), inlet_.bytes().substr(0, 12)));
+    }
+    layout_ = binary_layout(inlet_.name(), inlet_.bytes(), format, options.file_columns);
+    inlet_.drop(layout_.offset);
+    choose(choose_binary_columns(inlet_.name(), layout_, options));
+    rate_hz_ = *options.rate_hz;
+  }
+
+ private:
+  void wait_for(std::size_t bytes) {
+    while (!inlet_.ended() && inlet_.bytes().size() < bytes) inlet_.fill(milliseconds{-1});
+  }
+
+  void take(std::vector<std::vector<double>>& columns) override {
+    const std::size_t rows = inlet_.bytes().size() / layout_.row_bytes();
+    std::vector<std::span<double>> spans;
+    for (auto& column : columns) {
+      column.resize(rows);
+      spans.emplace_back(column);
+    }
+    const std::size_t used = rows * layout_.row_bytes();
+    decode(inlet_.bytes().substr(0, used), layout_, choice_, spans);
+    inlet_.drop(used);
+    bytes_ += used;
+    const bool too_many =
+        layout_.rows && bytes_ > static_cast<std::uint64_t>(*layout_.rows) * layout_.row_bytes();
+    if (inlet_.ended() || too_many) {
+      // Throws unless the length is as it should be.
+      static_cast<void>(count_rows(inlet_.name(), layout_, bytes_ + inlet_.bytes().size()));
+    }
+  }
+
+  BinaryLayout layout_;
+  std::uint64_t bytes_ = 0;  ///< of rows
+};
+
+// --- Text -----------------------------------------------------------------------------------------------------------------
+
+class LogStream::Text : public LogStream::Reader {
+ public:
+  explicit Text(const LogOptions& options) : Reader(options) {
+    wait_for_rows();
+    if (inlet_.bytes().empty()) text::fail(inlet_.name(), "is empty, expected a log; check how it was written");
+    if (inlet_.bytes().starts_with("\x1f\x8b")) {
+      text::fail(inlet_.name(), "is gzip, which is not read as a stream; unpack it: zcat LOG | gyrobudget allan -");
+    }
+    text::check_text(inlet_.name(), inlet_.bytes());
+    if (inlet_.bytes().starts_with("\xef\xbb\xbf")) inlet_.drop(3);
+    const Bytes head(inlet_.name(), whole_lines());
+    layout_ = read_layout(head);
+    choose(choose_columns(inlet_.name(), layout_, options));
+    find_rate(head);
+    layout_.sample.clear();  // they lie in the text
+    inlet_.drop(std::exchange(layout_.body, 0));
+  }
+
+ private:
+  void wait_for_rows() {
+    constexpr std::int64_t kRows = 100;
+    const auto lines = [&] { return std::ranges::count(inlet_.bytes(), '\n'); };
+    while (!inlet_.ended() && inlet_.bytes().size() < kBlock && lines() < kRows) {
+      inlet_.fill(milliseconds{-1});
+    }
+  }
+
+  [[nodiscard]] std::string_view whole_lines() const {
+    const std::string_view bytes = inlet_.bytes();
+    const std::string_view lines = inlet_.ended() ? bytes : bytes.substr(0, bytes.rfind('\n') + 1);
+    if (lines.empty() && bytes.size() >= kBlock) fail_long_line(inlet_.name(), layout_.body_line + 1, bytes);
+    return lines;
+  }
+
+  void find_rate(const Bytes& head) {
+    if (choice_.stamps.empty()) {
+      rate_hz_ = *options_.rate_hz;
+      return;
+    }
+    const TableReader reader(head, layout_, options_.chunk_bytes);
+    const Table table = reader.read(choice_);
+    const Grid grid = make_grid(
+        table.stamps, options_.rate_hz,
+        {inlet_.name(), choice_.time_name, [&](std::size_t row) { return reader.line_of_row(row); }});
+    rate_hz_ = options_.rate_hz.value_or(grid.rate_hz);
+    tracker_.emplace(1e9 / rate_hz_);
+    if (options_.rate_hz) return;
+    notes_.push_back(
+        fmt::format("rate {:.6g} Hz from the first {} time stamps of {}; --rate HZ is taken as it is",
+                    rate_hz_, table.stamps.size(), choice_.time_name));
+  }
+
+  void take(std::vector<std::vector<double>>& columns) override {
+    const std::string_view lines = whole_lines();
+    if (lines.empty()) return;
+    const Bytes piece(inlet_.name(), lines);
+    const TableReader reader(piece, layout_, options_.chunk_bytes);
+    Table table = reader.read(choice_);
+    if (tracker_) {
+      place(table, reader, columns);
+    } else {
+      columns = std::move(table.numbers);
+    }
+    layout_.body_line += std::ranges::count(lines, '\n');
+    inlet_.drop(lines.size());
+  }
+
+  void place(const Table& table, const TableReader& reader, std::vector<std::vector<double>>& columns) {
+    for (std::size_t row = 0; row < table.rows; ++row) {
+      if (table.stamps[row] == text::kNoStamp) continue;
+      const auto place = tracker_->next(table.stamps[row], [&](const std::string& what) {
+        text::fail_at(
+            inlet_.name(), reader.line_of_row(row), 1,
+            fmt::format("the time {} {}, expected rising time; cut the log here", choice_.time_name, what));
+      });
+      for (std::size_t i = 0; i < columns.size(); ++i) {
+        if (place.repeated) {
+          // The row before may have been handed out already; then its number stands.
+          if (!columns[i].empty()) columns[i].back() = kNone;
+          continue;
+        }
+        columns[i].insert(columns[i].end(), static_cast<std::size_t>(place.missing), kNone);
+        columns[i].push_back(table.numbers[i][row]);
+      }
+    }
+  }
+
+  Layout layout_;
+  std::optional<Tracker> tracker_;
+};
+
+// --- LogStream ------------------------------------------------------------------------------------------------------------
+
+LogStream::LogStream(const LogOptions& options) {
+  const Format format = options.format.value_or(format_of(options.path));
+  if (format == Format::csv) {
+    reader_ = std::make_unique<Text>(options);
+  } else {
+    reader_ = std::make_unique<Binary>(options, format);
+  }
+}
+LogStream::~LogStream() = default;
+
+const std::string& LogStream::source() const { return reader_->inlet().name(); }
+double LogStream::rate_hz() const { return reader_->rate_hz_; }
+const std::vector<LogStream::Column>& LogStream::columns() const { return reader_->columns_; }
+const std::vector<std::string>& LogStream::notes() const { return reader_->notes_; }
+std::int64_t LogStream::missing_samples() const { return reader_->missing_; }
+
+LogStream::Progress LogStream::read(std::vector<std::vector<double>>& rates, milliseconds patience) {
+  return reader_->read(rates, patience);
+}
+
+}  // namespace gyrobudget::inline v0::log

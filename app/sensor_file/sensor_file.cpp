@@ -1,0 +1,516 @@
+// SPDX-License-Identifier: MIT
+#include "sensor_file.h"
+
+#include "gyrobudget/app/text/text.h"
+#include "yaml_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+namespace gyrobudget::inline v0::sensor_file {
+namespace {
+
+using noise::Dimension;
+using noise::ErrorModel;
+using noise::PerAxis;
+using noise::SensorModel;
+using noise::Signal;
+using noise::Term;
+namespace dimension = noise::dimension;
+
+// --- Keys, for reading and writing alike -----------------------------------------------------------------------------
+
+using noise::dimension::kLength;
+constexpr Term kCoefficients[] = {Term::white, Term::flicker, Term::rate_random_walk, Term::quantization,
+                                  Term::rate_ramp};
+
+/// What a static log cannot give: a member of ErrorModel, `Member` being for all axes or one for each.
+template <class Member>
+struct Extra {
+  std::string_view key;
+  std::optional<Member> ErrorModel::*member;
+  std::string_view gyro_unit, accelerometer_unit;  ///< in which it is written; empty: has none of it
+  bool above_zero = false;
+};
+constexpr Extra<PerAxis> kPerAxis[] = {
+    {"turn_on_bias", &ErrorModel::turn_on_bias, "deg/h", "ug"},
+    {"scale_factor", &ErrorModel::scale_factor, "ppm", "ppm"},
+    {"misalignment", &ErrorModel::misalignment, "arcsec", "arcsec"},
+    {"g_sensitivity", &ErrorModel::g_sensitivity, "deg/h/g", ""},
+    {"g2_sensitivity", &ErrorModel::g2_sensitivity, "deg/h/g^2", "ug/g^2"},
+    {"vibration_rectification", &ErrorModel::vibration_rectification, "deg/h/g^2", "ug/g^2"},
+};
+constexpr Extra<double> kForAll[] = {
+    {"bandwidth", &ErrorModel::bandwidth, "Hz", "Hz", true},
+    {"delay", &ErrorModel::delay, "ms", "ms"},
+    {"range", &ErrorModel::range, "deg/s", "g"},
+    {"powered_on_before", &ErrorModel::powered_on_before, "s", "s"},
+    {"calibrated_over", &ErrorModel::calibrated_over, "s", "s"},
+};
+constexpr std::string_view kFilterOrder = "filter_order", kLeverArm = "lever_arm";
+
+template <class Member>
+std::string_view unit_of(const Extra<Member>& extra, Signal signal) {
+  return signal == Signal::angular_rate ? extra.gyro_unit : extra.accelerometer_unit;
+}
+
+/// One value of an entry of gauss_markov or sinusoid.
+template <class Process>
+struct Field {
+  std::string_view key;
+  double Process::*member;
+  std::string_view unit;  ///< empty: the datasheet unit of the signal
+  bool above_zero;
+  bool needed;
+};
+constexpr Field<noise::GaussMarkov> kGaussMarkov[] = {
+    {"sigma", &noise::GaussMarkov::sigma, "", false, true},
+    {"correlation_time", &noise::GaussMarkov::correlation_time, "s", true, true},
+};
+constexpr Field<noise::Sinusoid> kSinusoid[] = {
+    {"amplitude", &noise::Sinusoid::amplitude, "", false, true},
+    {"frequency", &noise::Sinusoid::frequency, "Hz", true, true},
+    {"phase", &noise::Sinusoid::phase, "deg", false, false},
+};
+
+template <class Process>
+std::string_view unit_of(const Field<Process>& field, Signal signal) {
+  return field.unit.empty() ? noise::datasheet_unit(signal) : field.unit;
+}
+
+// --- Reading ---------------------------------------------------------------------------------------------------------
+
+class Reader : private YamlReader {
+ public:
+  explicit Reader(const std::string& path)
+      : YamlReader(path, "a sensor file", "arw: 0.15 deg/sqrt(h)", "gyro:") {}
+
+  SensorModel read() {
+    if (root()["gyro"] || root()["accelerometer"]) return own_form();
+    if (root()["Gyr"]) return imu_utils_form();
+    if (const YAML::Node node = with_key("gyroscope_noise_density")) return density_form(node, kKalibr);
+    if (const YAML::Node node = with_key("gyr_n")) return density_form(node, kVins);
+    fail_unknown_form();
+  }
+
+ private:
+  using Node = YAML::Node;
+
+  // --- The form of this project ---
+
+  SensorModel own_form() const {
+    SensorModel model;
+    bool gyro = false;
+    for_each(root(), "the file", [&](const Node& key, const Node& value) {
+      if (key.Scalar() == "name") {
+        if (!value.IsScalar()) fail_here(key, fmt::format("name: found {}, expected text", kind(value)));
+        model.name = value.Scalar();
+      } else if (key.Scalar() == "gyro") {
+        model.gyro = error_model(value, Signal::angular_rate, "gyro");
+        gyro = true;
+      } else if (key.Scalar() == "accelerometer") {
+        model.accelerometer = error_model(value, Signal::specific_force, "accelerometer");
+      } else if (key.Scalar() == kLeverArm) {
+        model.lever_arm = three(kLeverArm, value, kLength, Sign::any);
+      } else {
+        fail_unknown_key(key, "a sensor file", {"name", "gyro", "accelerometer", std::string(kLeverArm)});
+      }
+    });
+    if (!gyro) fail_here(root(), "found no \"gyro:\", expected one; its errors stand below it");
+    return model;
+  }
+
+  static std::vector<std::string> keys(Signal signal) {
+    std::vector<std::string> result;
+    for (const Term t : kCoefficients) result.emplace_back(noise::key(signal, t));
+    result.emplace_back(noise::key(signal, Term::gauss_markov));
+    result.emplace_back(noise::key(signal, Term::sinusoid));
+    for (const auto& e : kPerAxis) {
+      if (!unit_of(e, signal).empty()) result.emplace_back(e.key);
+    }
+    for (const auto& e : kForAll) result.emplace_back(e.key);
+    result.emplace_back(kFilterOrder);
+    return result;
+  }
+
+  ErrorModel error_model(const Node& node, Signal signal, std::string_view where) const {
+    ErrorModel model;
+    if (node.IsNull()) return model;  // "gyro:" with nothing below it is an ideal one
+    for_each(node, where, [&](const Node& key, const Node& value) {
+      if (!read_entry(key.Scalar(), value, signal, model)) fail_unknown_key(key, where, keys(signal));
+    });
+    return model;
+  }
+
+  /// False where there is no such key.
+  bool read_entry(const std::string& key, const Node& value, Signal signal, ErrorModel& model) const {
+    for (const Term t : kCoefficients) {
+      if (key != noise::key(signal, t)) continue;
+      model[t] = quantity(key, value, noise::dimension_of(signal, t),
+                          t == Term::rate_ramp ? Sign::any : Sign::not_negative);
+      return true;
+    }
+    for (const auto& e : kPerAxis) {
+      if (key != e.key || unit_of(e, signal).empty()) continue;
+      model.*e.member = per_axis(key, value, noise::parse_unit(unit_of(e, signal)).dimension);
+      return true;
+    }
+    for (const auto& e : kForAll) {
+      if (key != e.key) continue;
+      model.*e.member = quantity(key, value, noise::parse_unit(unit_of(e, signal)).dimension,
+                                 e.above_zero ? Sign::above_zero : Sign::not_negative);
+      return true;
+    }
+    if (key == kFilterOrder) {
+      if (!value.IsScalar() || (value.Scalar() != "1" && value.Scalar() != "2"))
+        fail_here(value, fmt::format("{}: found {}, expected 1 or 2", key, kind(value)));
+      model.filter_order = value.Scalar() == "1" ? 1 : 2;
+      return true;
+    }
+    if (key == noise::key(signal, Term::gauss_markov)) {
+      model.gauss_markov = list<noise::GaussMarkov>(key, value, kGaussMarkov, signal);
+      return true;
+    }
+    if (key == noise::key(signal, Term::sinusoid)) {
+      model.sinusoids = list<noise::Sinusoid>(key, value, kSinusoid, signal);
+      return true;
+    }
+    return false;
+  }
+
+  /// One quantity for each axis, in a list.
+  std::array<double, 3> three(std::string_view key, const Node& value, const Dimension& expected,
+                              Sign sign) const {
+    std::array<double, 3> result{};
+    if (!value.IsSequence() || value.size() != result.size()) {
+      fail_here(value,
+                fmt::format("{}: found {}, expected a list of three, [x, y, z], each a number and a "
+                            "unit ({})",
+                            key, value.IsSequence() ? fmt::format("a list of {}", value.size()) : kind(value),
+                            noise::example_units(expected)));
+    }
+    for (std::size_t i = 0; i < result.size(); ++i) result[i] = quantity(key, value[i], expected, sign);
+    return result;
+  }
+
+  PerAxis per_axis(std::string_view key, const Node& value, const Dimension& expected) const {
+    if (!value.IsSequence()) return quantity(key, value, expected, Sign::not_negative);
+    const auto v = three(key, value, expected, Sign::not_negative);
+    return {v[0], v[1], v[2]};
+  }
+
+  template <class Process, std::size_t n>
+  std::vector<Process> list(std::string_view key, const Node& node, const Field<Process> (&fields)[n],
+                            Signal signal) const {
+    if (!node.IsSequence()) {
+      fail_here(node, fmt::format("{}: found {}, expected a list like [{{{}: ..., {}: ...}}]", key,
+                                  kind(node), fields[0].key, fields[1].key));
+    }
+    std::vector<Process> result;
+    for (const Node& entry : node) result.push_back(process(key, entry, fields, signal));
+    return result;
+  }
+
+  template <class Process, std::size_t n>
+  Process process(std::string_view where, const Node& entry, const Field<Process> (&fields)[n],
+                  Signal signal) const {
+    Process result;
+    std::vector<std::string> known, found;
+    for (const auto& field : fields) known.emplace_back(field.key);
+    for_each(entry, where, [&](const Node& key, const Node& value) {
+      const auto* field = std::ranges::find(fields, key.Scalar(), &Field<Process>::key);
+      if (field == std::end(fields)) fail_unknown_key(key, where, known);
+      result.*field->member =
+          quantity(field->key, value, noise::parse_unit(unit_of(*field, signal)).dimension,
+                   field->above_zero ? Sign::above_zero : Sign::any);
+      found.push_back(key.Scalar());
+    });
+    for (const auto& field : fields) {
+      if (!field.needed || std::ranges::find(found, field.key) != found.end()) continue;
+      fail_here(entry,
+                fmt::format("{}: found no {}, expected one beside the others", where, text::quoted(field.key)));
+    }
+    return result;
+  }
+
+  // --- The forms of others ---
+
+  struct DensityKeys {
+    const char *gyro_white, *gyro_walk, *accelerometer_white, *accelerometer_walk;
+  };
+  static constexpr DensityKeys kKalibr = {"gyroscope_noise_density", "gyroscope_random_walk",
+                                          "accelerometer_noise_density", "accelerometer_random_walk"};
+  static constexpr DensityKeys kVins = {"gyr_n", "gyr_w", "acc_n", "acc_w"};
+
+  /// The root, or the first entry below it (imu0), that has the key.
+  Node with_key(const char* key) const {
+    if (root()[key]) return root();
+    for (const auto& entry : root()) {
+      if (entry.second.IsMap() && entry.second[key]) return entry.second;
+    }
+    return Node(YAML::NodeType::Undefined);
+  }
+
+  /// The files of others hold much that is not ours to judge: other keys are passed over.
+  SensorModel density_form(const Node& node, const DensityKeys& keys) const {
+    SensorModel model;
+    model.name = file_name();
+    model.gyro.white = number(node, keys.gyro_white);
+    model.gyro.rate_random_walk = number(node, keys.gyro_walk);
+    if (node[keys.accelerometer_white] || node[keys.accelerometer_walk]) {
+      model.accelerometer.emplace();
+      model.accelerometer->white = number(node, keys.accelerometer_white);
+      model.accelerometer->rate_random_walk = number(node, keys.accelerometer_walk);
+    }
+    return model;
+  }
+
+  SensorModel imu_utils_form() const {
+    SensorModel model;
+    model.name = root()["name"] && root()["name"].IsScalar() ? root()["name"].Scalar() : file_name();
+    model.gyro = imu_utils_triad(root()["Gyr"], "gyr_n", "gyr_w", dimension::kAngularRate);
+    if (root()["Acc"]) {
+      model.accelerometer = imu_utils_triad(root()["Acc"], "acc_n", "acc_w", dimension::kSpecificForce);
+    }
+    return model;
+  }
+
+  ErrorModel imu_utils_triad(const Node& triad, const char* white, const char* minimum,
+                             const Dimension& signal) const {
+    if (!triad.IsMap()) fail_here(triad, fmt::format("found {}, expected avg-axis below it", kind(triad)));
+    const double to_si = triad["unit"] ? unit_factor(triad["unit"], signal) : 1;
+    const Node axis = triad["avg-axis"] ? triad["avg-axis"] : triad["x-axis"];
+    if (!axis || !axis.IsMap()) fail_here(triad, "found no avg-axis, expected one as imu_utils writes it");
+    ErrorModel model;
+    const double flat =
+        std::sqrt(2 * std::numbers::ln2 / std::numbers::pi);  // of the deviation of flicker with B = 1
+    model.white = to_si * number(axis, white);
+    model.bias_instability = to_si * number(axis, minimum) / flat;
+    return model;
+  }
+
+  double unit_factor(const Node& unit, const Dimension& expected) const {
+    try {
+      const noise::Unit parsed = noise::parse_unit(text::trim(unit.Scalar()));
+      if (parsed.dimension == expected) return parsed.to_si;
+    } catch (const std::invalid_argument&) {
+    }
+    fail_here(unit, fmt::format("unit: found {}, expected one like {}", kind(unit),
+                                noise::example_units(expected)));
+  }
+
+  double number(const Node& map, const char* key) const {
+    const Node value = map[key];
+    if (!value) fail_here(map, fmt::format("found no {}, expected one beside the others", text::quoted(key)));
+    if (!value.IsScalar()) fail_here(value, fmt::format("{}: found {}, expected a number", key, kind(value)));
+    const std::string_view text = text::trim(value.Scalar());
+    double result = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), result);
+    if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(result)) {
+      fail_here(value, fmt::format("{}: found {}, expected a plain number (SI, continuous time)", key,
+                                   text::quoted(text)));
+    }
+    check_sign(key, value, result, Sign::not_negative);
+    return result;
+  }
+
+  std::string file_name() const { return name().substr(name().rfind('/') + 1); }
+
+  [[noreturn]] void fail_unknown_form() const {
+    std::vector<std::string> found;
+    constexpr std::size_t kListed = 6;
+    for (const auto& entry : root()) {
+      if (entry.first.IsScalar() && found.size() < kListed) found.push_back(text::quoted(entry.first.Scalar()));
+    }
+    fail_here(
+        root(),
+        fmt::format("found the key{} {}, expected \"gyro:\" (a sensor file), \"gyroscope_noise_density:\" "
+                    "(Kalibr, OpenVINS), \"gyr_n:\" (VINS) or \"Gyr:\" (imu_utils)",
+                    found.size() == 1 ? "" : "s", text::listing(found)));
+  }
+};
+
+// --- Writing ---------------------------------------------------------------------------------------------------------
+
+/// "5.4e-4 deg/sqrt(h)" with the fewest digits that give the same double; in SI where the unit has none that do.
+std::string exact_quantity(double si, std::string_view unit, std::string_view si_unit) {
+  const double to_si = noise::parse_unit(unit).to_si;
+  const double value = si / to_si;
+  constexpr int kDigits = 17;
+  for (int digits = 1; digits <= kDigits; ++digits) {
+    for (const double candidate :
+         {value, std::nextafter(value, HUGE_VAL), std::nextafter(value, -HUGE_VAL)}) {
+      const std::string text = fmt::format("{:.{}g}", candidate, digits);
+      double read = 0;
+      std::from_chars(text.data(), text.data() + text.size(), read);
+      if (read * to_si == si) return fmt::format("{} {}", text, unit);
+    }
+  }
+  return fmt::format("{} {}", si, si_unit);
+}
+
+/// "rad^1 s^-0.5"
+std::string si_unit(const Dimension& d) {
+  std::string result;
+  for (const auto& [name, doubled] : {std::pair{"rad", d.angle}, {"m", d.length}, {"s", d.time}}) {
+    if (doubled != 0) result += fmt::format("{}{}^{}", result.empty() ? "" : " ", name, doubled / 2.0);
+  }
+  return result.empty() ? "1" : result;
+}
+
+class Writer {
+ public:
+  explicit Writer(std::string_view comment) {
+    for (std::string_view rest = comment; !rest.empty();) {
+      const std::size_t end = std::min(rest.find('\n'), rest.size());
+      text_ += fmt::format("# {}\n", rest.substr(0, end));
+      rest.remove_prefix(std::min(end + 1, rest.size()));
+    }
+  }
+
+  std::string write(const SensorModel& model) && {
+    if (!model.name.empty()) text_ += fmt::format("name: {}\n", scalar(model.name));
+    triad("gyro", model.gyro, Signal::angular_rate);
+    if (model.accelerometer) triad("accelerometer", *model.accelerometer, Signal::specific_force);
+    if (model.lever_arm != std::array<double, 3>{}) {
+      const auto& l = model.lever_arm;
+      text_ += fmt::format("{}: {}\n", kLeverArm, three({l[0], l[1], l[2]}, "m"));
+    }
+    return std::move(text_);
+  }
+
+ private:
+  void triad(std::string_view name, const ErrorModel& model, Signal signal) {
+    text_ += fmt::format("{}:\n", name);
+    for (const Term t : kCoefficients) {
+      const bool always = t == Term::white || t == Term::flicker || t == Term::rate_random_walk;
+      if (always || model[t] != 0)
+        line(noise::key(signal, t), quantity(model[t], noise::datasheet_unit(signal, t)));
+    }
+    list(noise::key(signal, Term::gauss_markov), model.gauss_markov, kGaussMarkov, signal);
+    list(noise::key(signal, Term::sinusoid), model.sinusoids, kSinusoid, signal);
+    for (const auto& e : kPerAxis) {
+      if (model.*e.member && !unit_of(e, signal).empty())
+        line(e.key, per_axis(*(model.*e.member), unit_of(e, signal)));
+    }
+    for (const auto& e : kForAll) {
+      if (model.*e.member) line(e.key, quantity(*(model.*e.member), unit_of(e, signal)));
+    }
+    if (model.filter_order != 1) line(kFilterOrder, std::to_string(model.filter_order));
+  }
+
+  void line(std::string_view key, const std::string& value) {
+    text_ += fmt::format("  {}: {}\n", key, value);
+  }
+
+  template <class Process, std::size_t n>
+  void list(std::string_view key, const std::vector<Process>& entries, const Field<Process> (&fields)[n],
+            Signal signal) {
+    if (entries.empty()) return;
+    text_ += fmt::format("  {}:\n", key);
+    for (const Process& entry : entries) {
+      std::string fields_text;
+      for (const auto& field : fields) {
+        if (!field.needed && entry.*field.member == 0) continue;
+        fields_text += fmt::format("{}{}: {}", fields_text.empty() ? "" : ", ", field.key,
+                                   quantity(entry.*field.member, unit_of(field, signal)));
+      }
+      text_ += fmt::format("    - {{{}}}\n", fields_text);
+    }
+  }
+
+  static std::string quantity(double si, std::string_view unit) {
+    return exact_quantity(si, unit, si_unit(noise::parse_unit(unit).dimension));
+  }
+
+  static std::string three(const PerAxis& value, std::string_view unit) {
+    return fmt::format("[{}, {}, {}]", quantity(value[0], unit), quantity(value[1], unit),
+                       quantity(value[2], unit));
+  }
+  static std::string per_axis(const PerAxis& value, std::string_view unit) {
+    return value.is_uniform() ? quantity(value[0], unit) : three(value, unit);
+  }
+
+  /// Quoted where YAML could read something else into it.
+  static std::string scalar(const std::string& text) {
+    const auto plain = [](char c) {
+      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == ' ' ||
+             c == '-' || c == '_' || c == '.' || c == ',' || c == '(' || c == ')' || c == '/';
+    };
+    const bool starts_with_letter =
+        !text.empty() && ((text[0] >= 'a' && text[0] <= 'z') || (text[0] >= 'A' && text[0] <= 'Z'));
+    const bool ambiguous = text.find(' ') == std::string::npos && text.size() <= 5;  // yes, null, false
+    if (starts_with_letter && !ambiguous && text.back() != ' ' && std::ranges::all_of(text, plain))
+      return text;
+    std::string result = "\"";
+    for (const char c : text) {
+      const auto byte = static_cast<unsigned char>(c);
+      if (c == '"' || c == '\\') result += '\\';
+      result += byte < 0x20 || byte == 0x7f ? fmt::format("\\x{:02x}", byte) : std::string(1, c);
+    }
+    return result + '"';
+  }
+
+  std::string text_;
+};
+
+std::string kalibr_triad(std::string_view name, const ErrorModel* model, std::string_view white_unit,
+                         std::string_view walk_unit) {
+  if (!model)
+    return fmt::format("# {}_noise_density and {}_random_walk are not known: fill them in\n", name, name);
+  return fmt::format("{}_noise_density: {}  # [{}]\n{}_random_walk: {}  # [{}]\n", name, model->white,
+                     white_unit, name, model->rate_random_walk, walk_unit);
+}
+
+std::string kalibr_left_out(std::string_view name, const ErrorModel& model, Signal signal) {
+  std::string text;
+  for (const Term t : {Term::flicker, Term::quantization, Term::rate_ramp}) {
+    if (model[t] == 0) continue;
+    text += fmt::format("# {} {}: {} has no place in this form\n", name, noise::label(signal, t),
+                        noise::quantity_text(model[t], noise::datasheet_unit(signal, t)));
+  }
+  for (const auto& g : model.gauss_markov) {
+    text += fmt::format("# {} {}: {} with a correlation time of {:.6g} s has no place in this form\n", name,
+                        noise::label(signal, Term::gauss_markov),
+                        noise::quantity_text(g.sigma, noise::datasheet_unit(signal)), g.correlation_time);
+  }
+  for (const auto& s : model.sinusoids) {
+    text += fmt::format("# {} {}: {} at {:.6g} Hz has no place in this form\n", name,
+                        noise::label(signal, Term::sinusoid),
+                        noise::quantity_text(s.amplitude, noise::datasheet_unit(signal)), s.frequency);
+  }
+  return text;
+}
+
+}  // namespace
+
+SensorModel read_sensor(const std::string& path) { return Reader(path).read(); }
+
+std::string sensor_yaml(const SensorModel& model, std::string_view comment) {
+  return Writer(comment).write(model);
+}
+
+std::string kalibr_yaml(const SensorModel& model, double update_rate_hz) {
+  if (!(std::isfinite(update_rate_hz) && update_rate_hz > 0)) {
+    throw std::invalid_argument(
+        fmt::format("update_rate_hz is {} Hz; it must be above 0 and finite", update_rate_hz));
+  }
+  const ErrorModel* accelerometer = model.accelerometer ? &*model.accelerometer : nullptr;
+  std::string text = "# Kalibr imu.yaml: continuous-time densities, two-sided, SI\n";
+  text += kalibr_triad("accelerometer", accelerometer, "m/s^2/sqrt(Hz)", "m/s^3/sqrt(Hz)");
+  text += kalibr_triad("gyroscope", &model.gyro, "rad/s/sqrt(Hz)", "rad/s^2/sqrt(Hz)");
+  text += kalibr_left_out("gyroscope", model.gyro, Signal::angular_rate);
+  if (accelerometer) text += kalibr_left_out("accelerometer", *accelerometer, Signal::specific_force);
+  return text + fmt::format("rostopic: /imu0\nupdate_rate: {}  # [Hz]\n", update_rate_hz);
+}
+
+}  // namespace gyrobudget::inline v0::sensor_file

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+// Inside io: words, messages and places in files.
+#pragma once
+
+#include "error.h"
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace gyrobudget::inline v0::text {
+
+[[nodiscard]] constexpr bool is_blank(char c) { return c == ' ' || c == '\t'; }
+[[nodiscard]] constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// Without blanks and carriage returns at either end.
+[[nodiscard]] std::string_view trim(std::string_view);
+/// ASCII letters in lower case; other bytes as they are.
+[[nodiscard]] std::string lower(std::string_view);
+/// 'what was found', fit for one line of a message: control bytes as \xNN, at most 40 bytes shown.
+[[nodiscard]] std::string quoted(std::string_view found);
+/// The text as UTF-8: as it is where it is valid, read as Latin-1 otherwise (the degree sign of old loggers).
+[[nodiscard]] std::string to_utf8(std::string_view);
+/// " (did you mean 'x'?)" with the nearest of the known words, empty where none is near.
+[[nodiscard]] std::string suggestion(std::string_view word, std::span<const std::string> known);
+/// "a, b and c".
+[[nodiscard]] std::string listing(std::span<const std::string> words, std::string_view last = "and");
+
+/// @throws InputError "name: message"
+[[noreturn]] void fail(std::string_view name, std::string_view message);
+/// @throws InputError "name:line:column: message"; line and column count from 1, columns in bytes.
+[[noreturn]] void fail_at(std::string_view name, std::int64_t line, std::int64_t column,
+                          std::string_view message);
+
+}  // namespace gyrobudget::inline v0::text

@@ -1,0 +1,140 @@
+// SPDX-License-Identifier: MIT
+// One navigator with all that is wrong with it in one run: its IMU, its start and the fixes it is given.
+#pragma once
+
+#include "error_budget.h"
+#include "monte_carlo.h"
+#include "gyrobudget/estimation/navigation/strapdown.h"
+#include "gyrobudget/noise/imu.h"
+#include "gyrobudget/noise/normal.h"
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace gyrobudget::inline v0::budget {
+
+/// What all simulated navigators of a scene share. Time runs in samples of options.imu_interval from the
+/// scene's start on, which is on the pad where it has one.
+class SimulatedScene {
+ public:
+  /// The arguments are those of monte_carlo() and must outlive it.
+  /// @throws std::invalid_argument as monte_carlo().
+  SimulatedScene(const Timeline&, const noise::SensorModel&, const InitialErrors&,
+                 const Eigen::Matrix3d& C_el, const std::optional<Design>&, const MonteCarlo::AidErrors&,
+                 const MonteCarlo::Options&);
+
+  [[nodiscard]] const Timeline& timeline() const { return timeline_; }
+  /// Samples on the pad, at rest.
+  [[nodiscard]] std::size_t pad_samples() const { return sample(0); }
+  /// The sample whose end is nearest to a time of the scene, counted from 1; 0 is the start.
+  [[nodiscard]] std::size_t sample(double time) const;
+  /// When a sample ends.
+  [[nodiscard]] double time(std::size_t sample) const;
+  /// What the exact IMU sums up on the timeline, sample by sample from the scene's start.
+  [[nodiscard]] const std::vector<earth::ImuIncrement>& increments() const { return increments_; }
+
+ private:
+  friend class SimulatedNavigator;
+  void add_world(const Source&);
+
+  const Timeline& timeline_;
+  const noise::SensorModel& sensor_;
+  const InitialErrors& initial_;
+  const Eigen::Matrix3d& C_el_;
+  const std::optional<Design>& design_;
+  const MonteCarlo::AidErrors& aids_;
+  const MonteCarlo::Options& options_;
+  std::vector<earth::ImuIncrement> increments_;
+  Eigen::MatrixXd aid_root_;  ///< of the aids' initial covariance
+  struct Taken {
+    navigation::StartFromFix from;
+    Eigen::MatrixXd root;  ///< of its white noise
+    int aid = 0;
+  };
+  std::vector<Taken> taken_;  ///< parts of the start
+  struct Vectors {
+    navigation::Carrier carrier;
+    std::vector<Eigen::Vector3d> unit;  ///< what a unit adds to the increment of each sample
+  };
+  std::vector<Vectors> world_;
+};
+
+/// One run of it: what the IMU senses goes, with errors, into the strapdown or the filter. The truth may be
+/// that of the timeline or another one near it, as in closed loop: only times of fixes, and what errors of the
+/// world do to the IMU, are the timeline's. Deterministic in (seed, run).
+///
+///     SimulatedNavigator navigator(scene, run);
+///     while (more) {
+///       navigator.step(exact_increment);
+///       if (navigator.fix_due()) navigator.use_fixes(truth);
+///     }
+class SimulatedNavigator {
+ public:
+  /// At the scene's start, coarsely aligned where that is the scene's way.
+  /// @throws std::invalid_argument as Imu, Filter and Strapdown do.
+  SimulatedNavigator(const SimulatedScene&, std::uint64_t run);
+
+  /// False where the alignment on the pad found no heading: it then starts as the initial errors have it.
+  [[nodiscard]] bool aligned() const { return aligned_; }
+  /// One sample of the exact IMU; an alignment has measured those on the pad already.
+  void step(const earth::ImuIncrement& exact);
+  /// At rest to time 0, with the fixes up to there.
+  void pass_pad();
+  [[nodiscard]] bool fix_due() const;
+  /// Takes the fixes that are due, at that truth.
+  void use_fixes(const navigation::Instant& truth);
+
+  [[nodiscard]] const navigation::NavigationState& state() const {
+    return filter_ ? filter_->state() : strapdown_->state();
+  }
+  [[nodiscard]] std::int64_t fixes() const { return fixes_; }  ///< so far, those that the filter refused too
+  [[nodiscard]] std::int64_t refused() const { return refused_; }  ///< by the filter's gate
+  [[nodiscard]] const std::optional<navigation::Filter>& filter() const { return filter_; }
+  [[nodiscard]] const earth::ImuIncrement& sensed() const { return sensed_; }  ///< last
+  [[nodiscard]] std::size_t samples() const { return samples_; }               ///< so far
+  [[nodiscard]] Saturated saturated() const;
+
+ private:
+  // Standard normal numbers one after the other.
+  class Normals {
+   public:
+    explicit Normals(noise::StreamKey stream) : stream_(stream) {}
+    double operator()();
+
+   private:
+    noise::StreamKey stream_;
+    std::array<double, 64> buffer_{};
+    std::size_t next_ = buffer_.size();
+    std::uint64_t drawn_ = 0;
+  };
+
+  [[nodiscard]] earth::ImuIncrement measure_imu(const earth::ImuIncrement& exact, std::size_t sample);
+  /// White noise is on its fixes.
+  [[nodiscard]] bool noisy(int aid) const { return scene_.options_.noisy_aid.value_or(aid) == aid; }
+  [[nodiscard]] navigation::NavigationState wrong_start();
+  void take_start(navigation::NavigationState&);
+  [[nodiscard]] std::optional<Eigen::Quaterniond> coarse_alignment();
+  void use(const navigation::PlannedFix&, const navigation::Instant& truth);
+  void move_aids();
+
+  const SimulatedScene& scene_;
+  Normals start_, aids_;
+  noise::Imu imu_;
+  std::optional<navigation::Filter> filter_;
+  std::optional<navigation::Strapdown> strapdown_;
+  Eigen::VectorXd aid_terms_;
+  std::vector<double> world_;             ///< sizes of the scene's vectors
+  std::vector<earth::ImuIncrement> pad_;  ///< as measured, where it served the alignment
+  earth::ImuIncrement sensed_{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  std::size_t samples_ = 0, next_fix_ = 0;
+  std::int64_t fixes_ = 0, refused_ = 0;
+  bool aligned_ = true;
+};
+
+}  // namespace gyrobudget::inline v0::budget

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: MIT
+// What joins flight and navigation: a simulated IMU and what navigates on it, as navigator of the closed loop.
+#pragma once
+
+#include "gyrobudget/vehicle/earth/attitude.h"
+#include "gyrobudget/vehicle/flight/body.h"
+#include "gyrobudget/estimation/budget/simulated_navigator.h"
+
+#include <cstdint>
+
+namespace gyrobudget::inline v0::closed_loop {
+
+/// A flight::Navigator: the IMU's errors, alignment on the pad, strapdown or filter and its aids, all of one run of a
+/// navigation scene whose timeline is the planned flight. Fixes are those of the flight as it goes, at the times that the
+/// plan has. Periods of control are the IMU's samples.
+class InertialNavigator {
+ public:
+  /// Up to ignition. @throws std::invalid_argument as SimulatedNavigator.
+  InertialNavigator(const budget::SimulatedScene& scene, std::uint64_t run) : inside_(scene, run) {
+    inside_.pass_pad();
+  }
+
+  void step(const earth::ImuIncrement& exact, double dt) {
+    dt_ = dt;
+    inside_.step(exact);
+  }
+  void know(const flight::Body::Pose& truth) {
+    if (dt_ > 0 && inside_.fix_due()) inside_.use_fixes(instant(truth));
+    v_eb_e_ = truth.v_eb_e;
+    q_eb_ = truth.q_eb;
+  }
+  [[nodiscard]] const navigation::NavigationState& state() const { return inside_.state(); }
+  [[nodiscard]] const earth::ImuIncrement& sensed() const { return inside_.sensed(); }
+  [[nodiscard]] const budget::SimulatedNavigator& inside() const { return inside_; }
+
+ private:
+  // Rate and acceleration are means over the last period, of the truth, whatever the gyros sense of it.
+  [[nodiscard]] navigation::Instant instant(const flight::Body::Pose& truth) const {
+    return {{truth.p_eb_e, truth.v_eb_e, truth.q_eb},
+            earth::log_rotation(q_eb_.conjugate() * truth.q_eb) / dt_,
+            (truth.v_eb_e - v_eb_e_) / dt_};
+  }
+
+  budget::SimulatedNavigator inside_;
+  Eigen::Vector3d v_eb_e_ = Eigen::Vector3d::Zero();
+  Eigen::Quaterniond q_eb_ = Eigen::Quaterniond::Identity();
+  double dt_ = 0;
+};
+
+}  // namespace gyrobudget::inline v0::closed_loop

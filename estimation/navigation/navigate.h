@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: MIT
+// From a scene and what was recorded to a navigation solution, with what the innovations say of it.
+#pragma once
+
+#include "recording.h"
+#include "scenario.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace gyrobudget::inline v0::navigation {
+
+/// The estimate at one time, with one sigma of each error.
+struct Solution {
+  double time = 0;  ///< of the scene [s]
+  NavigationState state;
+  Eigen::Vector3d position_sigma;  ///< east, north, up at the place [m]
+  Eigen::Vector3d velocity_sigma;  ///< [m/s]
+  Eigen::Vector3d attitude_sigma;  ///< about east, north, up [rad]
+  std::vector<double> terms;       ///< estimates of Navigation::model.terms
+  std::vector<double> term_sigmas;
+  // All that the model has of bias and its slow changes, in sum.
+  Eigen::Vector3d gyro_bias = Eigen::Vector3d::Zero(),
+                  gyro_bias_sigma = Eigen::Vector3d::Zero();  ///< [rad/s]
+  Eigen::Vector3d accelerometer_bias = Eigen::Vector3d::Zero(),
+                  accelerometer_bias_sigma = Eigen::Vector3d::Zero();  ///< [m/s^2]
+};
+
+/// What one fix of an aid told.
+struct InnovationAt {
+  double time = 0;      ///< at which it held [s]
+  std::size_t aid = 0;  ///< number in Scenario::aids
+  Innovation innovation;
+};
+
+/// The innovations of one aid in sum. NIS of one fix is chi-square of rows() where the filter's sigmas are right.
+struct AidSummary {
+  std::size_t aid = 0;
+  int rows = 0;
+  std::int64_t used = 0, gated = 0, not_finite = 0;
+  std::int64_t left_out =
+      0;                ///< before the start or in it, after the end, in an outage, outside its validity
+  double nis_mean = 0;  ///< of those used
+  double nis_low = 0, nis_high = 0;  ///< 95 % of nis_mean for right sigmas: chi-square of used * rows
+  double inside_95 = 0;              ///< share of those used, and gated, below the 95 % point of chi-square
+  Eigen::Vector3d residual_mean = Eigen::Vector3d::Zero();  ///< of those used, in the aid's components
+  Eigen::Vector3d residual_rms = Eigen::Vector3d::Zero();
+};
+
+/// Solution less reference, east, north, up: truth minus estimate has the other sign.
+struct ReferenceError {
+  double time = 0;
+  Eigen::Vector3d position = Eigen::Vector3d::Zero(), velocity = Eigen::Vector3d::Zero(),
+                  attitude = Eigen::Vector3d::Zero();
+  Eigen::Vector3d position_sigma = Eigen::Vector3d::Zero(), velocity_sigma = Eigen::Vector3d::Zero(),
+                  attitude_sigma = Eigen::Vector3d::Zero();
+  double nees = 0;  ///< error^T P^-1 error of what the reference has
+};
+
+/// Over the epochs at which the reference has all it measures.
+struct ReferenceSummary {
+  bool has_position = false, has_velocity = false, has_attitude = false;
+  int dof = 0;  ///< of NEES: 3 for each
+  std::vector<ReferenceError> errors;
+  double position_rms = 0, velocity_rms = 0, attitude_rms = 0;  ///< lengths of the vectors [m, m/s, rad]
+  double nees_mean = 0;
+  double nees_low = 0, nees_high = 0;  ///< 95 % of NEES at one epoch: chi-square of dof
+  double nees_inside_95 = 0;           ///< share of epochs between them
+};
+
+/// How the alignment went.
+struct AlignmentResult {
+  double from = 0, to = 0;  ///< [s]; the same where the start is given
+  NavigationState state;
+  CoreMatrix covariance = CoreMatrix::Zero();  ///< in the order of error_state.h
+  std::vector<std::string> words;              ///< what a person should know of it
+};
+
+struct Navigation {
+  enum class Status {
+    navigated,
+    no_start,                ///< an aid that the alignment needs has no fix, or the log ends before
+    heading_not_observable,  ///< by these gyros at rest: give Alignment's heading
+    not_at_rest,             ///< self-alignment on a body that moves
+    failed,                  ///< the solution left what can be computed
+  };
+  Status status = Status::navigated;
+  std::string why;  ///< in words, unless navigated
+
+  ErrorStateModel model;        ///< of sensors and aids
+  std::vector<double> initial;  ///< sigma of each term where the alignment ends
+  std::vector<SensorStates::LeftOut> left_out;
+  AlignmentResult alignment;
+  std::vector<Solution> solutions;
+  std::vector<InnovationAt> innovations;  ///< in the order of time
+  std::vector<AidSummary> aids;           ///< those that are used, by number
+  std::optional<ReferenceSummary> reference;
+  std::int64_t steps = 0;  ///< of the strapdown
+};
+
+/// Offline: alignment, filter, solutions at k solution_interval after the alignment and at Scenario::at.
+///
+/// A fix is used at the instant for which it holds, stamp + time_tag: a step of the IMU in which that falls is
+/// split, by the increments of its neighbours to second order in the step. So are those of solutions. Fixes at
+/// one instant are used in the order of the aids. A reference that is an aid with estimated errors (mounting,
+/// lever arm) is compared as that aid sees it, with these estimates; it is interpolated to the solutions: positions
+/// by cubics through position and velocity where it has both, else straight; attitudes along the shortest turn.
+///
+/// A start that is taken from an aid is one error with that aid's bias and correlated error; its lever arm is taken off
+/// with the attitude of the start. Where no fix holds just then it is interpolated, and the fix behind is used no more.
+///
+/// Earth rate, gravity and the rest as in strapdown.h and filter.h. The same bytes for the same input.
+/// @throws std::invalid_argument for a scene whose numbers are out of range, more than 1e7 solutions or fixes of rest,
+/// aids and fixes that are not one for
+/// one, or numbers of aids that there are not. What the data cannot answer is Navigation::status.
+[[nodiscard]] Navigation navigate(const Scenario&, const Recording&);
+
+}  // namespace gyrobudget::inline v0::navigation

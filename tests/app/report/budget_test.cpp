@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: MIT
+// The forms of a budget, from small hand-made ones; tests/cli runs the program.
+#include "gyrobudget/app/report/budget.h"
+
+#include "gyrobudget/app/report/page_parts.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <limits>
+#include <regex>
+#include <sstream>
+#include <string>
+
+namespace gyrobudget::report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using navigation::CoreMatrix;
+
+CoreMatrix diagonal(double position, double velocity, double attitude) {
+  CoreMatrix P = CoreMatrix::Zero();
+  P.diagonal().head<3>().setConstant(position * position);
+  P.diagonal().segment<3>(3).setConstant(velocity * velocity);
+  P.diagonal().tail<3>().setConstant(attitude * attitude);
+  return P;
+}
+
+// Two sources, 3 m and 4 m each way, at 0 s and 10 s; everything asked for.
+BudgetResult full() {
+  BudgetResult r{
+      .scene = "a.yaml", .name = "a </script> scene", .sensor = "s.yaml", .command = "gyrobudget budget"};
+  r.at = 10;
+  r.at_index = 1;
+  r.budget.times = {0, 10};
+  r.budget.steps = 12345;
+  const CoreMatrix zero = CoreMatrix::Zero(), three = diagonal(3, 0.3, 0.03), four = diagonal(4, 0.4, 0.04);
+  r.budget.lines = {{"gyro.arw", {zero, three}}, {"accelerometer.bias_instability", {zero, four}}};
+  r.budget.total = {zero, three + four};
+  r.budget.claimed = {zero, diagonal(4.5, 0.5, 0.05)};
+  r.aided = true;
+  r.pad = 600;
+  r.tolerance = 0.001;
+  r.left_out = {{"initial.position", 0.01, "1e-6 of the total's variance at most"}};
+  r.not_modelled = {{"gyro.range", "no state holds it"}};
+  r.notes = {"a note"};
+  r.exact = std::vector<CoreMatrix>{three, four};
+  r.monte_carlo = BudgetResult::MonteCarlo{.runs = 100,
+                                           .seed = 7,
+                                           .covariance = diagonal(5, 0.5, 0.05),
+                                           .nees = {.mean = 9.1, .dof = 9, .left_out = {}},
+                                           .points = {{1, 2, 3}, {-1, 0, 2}}};
+  r.limit = BudgetResult::Limit{.text = "rss < 10 m",
+                                .component = "rss",
+                                .limit = 10,
+                                .found = 5 * std::sqrt(3),
+                                .factors = {std::numeric_limits<double>::infinity(), 1.5}};
+  return r;
+}
+
+// No source has an effect: nothing to divide by.
+BudgetResult empty() {
+  BudgetResult r = full();
+  for (auto& line : r.budget.lines) line.covariance.assign(2, CoreMatrix::Zero());
+  r.budget.total.assign(2, CoreMatrix::Zero());
+  r.exact = std::vector<CoreMatrix>(2, CoreMatrix::Zero());
+  r.monte_carlo->nees = {.mean = std::numeric_limits<double>::quiet_NaN(), .dof = 0, .left_out = {}};
+  return r;
+}
+
+}  // namespace
+
+TEST(BudgetReport, ComponentsAreAxes) {
+  const BudgetResult r = full();
+  EXPECT_DOUBLE_EQ(position_sigma(r, r.budget.total[1], "east"), 5);
+  EXPECT_DOUBLE_EQ(position_sigma(r, r.budget.total[1], "crossrange"), 5);
+  EXPECT_DOUBLE_EQ(position_sigma(r, r.budget.total[1], "horizontal"), 5 * std::sqrt(2));
+  EXPECT_DOUBLE_EQ(position_sigma(r, r.budget.total[1], "rss"), 5 * std::sqrt(3));
+  EXPECT_THROW((void)position_sigma(r, r.budget.total[1], "sideways"), std::invalid_argument);
+}
+
+TEST(BudgetReport, JsonHasTheNumbersThatWentIn) {
+  const Json j = Json::parse(budget_json({full()}));
+  EXPECT_EQ(j["schema"], "gyrobudget.budget/1");
+  EXPECT_EQ(j["at_s"], 10);
+  EXPECT_NEAR(j["total"]["position_m"]["rss"].get<double>(), 5 * std::sqrt(3), 1e-12);
+  EXPECT_NEAR(j["total"]["velocity_m_s"]["rss"].get<double>(), 0.5 * std::sqrt(3), 1e-12);
+  EXPECT_NEAR(j["total"]["attitude_deg"]["total"].get<double>(), 0.05 * std::sqrt(3) * 180 / M_PI, 1e-12);
+  EXPECT_NEAR(j["claimed"]["position_m"]["up"].get<double>(), 4.5, 1e-12);
+  ASSERT_EQ(j["sources"].size(), 2u);
+  EXPECT_EQ(j["sources"][0]["name"], "gyro.arw");
+  EXPECT_NEAR(j["sources"][0]["share"].get<double>(), 9.0 / 25, 1e-12);
+  EXPECT_NEAR(j["sources"][1]["exact_position_rss_m"].get<double>(), 4 * std::sqrt(3), 1e-12);
+  EXPECT_EQ(j["left_out"][0]["bound_position_m"], 0.01);
+  EXPECT_EQ(j["not_modelled"][0]["what"], "gyro.range");
+  EXPECT_EQ(j["steps"], 12345);
+  EXPECT_EQ(j["limit"]["met"], true);
+  EXPECT_TRUE(j["limit"]["allowed_factor"]["gyro.arw"].is_null());  // any
+  EXPECT_EQ(j["monte_carlo"]["seed"], 7);
+  EXPECT_NEAR(j["monte_carlo"]["position_rss_ratio"].get<double>(), 1, 1e-12);
+  EXPECT_LT(j["monte_carlo"]["ratio_low"].get<double>(), 1);
+  EXPECT_GT(j["monte_carlo"]["nees_high"].get<double>(), 9);
+  EXPECT_EQ(j["growth"]["sources"]["gyro.arw"].size(), 2u);
+  EXPECT_EQ(j["notes"][0], "a note");
+
+  BudgetResult bare = full();
+  bare.exact.reset();
+  bare.monte_carlo.reset();
+  bare.limit.reset();
+  bare.budget.claimed.clear();
+  const Json nothing = Json::parse(budget_json({bare}));
+  for (const auto* field : {"claimed", "limit", "monte_carlo"})
+    EXPECT_TRUE(nothing[field].is_null()) << field;
+  EXPECT_TRUE(nothing["sources"][0]["exact_position_rss_m"].is_null());
+  EXPECT_EQ(Json::parse(budget_json({bare, bare}))["budgets"].size(), 2u);
+}
+
+TEST(BudgetReport, TheTextIsNarrowAndHasNoHoles) {
+  for (const BudgetResult& r : {full(), empty()}) {
+    const std::string text = budget_text({r, r});
+    EXPECT_FALSE(std::regex_search(text, std::regex("\\bnan\\b|\\binf\\b"))) << text;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) EXPECT_LE(line.size(), 130u) << line;
+    EXPECT_NE(text.find("claimed by the filter"), std::string::npos);
+    EXPECT_NE(text.find("initial.position"), std::string::npos);
+    EXPECT_NE(text.find("Side by side"), std::string::npos);
+  }
+  EXPECT_NE(budget_text({full()}).find("any"), std::string::npos);
+}
+
+TEST(BudgetReport, ThePageIsWholeAndLoadsNothing) {
+  for (const BudgetResult& r : {full(), empty()}) {
+    std::string page = budget_page({r});
+    EXPECT_EQ(page.rfind("<!DOCTYPE html>", 0), 0U);
+    EXPECT_NE(page.find("</html>"), std::string::npos);
+    EXPECT_EQ(page.find("{{"), std::string::npos) << "an unfilled slot";
+    EXPECT_EQ(page.find("a </script> scene"), std::string::npos) << "not escaped";
+    EXPECT_NE(page.find("default-src 'none'"), std::string::npos);
+    const auto chart = page.find(kChartJs);
+    if (chart != std::string::npos) page.erase(chart, kChartJs.size());
+    EXPECT_EQ(page.find("http://"), std::string::npos);
+    EXPECT_EQ(page.find("https://"), std::string::npos);
+    const std::string open = "<script type=\"application/json\" id=\"data\">";
+    const auto from = page.find(open) + open.size();
+    const Json data = Json::parse(page.substr(from, page.find("</script>", from) - from), nullptr, false);
+    ASSERT_FALSE(data.is_discarded());
+    EXPECT_EQ(data["budgets"][0]["cloud"].size(), 2u);
+  }
+}
+
+}  // namespace gyrobudget::report

@@ -1,0 +1,387 @@
+// SPDX-License-Identifier: MIT
+#include "gyrobudget/app/sensor_file/sensor_file.h"
+
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <stdexcept>
+
+#include "../temporary.h"
+
+namespace gyrobudget::app_tests {
+namespace {
+
+using text::InputError;
+using noise::ErrorModel;
+using noise::SensorModel;
+using noise::Term;
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kHour = 3600;
+constexpr double kGravity = 9.80665;
+constexpr double kLastDigits = 1e-15;  // relative: a few roundings
+
+class SensorFile : public TemporaryFolder {
+ protected:
+  [[nodiscard]] SensorModel read(std::string_view text) const {
+    return sensor_file::read_sensor(file("sensor.yaml", text));
+  }
+  [[nodiscard]] std::string message(std::string_view text) const {
+    const std::string found = message_of<InputError>([&] { (void)read(text); });
+    EXPECT_EQ(found.rfind(path("sensor.yaml"), 0), 0U) << found;
+    return found.substr(std::min(found.size(), path("sensor.yaml").size()));
+  }
+};
+
+void expect_near(double found, double expected) {
+  EXPECT_NEAR(found, expected, kLastDigits * std::abs(expected));
+}
+
+void expect_same(const ErrorModel& a, const ErrorModel& b) {
+  for (const Term t :
+       {Term::quantization, Term::white, Term::flicker, Term::rate_random_walk, Term::rate_ramp}) {
+    EXPECT_EQ(a[t], b[t]) << static_cast<char>(t);
+  }
+  ASSERT_EQ(a.gauss_markov.size(), b.gauss_markov.size());
+  for (std::size_t i = 0; i < a.gauss_markov.size(); ++i) {
+    EXPECT_EQ(a.gauss_markov[i].sigma, b.gauss_markov[i].sigma);
+    EXPECT_EQ(a.gauss_markov[i].correlation_time, b.gauss_markov[i].correlation_time);
+  }
+  ASSERT_EQ(a.sinusoids.size(), b.sinusoids.size());
+  for (std::size_t i = 0; i < a.sinusoids.size(); ++i) {
+    EXPECT_EQ(a.sinusoids[i].amplitude, b.sinusoids[i].amplitude);
+    EXPECT_EQ(a.sinusoids[i].frequency, b.sinusoids[i].frequency);
+    EXPECT_EQ(a.sinusoids[i].phase, b.sinusoids[i].phase);
+  }
+  EXPECT_EQ(a.turn_on_bias, b.turn_on_bias);
+  EXPECT_EQ(a.scale_factor, b.scale_factor);
+  EXPECT_EQ(a.misalignment, b.misalignment);
+  EXPECT_EQ(a.g_sensitivity, b.g_sensitivity);
+  EXPECT_EQ(a.bandwidth, b.bandwidth);
+  EXPECT_EQ(a.g2_sensitivity, b.g2_sensitivity);
+  EXPECT_EQ(a.vibration_rectification, b.vibration_rectification);
+  EXPECT_EQ(a.filter_order, b.filter_order);
+  EXPECT_EQ(a.delay, b.delay);
+  EXPECT_EQ(a.range, b.range);
+  EXPECT_EQ(a.powered_on_before, b.powered_on_before);
+  EXPECT_EQ(a.calibrated_over, b.calibrated_over);
+}
+
+void expect_same(const SensorModel& a, const SensorModel& b) {
+  EXPECT_EQ(a.name, b.name);
+  EXPECT_EQ(a.lever_arm, b.lever_arm);
+  expect_same(a.gyro, b.gyro);
+  ASSERT_EQ(a.accelerometer.has_value(), b.accelerometer.has_value());
+  if (a.accelerometer) expect_same(*a.accelerometer, *b.accelerometer);
+}
+
+// --- The form of this project --------------------------------------------------------------------------------------
+
+TEST_F(SensorFile, EveryKey) {
+  const SensorModel m = read(R"yaml(# a comment
+name: IFOG, closed loop, 2018
+gyro:
+  arw: 5.4e-4 deg/sqrt(h)
+  bias_instability: 1.7e-3 deg/h   # coefficient
+  rrw: "4.32e-2 deg/h/sqrt(h)"
+  quantization: 1 arcsec
+  rate_ramp: -1 deg/h/h
+  gauss_markov: [{sigma: 0.1 deg/h, correlation_time: 300 s}, {sigma: 1 deg/h, correlation_time: 1 h}]
+  sinusoid:
+    - amplitude: 2 deg/h
+      frequency: 50 mHz
+      phase: 90 deg
+  turn_on_bias: 0.01 deg/h
+  scale_factor: 10 ppm
+  misalignment: 20 arcsec
+  g_sensitivity: 0.5 deg/h/g
+  g2_sensitivity: 0.02 deg/h/g^2
+  vibration_rectification: [1 deg/h/g^2, 2 deg/h/g^2, 3 deg/h/g^2]
+  bandwidth: 100 Hz
+  filter_order: 2
+  delay: 2 ms
+  range: 400 deg/s
+  powered_on_before: 1 h
+  calibrated_over: 10 min
+lever_arm: [10 cm, 0 m, -2 mm]
+accelerometer:
+  turn_on_bias: [1 mg, 2 mg, 3000 ug]
+  g2_sensitivity: 15 ug/g^2
+  vrw: 0.06 m/s/sqrt(h)
+  bias_instability: 10 ug
+  accel_rw: 1 ug/sqrt(h)
+)yaml");
+  EXPECT_EQ(m.name, "IFOG, closed loop, 2018");
+  expect_near(m.gyro.white, 5.4e-4 * kDegree / 60);
+  expect_near(m.gyro.bias_instability, 1.7e-3 * kDegree / kHour);
+  expect_near(m.gyro.rate_random_walk, 4.32e-2 * kDegree / kHour / 60);
+  expect_near(m.gyro.quantization, kDegree / kHour);
+  expect_near(m.gyro.rate_ramp, -kDegree / kHour / kHour);
+  ASSERT_EQ(m.gyro.gauss_markov.size(), 2U);
+  expect_near(m.gyro.gauss_markov[0].sigma, 0.1 * kDegree / kHour);
+  expect_near(m.gyro.gauss_markov[1].correlation_time, kHour);
+  ASSERT_EQ(m.gyro.sinusoids.size(), 1U);
+  expect_near(m.gyro.sinusoids[0].frequency, 0.05);
+  expect_near(m.gyro.sinusoids[0].phase, std::numbers::pi / 2);
+  expect_near(m.gyro.turn_on_bias.value()[0], 0.01 * kDegree / kHour);
+  expect_near(m.gyro.scale_factor.value()[0], 1e-5);
+  expect_near(m.gyro.misalignment.value()[0], 20 * kDegree / kHour);
+  expect_near(m.gyro.g_sensitivity.value()[0], 0.5 * kDegree / kHour / kGravity);
+  expect_near(m.gyro.bandwidth.value(), 100);
+  expect_near(m.gyro.g2_sensitivity.value()[2], 0.02 * kDegree / kHour / (kGravity * kGravity));
+  for (const std::size_t axis : {0U, 1U, 2U}) {
+    const auto number = static_cast<double>(axis + 1);
+    expect_near(m.gyro.vibration_rectification.value()[axis],
+                number * kDegree / kHour / (kGravity * kGravity));
+    expect_near(m.accelerometer.value().turn_on_bias.value()[axis], number * 1e-3 * kGravity);
+  }
+  EXPECT_EQ(m.gyro.filter_order, 2);
+  expect_near(m.gyro.delay.value(), 0.002);
+  expect_near(m.gyro.range.value(), 400 * kDegree);
+  expect_near(m.gyro.powered_on_before.value(), kHour);
+  expect_near(m.gyro.calibrated_over.value(), 600);
+  expect_near(m.lever_arm[0], 0.1);
+  EXPECT_EQ(m.lever_arm[1], 0);
+  expect_near(m.lever_arm[2], -0.002);
+  expect_near(m.accelerometer.value().g2_sensitivity.value()[1], 15e-6 / kGravity);
+  ASSERT_TRUE(m.accelerometer);
+  expect_near(m.accelerometer->white, 0.001);
+  expect_near(m.accelerometer->bias_instability, 1e-5 * kGravity);
+  expect_near(m.accelerometer->rate_random_walk, 1e-6 * kGravity / 60);
+}
+
+TEST_F(SensorFile, WhatIsLeftOutIsZeroOrIdeal) {
+  const SensorModel m = read("gyro:\n");
+  EXPECT_TRUE(m.gyro.processes().empty());
+  EXPECT_FALSE(m.gyro.turn_on_bias);
+  EXPECT_FALSE(m.accelerometer);
+}
+
+TEST_F(SensorFile, OtherUnitsOfTheSameKind) {
+  expect_near(read("gyro: {arw: 60 deg/h/sqrt(Hz)}").gyro.white, kDegree / 60);
+  expect_near(read("gyro: {arw: 1e-3 rad/s/√Hz}").gyro.white, 1e-3);
+}
+
+TEST_F(SensorFile, RoundTripIsExact) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> exponent(-12, 2), digits(1, 10);
+  const auto any = [&] { return digits(random) * std::pow(10, std::floor(exponent(random))); };
+  const auto fill = [&](ErrorModel& m) {
+    for (const Term t :
+         {Term::quantization, Term::white, Term::flicker, Term::rate_random_walk, Term::rate_ramp})
+      m[t] = any();
+    m.gauss_markov = {{any(), any()}, {any(), any()}};
+    m.sinusoids = {{any(), any(), any()}, {any(), any(), 0}};
+    m.turn_on_bias = any();
+    m.scale_factor = m.misalignment = m.g2_sensitivity = m.vibration_rectification =
+        noise::PerAxis(any(), 0, any());
+    for (auto* extra : {&m.bandwidth, &m.delay, &m.range, &m.powered_on_before, &m.calibrated_over})
+      *extra = any();
+    m.filter_order = 2;
+  };
+  constexpr int kModels = 300;
+  for (int i = 0; i < kModels; ++i) {
+    SensorModel model;
+    model.name = i % 2 ? "gyro \"x\": #1, 5 °C\t" : "plain name";
+    fill(model.gyro);
+    model.gyro.g_sensitivity = any();
+    if (i % 3) {
+      fill(model.accelerometer.emplace());
+      model.lever_arm = {any(), -any(), 0};
+    }
+    expect_same(read(sensor_file::sensor_yaml(model, "written\nby a test")), model);
+  }
+}
+
+TEST_F(SensorFile, NamesThatYamlWouldReadAsSomethingElse) {
+  for (const std::string name : {"yes", "null", "~", "1.5", "a: b", "a #b", "- x", "'", "\"", "back\\slash",
+                                 " lead", "trail ", "[x]", "{x}", "&a", "*a", "line\nbreak", "Größe", "x"}) {
+    SensorModel model;
+    model.name = name;
+    EXPECT_EQ(read(sensor_file::sensor_yaml(model)).name, name);
+  }
+}
+
+TEST_F(SensorFile, IsWrittenWithTheFewestDigitsInDatasheetUnits) {
+  const SensorModel m = read(
+      "name: IFOG\ngyro: {arw: 5.4e-4 deg/sqrt(h), bias_instability: 1.7e-3 deg/h, rrw: 4.32e-2 "
+      "deg/h/sqrt(h)}");
+  EXPECT_EQ(
+      sensor_file::sensor_yaml(m, "made by hand"),
+      "# made by hand\nname: \"IFOG\"\ngyro:\n  arw: 0.00054 deg/sqrt(h)\n  bias_instability: 0.0017 deg/h\n"
+      "  rrw: 0.0432 deg/h/sqrt(h)\n");
+}
+
+TEST_F(SensorFile, ErrorsNamePlaceFindingAndExpectation) {
+  EXPECT_CONTAINS(message("gyro:\n  arw: 0.15\n"),
+                  ":2:8: arw: '0.15' has no unit; expected one like deg/sqrt(h)");
+  EXPECT_CONTAINS(message("gyro:\n  arw: 0.15 deg/h\n"),
+                  ":2:8: arw: '0.15 deg/h' has a unit of the wrong kind");
+  EXPECT_CONTAINS(message("gyro:\n  arw: abc\n"), ":2:8: arw: 'abc' does not start with a finite number");
+  EXPECT_CONTAINS(message("gyro:\n  arw: -1 deg/sqrt(h)\n"),
+                  ":2:8: arw: found '-1 deg/sqrt(h)', expected a value of 0 or more");
+  EXPECT_CONTAINS(message("gyro:\n  arv: 1 deg/sqrt(h)\n"),
+                  ":2:3: 'arv' is no key of gyro (did you mean 'arw'?); there are arw,");
+  EXPECT_CONTAINS(message("gyros:\n  arw: 1 deg/sqrt(h)\n"),
+                  ":1:1: found the key 'gyros', expected \"gyro:\"");
+  EXPECT_CONTAINS(message("gyro:\n  vrw: 1 m/s/sqrt(h)\n"), "'vrw' is no key of gyro");
+  EXPECT_CONTAINS(message("gyro:\naccelerometer:\n  g_sensitivity: 1 deg/h/g\n"),
+                  ":3:3: 'g_sensitivity' is no key of accelerometer");
+  EXPECT_CONTAINS(message("gyro:\n  turn_on_bias: [1 deg/h, 2 deg/h]\n"),
+                  ":2:17: turn_on_bias: found a list of 2, expected a list of three, [x, y, z]");
+  EXPECT_CONTAINS(message("gyro:\n  turn_on_bias: [1 deg/h, 2 deg/h, 3]\n"),
+                  ":2:36: turn_on_bias: '3' has no unit");
+  EXPECT_CONTAINS(message("gyro:\n  filter_order: 3\n"), ":2:17: filter_order: found '3', expected 1 or 2");
+  EXPECT_CONTAINS(message("gyro:\n  bandwidth: 0 Hz\n"), "expected a value above 0");
+  EXPECT_CONTAINS(message("gyro:\n  calibrated_ovr: 1 s\n"), "did you mean 'calibrated_over'?");
+  EXPECT_CONTAINS(message("gyro:\nlever_arm: 1 m\n"),
+                  ":2:12: lever_arm: found '1 m', expected a list of three");
+  EXPECT_CONTAINS(message("gyro:\nscale: 1\n"), ":2:1: 'scale' is no key of a sensor file");
+  EXPECT_CONTAINS(message("accelerometer:\n"), "found no \"gyro:\"");
+  EXPECT_CONTAINS(message("gyro: 5\n"), ":1:7: gyro: found '5', expected keys and values below it");
+  EXPECT_CONTAINS(message("gyro:\n  arw: [1, 2]\n"),
+                  ":2:8: arw: found a list, expected a number and a unit (deg/sqrt(h)");
+  EXPECT_CONTAINS(message("gyro:\n  arw: 1 deg/sqrt(h)\n  arw: 2 deg/sqrt(h)\n"),
+                  ":3:3: 'arw' is given twice");
+  EXPECT_CONTAINS(message("gyro:\n  gauss_markov: [{sigma: 1 deg/h}]\n"),
+                  ":2:18: gauss_markov: found no 'correlation_time'");
+  EXPECT_CONTAINS(message("gyro:\n  gauss_markov: [{sigma: 1 deg/h, correlation_time: 0 s}]\n"),
+                  "expected a value above 0");
+  EXPECT_CONTAINS(message("gyro:\n  gauss_markov: {sigma: 1 deg/h}\n"),
+                  "expected a list like [{sigma: ..., correlation_time: ...}]");
+  EXPECT_CONTAINS(message("gyro:\n  sinusoid: [{amplitud: 1 deg/h}]\n"),
+                  "'amplitud' is no key of sinusoid (did you mean 'amplitude'?)");
+  EXPECT_CONTAINS(message("gyro: {arw: 1\n"), ": no YAML: ");
+  EXPECT_CONTAINS(message("just text"), ":1:1: found 'just text', expected keys");
+  EXPECT_CONTAINS(message("- a\n- b\n"), "found a list, expected keys");
+  EXPECT_CONTAINS(message(""), ": is empty");
+  EXPECT_CONTAINS(message("# nothing\n"), "found nothing, expected keys");
+  EXPECT_CONTAINS(message(std::string("gyro:\0", 6)), "expected a text file");
+  EXPECT_CONTAINS(message(std::string(2 << 20, '\n')),
+                  "has 2097152 bytes, expected a sensor file of at most");
+}
+
+TEST_F(SensorFile, MutationsGiveAModelOrAnInputError) {
+  const std::string seed =
+      "name: a\ngyro:\n  arw: 5.4e-4 deg/sqrt(h)\n  gauss_markov: [{sigma: 1 deg/h, correlation_time: 3 s}]\n"
+      "  range: 400 deg/s\naccelerometer: {vrw: 1 m/s/sqrt(h)}\n";
+  std::mt19937_64 random(7);
+  constexpr int kMutants = 3000;
+  int models = 0;
+  for (int i = 0; i < kMutants; ++i) {
+    std::string text = seed;
+    for (int n = 0; n < 1 + i % 3; ++n) {
+      const std::size_t at = random() % text.size();
+      if (random() % 2) {
+        text[at] = static_cast<char>(random() % 128);
+      } else {
+        text.erase(at, random() % 8);
+      }
+    }
+    try {
+      (void)read(text);
+      ++models;
+    } catch (const InputError&) {
+    }
+  }
+  EXPECT_GT(models, 0);
+  EXPECT_LT(models, kMutants);
+}
+
+TEST_F(SensorFile, TheExamplesHoldThePapersValues) {
+  // Nunes et al., table I, converted by hand: N [rad/sqrt(s)], B [rad/s], K [rad/s/sqrt(s)].
+  const std::string folder = GYROBUDGET_EXAMPLES "/sensors/";
+  const SensorModel ifog = sensor_file::read_sensor(folder + "ifog.yaml"),
+                    mems = sensor_file::read_sensor(folder + "mems.yaml");
+  constexpr double kPrinted = 5e-7;  // relative: the values below have seven digits
+  for (const auto& [found, expected] : {std::pair{ifog.gyro.white, 1.570796e-7},
+                                        {ifog.gyro.bias_instability, 8.241833e-9},
+                                        {ifog.gyro.rate_random_walk, 3.490659e-9},
+                                        {mems.gyro.white, 4.363323e-5},
+                                        {mems.gyro.bias_instability, 3.393696e-6},
+                                        {mems.gyro.rate_random_walk, 3.490659e-7}}) {
+    EXPECT_NEAR(found, expected, kPrinted * expected);
+  }
+}
+
+// --- The forms of others -------------------------------------------------------------------------------------------
+
+TEST_F(SensorFile, Kalibr) {
+  const SensorModel m = read(
+      "#Accelerometers\naccelerometer_noise_density: 1.86e-03   #Noise density (continuous-time)\n"
+      "accelerometer_random_walk:   4.33e-04\ngyroscope_noise_density:     1.87e-04\ngyroscope_random_walk: "
+      "2.66e-05\n"
+      "rostopic:                    /imu0\nupdate_rate:                 200.0\n");
+  EXPECT_EQ(m.gyro.white, 1.87e-4);
+  EXPECT_EQ(m.gyro.rate_random_walk, 2.66e-5);
+  EXPECT_EQ(m.gyro.bias_instability, 0);
+  EXPECT_EQ(m.accelerometer.value().white, 1.86e-3);
+  EXPECT_EQ(m.accelerometer.value().rate_random_walk, 4.33e-4);
+}
+
+TEST_F(SensorFile, OpenVinsNestsKalibrUnderItsImu) {
+  const SensorModel m = read(
+      "%YAML:1.0\n\nimu0:\n  T_i_b:\n    - [1.0, 0.0, 0.0, 0.0]\n  accelerometer_noise_density: 0.002\n"
+      "  accelerometer_random_walk: 3.0e-03\n  gyroscope_noise_density: 1.6968e-04\n  gyroscope_random_walk: "
+      "1.9393e-05\n"
+      "  model: calibrated\n  update_rate: 200.0\n");
+  EXPECT_EQ(m.gyro.white, 1.6968e-4);
+  EXPECT_EQ(m.accelerometer.value().rate_random_walk, 3e-3);
+}
+
+TEST_F(SensorFile, VinsWritesWalks) {
+  const SensorModel m = read("%YAML:1.0\nimu: 1\nacc_n: 0.1\ngyr_n: 0.01\nacc_w: 0.001\ngyr_w: 1.0e-4\n");
+  EXPECT_EQ(m.gyro.white, 0.01);
+  EXPECT_EQ(m.gyro.rate_random_walk, 1e-4);
+  EXPECT_EQ(m.gyro.bias_instability, 0);
+}
+
+TEST_F(SensorFile, ImuUtilsWritesTheMinimumOfTheCurve) {
+  const SensorModel m = read(
+      "%YAML:1.0\n---\ntype: IMU\nname: xsens\nGyr:\n   unit: \" rad/s\"\n   avg-axis:\n      gyr_n: "
+      "1.5e-04\n      gyr_w: 6.0e-05\n"
+      "   x-axis:\n      gyr_n: 1.0e-04\n      gyr_w: 6.1e-05\nAcc:\n   unit: \" m/s^2\"\n   avg-axis:\n     "
+      " acc_n: 1.0e-02\n"
+      "      acc_w: 3.0e-04\n");
+  EXPECT_EQ(m.name, "xsens");
+  EXPECT_EQ(m.gyro.white, 1.5e-4);
+  EXPECT_EQ(m.gyro.rate_random_walk, 0);
+  // IEEE Std 952: the flat of the Allan deviation of flicker noise is 0.664 B.
+  EXPECT_NEAR(m.gyro.bias_instability, 6e-5 / 0.6643, 1e-8);
+  EXPECT_NEAR(m.accelerometer.value().bias_instability, 3e-4 / 0.6643, 1e-7);
+}
+
+TEST_F(SensorFile, ErrorsInTheFormsOfOthers) {
+  EXPECT_CONTAINS(message("gyroscope_noise_density: 1e-4\n"),
+                  "found no 'gyroscope_random_walk', expected one beside the others");
+  EXPECT_CONTAINS(
+      message("gyroscope_noise_density: 1e-4 rad\ngyroscope_random_walk: 1e-5\n"),
+      ":1:26: gyroscope_noise_density: found '1e-4 rad', expected a plain number (SI, continuous time)");
+  EXPECT_CONTAINS(message("gyroscope_noise_density: -1\ngyroscope_random_walk: 1e-5\n"),
+                  "expected a value of 0 or more");
+  EXPECT_CONTAINS(message("imu0:\n  gyroscope_noise_density: [1]\n  gyroscope_random_walk: 1\n"),
+                  ":2:28: gyroscope_noise_density: found a list");
+  EXPECT_CONTAINS(message("Gyr: {unit: rad, avg-axis: {gyr_n: 1, gyr_w: 1}}\n"),
+                  "unit: found 'rad', expected one like deg/h");
+  EXPECT_CONTAINS(message("Gyr: {x: 1}\n"), "found no avg-axis");
+}
+
+TEST_F(SensorFile, KalibrIsWrittenAsItIsRead) {
+  SensorModel model;
+  model.gyro.white = 1.2345678901234567e-4;
+  model.gyro.rate_random_walk = 3e-7;
+  model.gyro.bias_instability = 0.7 * kDegree / kHour;
+  const std::string gyro_only = sensor_file::kalibr_yaml(model, 200);
+  EXPECT_CONTAINS(gyro_only, "update_rate: 200  # [Hz]");
+  EXPECT_CONTAINS(gyro_only, "# gyroscope bias instability: 0.7000 deg/h has no place in this form");
+  EXPECT_CONTAINS(gyro_only, "# accelerometer_noise_density and accelerometer_random_walk are not known");
+  EXPECT_EQ(read(gyro_only).gyro.white, model.gyro.white);
+  EXPECT_FALSE(read(gyro_only).accelerometer);
+  model.accelerometer.emplace().white = 1e-3;
+  EXPECT_EQ(read(sensor_file::kalibr_yaml(model, 100)).accelerometer.value().white, 1e-3);
+  EXPECT_CONTAINS(message_of<std::invalid_argument>([&] { (void)sensor_file::kalibr_yaml(model, 0); }),
+                  "update_rate_hz is 0 Hz");
+}
+
+}  // namespace
+}  // namespace gyrobudget::app_tests
