@@ -163,7 +163,7 @@ Json alignment_json(const std::optional<budget::AlignmentTime>& alignment) {
 
 Json limit_json(const BudgetResult& r) {
   if (!r.limit) return nullptr;
-  Json factors;
+  Json factors = Json::object();  // of a budget without sources too
   for (std::size_t i = 0; i < r.budget.lines.size(); ++i)
     factors[r.budget.lines[i].name] = finite(r.limit->factors[i]);
   return {{"text", r.limit->text},
