@@ -25,15 +25,8 @@ struct AccuracyStudy {
 [[nodiscard]] std::vector<std::string> accuracy_words(const AccuracyStudy&);
 /// Tables and words for the terminal.
 [[nodiscard]] std::string accuracy_table(const AccuracyStudy&);
-/// Schema gyrobudget.accuracy/1: {"schema","version","command","sensor","signal","seed",
-/// "record":{"samples","rate_hz","duration_s"},"records","asked","complete","seconds","seconds_per_record",
-/// "methods":[{"method","coefficients":{"arw":{"term","truth","unit","bias","rmse","bound","over_bound","over_likelihood",
-/// "coverage","coverage_std","coverage_by_status","coverage_identified","coverage_identified_std","identified",
-/// "missed"}},"false_terms","p05","p01","cut","not_described","unconverged","seconds_per_fit"}],
-/// "requirements":[{"text","method","coefficient","value","low","high","met"}],"words":[…]}.
-/// Shares and errors are fractions, errors relative to the truth; `*_std` are binomial standard errors. Keys of
-/// coefficients are those of the sensor file, or the letter (G, S). null: no such number (an error relative to 0, a bound
-/// of a ramp, an infinite limit, a p-value of a method without a test).
+/// The fields are described by schema/accuracy-1.schema.json, which is installed with the program. Shares and errors are
+/// fractions, errors relative to the truth; `*_std` are binomial standard errors.
 [[nodiscard]] std::string accuracy_json(const AccuracyStudy&);
 /// One HTML page that opens offline, with plots.
 [[nodiscard]] std::string accuracy_page(const AccuracyStudy&);
@@ -73,9 +66,7 @@ struct Sweep {
 /// Which defaults follow from the rows, and by how much.
 [[nodiscard]] std::vector<std::string> sweep_words(const Sweep&);
 [[nodiscard]] std::string sweep_table(const Sweep&);
-/// Schema gyrobudget.accuracy_sweep/1: {"schema","version","command","sensor","signal","rate_hz","seed","complete",
-/// "seconds","rows":[{"group","setting","default","samples","records","unconverged","coefficients":{"arw":{"term","rmse",
-/// "over_default","over_bound","coverage"}},"curve_seconds","fit_seconds","covariance_seconds"}],"words":[…]}.
+/// The fields are described by schema/accuracy_sweep-1.schema.json, which is installed with the program.
 [[nodiscard]] std::string sweep_json(const Sweep&);
 [[nodiscard]] std::string sweep_page(const Sweep&);
 

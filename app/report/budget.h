@@ -74,20 +74,9 @@ struct BudgetResult {
 
 /// Tables for the terminal; several results side by side below the first's.
 [[nodiscard]] std::string budget_text(const std::vector<BudgetResult>&);
-/// Schema gyrobudget.budget/1: {"schema","version","command","scene","name","sensor","at_s","total":{"position_m":
-/// {"east","north","up","downrange","crossrange","rss"},"velocity_m_s":{"east","north","up","rss"},"attitude_deg":
-/// {"east","north","up","total"}},"claimed" (alike, of the filter; null without one),"sources":[{"name","share",
-/// "position_m","velocity_m_s","attitude_deg","exact_position_rss_m"}],"left_out":[{"name","bound_position_m","why"}],
-/// "tolerance","not_modelled":[{"what","why"}],"growth":{"t_s","total_position_rss_m","sources":{name:[…]}},
-/// "steps","flicker_states","limit" (with "alignment":{"met","duration_s","found_m"} or null),
-/// "monte_carlo":{"runs","seed","position_rss_ratio","position_ratio":{…},
-/// "velocity_ratio":{"east","north","up"},"attitude_ratio":{…},"ratio_low","ratio_high","nees","nees_dof","nees_low",
-/// "nees_high","nees_left_out":[{"direction","linear","found"}],"saturated","saturated_axes":{"gyro":[x,y,z],
-/// "accelerometer":[…]},"contradictions":[…],"sources":[{"name","runs","position_m":{…},"velocity_m_s","attitude_deg",
-/// "position_ratio","velocity_ratio","attitude_ratio"}],"ratios":{"compared","outside","together_low","together_high",
-/// "far":[…]}},"notes"}. "exact_position_rss_m", "limit" and "monte_carlo" are null where not asked for, "sources" of Monte
-/// Carlo and "ratios" too; a ratio is null where it has below a hundredth of the total's variance, or less than second
-/// order may add. "runs" is 0 for what no flight has. Bands are 99 %. Several sensors: {"schema":"gyrobudget.budgets/1","budgets":[…]}.
+/// The fields are described by schema/budget-1.schema.json, and those of several sensors by schema/budgets-1.schema.json;
+/// both are installed with the program. A ratio is null where its axis has below a hundredth of the total's variance, or
+/// less than second order may add. Bands are 99 %.
 [[nodiscard]] std::string budget_json(const std::vector<BudgetResult>&);
 /// One HTML page that opens offline.
 [[nodiscard]] std::string budget_page(const std::vector<BudgetResult>&);

@@ -38,17 +38,8 @@ struct StateText {
 /// One line for each fix: time (s), aid, status (used, gated, not_finite), nis, dof, and residual and sigma of each
 /// component in SI.
 [[nodiscard]] std::string innovations_csv(const NavigationResult&);
-/// Schema gyrobudget.navigation/1: {"schema","version","command","scene","name","sensor","status","why",
-/// "imu":{"source","samples","duration_s","interval_s","gaps","bridged_s"},"alignment":{"from_s","to_s","words"},
-/// "smoothed","epochs","final":{"t_s","latitude_deg","longitude_deg","height_m","velocity_m_s":{"north","east","down"},
-/// "heading_deg","pitch_deg","roll_deg","q_nb"},"sigma":{"position_m":{"east","north","up"},"velocity_m_s",
-/// "attitude_deg"},"nis":{"mean","inside_95","aids":[{"name","dof","used","gated","not_finite","left_out","mean","low",
-/// "high","inside_95","unit","residual_mean","residual_rms"}]},"states":[{"name","unit","initial_sigma","value","sigma"}],
-/// "reference":{"position_rms_m","velocity_rms_m_s","attitude_rms_deg","nees","nees_dof","nees_low","nees_high",
-/// "nees_inside_95","epochs","final":{…}},"left_out":[{"what","why"}],"notes"}.
-/// "nis"."mean" is over the aids' degrees of freedom: 1 where the sigmas are right; of one aid it is the mean NIS, to
-/// lie between low and high. "final", "sigma" and "reference" are null where there is none; a quantity that the
-/// reference has not is null in it.
+/// The fields are described by schema/navigation-1.schema.json, which is installed with the program. "nis"."mean" is over
+/// the aids' degrees of freedom: 1 where the sigmas are right; of one aid it is the mean NIS, to lie between low and high.
 [[nodiscard]] std::string navigation_json(const NavigationResult&);
 /// One HTML page that opens offline.
 [[nodiscard]] std::string navigation_page(const NavigationResult&);

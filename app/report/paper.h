@@ -117,13 +117,7 @@ struct Paper {
 [[nodiscard]] std::vector<std::string> paper_words(const Paper&);
 /// Tables and words for the terminal.
 [[nodiscard]] std::string paper_table(const Paper&);
-/// Schema gyrobudget.paper/1: {"schema","version","command","seed","record":{"samples","rate_hz","duration_s"},
-/// "rows":[{"id","group","what","published","ours","theory","scatter_low","scatter_high","fitted","lower","upper","actual",
-/// "status","unit","why"}],"hypotheses":[{"id","what","unit":"km","published":{"ideal","ifog","mems"},"ours":{…},
-/// "theory":{…},"flights":{…},"lost":{…},"takes":{…},"takes_unit","why"}],"words":[…]}. `published` is null where the
-/// paper prints no number; the fit's keys are there only where a fit stands beside the reading, the scatter's where it is
-/// known. A hypothesis has `ours` null where nothing was flown or no flight came to the end, `theory` and `takes` null
-/// where there is none.
+/// The fields are described by schema/paper-1.schema.json, which is installed with the program.
 [[nodiscard]] std::string paper_json(const Paper&);
 /// One HTML page that opens offline, with the figures.
 [[nodiscard]] std::string paper_page(const Paper&);

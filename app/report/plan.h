@@ -36,6 +36,7 @@ struct Plan {
 };
 
 [[nodiscard]] std::string plan_table(const Plan&);
-[[nodiscard]] std::string plan_json(const Plan&);  ///< schema gyrobudget.plan/1
+/// The fields are described by schema/plan-1.schema.json, which is installed with the program.
+[[nodiscard]] std::string plan_json(const Plan&);
 
 }  // namespace gyrobudget::inline v0::report

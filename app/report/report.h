@@ -19,24 +19,15 @@ namespace gyrobudget::inline v0::report {
 /// with a summary. UTF-8, no colours, no control characters but the line feed.
 [[nodiscard]] std::string datasheet(const LogResult&);
 
-/// Schema gyrobudget.allan/1: {"schema","version","command","source","record":{"samples","rate_hz","duration_s",
-/// "missing_samples"},"estimator","notes","axes":[{"name","estimator","signal","unit","si_unit","si_per_unit","mean",
-/// "mean_unit","points":[{"tau_s","m","deviation","lower","upper","edf","terms","alpha","stride","bias"}]}]}.
-/// With a spectrum an axis has "psd":{"method","sides":"two-sided","unit","si_unit","si_per_unit","bandwidth_hz",
-/// "points":[{"frequency_hz","amplitude","lower","upper","dof"}]}, roots of densities; with a surface
-/// "dynamic":{"window_s","unit","si_unit","si_per_unit","time_s","tau_s","deviation"}, rows of the last being windows.
-/// Where several segments are pooled, "record" is their sum and has "segments":[{"source","first_row","start_s",
-/// "samples","duration_s","missing_samples"}].
-/// A column has one entry in "axes" for each estimator asked for; "estimator" at the top is the first of them. The
-/// estimator's bias is divided out: its own variance is "bias" times the square of "deviation".
-/// Doubles survive a round trip; what is not finite is null. Keys keep this order; the text ends in a newline.
+/// The fields are described by schema/allan-1.schema.json, which is installed with the program.
+/// A column has one entry in "axes" for each estimator asked for. The estimator's bias is divided out: its own variance
+/// is "bias" times the square of "deviation". Amplitudes of a spectrum are roots of densities.
+/// Doubles survive a round trip; what is not finite is null. Keys keep their order; the text ends in a newline.
 [[nodiscard]] std::string allan_json(const LogResult&);
 
-/// Schema gyrobudget.calibration/1: the head of allan_json, and per axis "parameters" by key (arw, bias_instability,
-/// rrw, quantization, rate_ramp; vrw and accel_rw for accelerometers), "minimum", "beta" (0 where N or K is 0), "fit"
-/// and "advice". Of a parameter that was fitted, value and lower are always numbers (0 allowed), and so is upper but
-/// where no limit was found (a fit that never settles): then it is null. All three are null where nothing was fitted.
-/// `fit` is null without a fit.
+/// The fields are described by schema/calibration-1.schema.json, which is installed with the program. Of a parameter that
+/// was fitted, value and lower are always numbers (0 allowed), and so is upper except where no limit was found (a fit that
+/// never settles): then it is null. All three are null where nothing was fitted.
 [[nodiscard]] std::string calibration_json(const LogResult&);
 
 /// One HTML page that opens offline and fetches nothing: plots with hover and zoom, datasheet, residuals, verdicts,
@@ -48,9 +39,8 @@ namespace gyrobudget::inline v0::report {
 /// Per axis a line for each record and the combined coefficients: value, interval, spread between records, and the
 /// interval for another record; then the advice of each record.
 [[nodiscard]] std::string runs_datasheet(const RunsResult&);
-/// Schema gyrobudget.runs/1: {"schema","version","command","combined":[{"name","signal","left_out","parameters"}],
-/// "runs":[calibration_json of each]}. A parameter has value, lower, upper, spread, next_lower and next_upper (95 % of
-/// another record's; null below three), records, identified, q and p_value.
+/// The fields are described by schema/runs-1.schema.json, which is installed with the program; each run is what
+/// calibration_json gives.
 [[nodiscard]] std::string runs_json(const RunsResult&);
 /// The page of all records, their curves over one another, headed by the combined coefficients.
 [[nodiscard]] std::string runs_page(const RunsResult&);

@@ -10,6 +10,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "../report/published_schemas.h"
+
 namespace gyrobudget::tests {
 namespace {
 
@@ -18,6 +20,14 @@ std::string contents(const std::string& path) {
   std::ostringstream text;
   text << in.rdbuf();
   return text.str();
+}
+
+// Whatever a test looks at, other programs rely on all of it.
+void check_schema(const std::string& out) {
+  if (!out.starts_with('{')) return;
+  const auto json = nlohmann::json::parse(out, nullptr, false);
+  const std::string name = json.is_object() && json.contains("schema") ? json["schema"].dump() : "";
+  if (name.starts_with("\"gyrobudget.")) expect_schema(json);
 }
 
 }  // namespace
@@ -56,6 +66,7 @@ Outcome shell(std::string line) {
   run.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   run.out = contents(out);
   run.err = contents(err);
+  check_schema(run.out);
   return run;
 }
 

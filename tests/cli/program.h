@@ -30,7 +30,8 @@ class Scratch {
   std::filesystem::path folder_;
 };
 
-/// Runs `gyrobudget ARGUMENTS` (a shell line) and waits.
+/// Runs `gyrobudget ARGUMENTS` (a shell line) and waits. Where it prints one of the program's JSON objects, that has to
+/// conform to its published schema; so does that of `shell`.
 [[nodiscard]] Outcome gyrobudget_run(const std::string& arguments);
 /// Runs any shell line; %P in it is the program's path.
 [[nodiscard]] Outcome shell(std::string line);

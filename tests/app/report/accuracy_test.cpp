@@ -13,6 +13,8 @@
 #include <regex>
 #include <string>
 
+#include "published_schemas.h"
+
 namespace gyrobudget::report {
 namespace {
 
@@ -96,13 +98,16 @@ TEST(Accuracy, TableNamesEveryNumber) {
 
 TEST(Accuracy, NothingFinishedSaysSo) {
   AccuracyStudy none{.sensor = "gyro", .asked = 10};
+  none.accuracy.samples = 36'000;
   EXPECT_TRUE(holds(accuracy_table(none), "No record was finished"));
+  tests::expect_schema(Json::parse(accuracy_json(none)));
   EXPECT_EQ(Json::parse(accuracy_json(none))["methods"].size(), 0U);
   EXPECT_FALSE(accuracy_page(none).empty());
 }
 
 TEST(Accuracy, JsonHasEveryKeyAndNoNaN) {
   const Json json = Json::parse(accuracy_json(study()));
+  tests::expect_schema(json);
   EXPECT_EQ(json["schema"], "gyrobudget.accuracy/1");
   EXPECT_EQ(json["records"], 4);
   EXPECT_EQ(json["asked"], 10);
@@ -140,6 +145,7 @@ TEST(Accuracy, SweepSaysWhichDefaultsFollow) {
     EXPECT_TRUE(holds(text, part)) << part << '\n' << text;
   }
   const Json json = Json::parse(sweep_json(sweep()));
+  tests::expect_schema(json);
   EXPECT_EQ(json["schema"], "gyrobudget.accuracy_sweep/1");
   EXPECT_EQ(json["rows"].size(), 5U);
   EXPECT_TRUE(json["rows"][0]["default"].get<bool>());

@@ -14,6 +14,8 @@
 #include <sstream>
 #include <string>
 
+#include "published_schemas.h"
+
 namespace gyrobudget::report {
 namespace {
 
@@ -83,6 +85,8 @@ TEST(BudgetReport, ComponentsAreAxes) {
 
 TEST(BudgetReport, JsonHasTheNumbersThatWentIn) {
   const Json j = Json::parse(budget_json({full()}));
+  tests::expect_schema(j);
+  tests::expect_schema(Json::parse(budget_json({empty()})));
   EXPECT_EQ(j["schema"], "gyrobudget.budget/1");
   EXPECT_EQ(j["at_s"], 10);
   EXPECT_NEAR(j["total"]["position_m"]["rss"].get<double>(), 5 * std::sqrt(3), 1e-12);
@@ -111,6 +115,7 @@ TEST(BudgetReport, JsonHasTheNumbersThatWentIn) {
   bare.limit.reset();
   bare.budget.claimed.clear();
   const Json nothing = Json::parse(budget_json({bare}));
+  tests::expect_schema(nothing);
   for (const auto* field : {"claimed", "limit", "monte_carlo"})
     EXPECT_TRUE(nothing[field].is_null()) << field;
   EXPECT_TRUE(nothing["sources"][0]["exact_position_rss_m"].is_null());

@@ -16,6 +16,8 @@
 #include <sstream>
 #include <string>
 
+#include "published_schemas.h"
+
 namespace gyrobudget::report {
 namespace {
 
@@ -109,7 +111,11 @@ std::vector<const FlightResult*> all() {
   return {&full(), &without_runs(), &aided(), &ideal(), &lost(), &fallen(), &stuck()};
 }
 
-Json json(const FlightResult& r) { return Json::parse(flight_json({&r, 1})); }
+Json json(const FlightResult& r) {
+  Json object = Json::parse(flight_json({&r, 1}));
+  tests::expect_schema(object);
+  return object;
+}
 std::string text(const FlightResult& r) { return flight_text({&r, 1}); }
 
 Json page_data_of(const std::string& page) {

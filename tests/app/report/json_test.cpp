@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "fixtures.h"
+#include "published_schemas.h"
 
 namespace gyrobudget::report {
 namespace {
@@ -194,6 +195,7 @@ TEST(CalibrationJson, AnUpperLimitThatWasNotFoundIsNull) {
   LogResult result = fixtures::mems();
   result.axes.front().fit->coefficients[1].upper = std::numeric_limits<double>::infinity();
   result.axes.front().fit->coefficients[1].lower = std::numeric_limits<double>::quiet_NaN();
+  tests::expect_schema(Json::parse(calibration_json(result)));
   const Json arw = Json::parse(calibration_json(result)).at("axes").at(0).at("parameters").at("arw");
   EXPECT_EQ(arw.at("lower"), 0.0);
   EXPECT_TRUE(arw.at("upper").is_null());
@@ -208,6 +210,8 @@ TEST(CalibrationJson, WhatIsNotANumberIsNull) {
   fit.p_value = fit.chi2 = std::numeric_limits<double>::quiet_NaN();
   result.axes.front().points.front().upper = std::numeric_limits<double>::infinity();
   const Json axis = Json::parse(calibration_json(result)).at("axes").at(0);
+  tests::expect_schema(Json::parse(calibration_json(result)));
+  tests::expect_schema(Json::parse(allan_json(result)));
   EXPECT_EQ(axis.at("fit").at("method"), "visual");
   EXPECT_TRUE(axis.at("fit").at("p_value").is_null());
   EXPECT_TRUE(axis.at("fit").at("chi2").is_null());

@@ -14,6 +14,7 @@
 #include <string>
 
 #include "fixtures.h"
+#include "published_schemas.h"
 
 namespace gyrobudget::report {
 namespace {
@@ -112,6 +113,7 @@ TEST(Paper, TableSetsOursBesideThePublishedWithItsReason) {
 
 TEST(Paper, JsonHasTheKeysThatAreKnown) {
   const Json json = Json::parse(paper_json(small_study()));
+  tests::expect_schema(json);
   EXPECT_EQ(json["schema"], "gyrobudget.paper/1");
   EXPECT_EQ(json["seed"], 42);
   const Json& first = json["rows"][0];

@@ -14,6 +14,7 @@
 #include <string>
 
 #include "fixtures.h"
+#include "published_schemas.h"
 
 namespace gyrobudget {
 namespace {
@@ -62,6 +63,7 @@ TEST(TermsReport, AGaussMarkovProcessStandsWithItsCorrelationTime) {
   EXPECT_TRUE(has(text, "correlation time")) << text;
   EXPECT_TRUE(has(text, "200 to 500")) << text;
   const auto json = nlohmann::json::parse(report::calibration_json(result));
+  tests::expect_schema(json);
   const auto& g = json["axes"][0]["parameters"]["gauss_markov"];
   EXPECT_NEAR(g["value"].get<double>(), 2, 1e-12);
   EXPECT_EQ(g["correlation_time_s"], 300);
@@ -95,6 +97,7 @@ TEST(TermsReport, WhatWasWeighedAndTheOtherModelAreListed) {
         "weighed:", "rate random walk (K) beside N: adds 812 to ln L", "not needed",
         "The record cannot tell N, B and K from N, K and G", "The other model, N, K and G:"})
     EXPECT_TRUE(has(text, part)) << part << text;
+  tests::expect_schema(nlohmann::json::parse(report::calibration_json(result)));
   const auto fit = nlohmann::json::parse(report::calibration_json(result))["axes"][0]["fit"];
   EXPECT_EQ(fit["chosen"], nlohmann::json({"arw", "bias_instability", "rrw"}));
   EXPECT_EQ(fit["weighed"][0]["candidate"], "rrw");
@@ -119,6 +122,7 @@ TEST(TermsReport, RecordsStandSideBySideUnderTheirCombinedValues) {
        {"2 records of one sensor type", "a.csv", "b .csv", "they DIFFER (p = 0.010)", "Not taken"})
     EXPECT_TRUE(has(text, part)) << part << text;
   const auto json = nlohmann::json::parse(report::runs_json(runs));
+  tests::expect_schema(json);
   EXPECT_EQ(json["runs"].size(), 2U);
   const auto& arw = json["combined"][0]["parameters"]["arw"];
   EXPECT_TRUE(arw["next_upper"].is_null()) << "two records tell nothing of a third";
