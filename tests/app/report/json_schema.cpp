@@ -171,7 +171,7 @@ class SchemaCheck {
  private:
   [[nodiscard]] std::string here() const {
     std::string at;
-    for (const std::string& part : path_) at += "/" + escaped(part);
+    for (const std::string& part : path_) at.append("/").append(escaped(part));
     return at;
   }
 

@@ -191,6 +191,25 @@ TEST(Schemas, SeeEveryChange) {
   }
 }
 
+// Shared parts stand once, and none stands for nothing.
+TEST(Schemas, UseEveryDefinition) {
+  std::set<std::string> defined, used;
+  for (const auto& entry : std::filesystem::directory_iterator(GYROBUDGET_SCHEMAS)) {
+    const std::string file = entry.path().filename().string();
+    std::ifstream in(entry.path());
+    const Json document = Json::parse(in);
+    const Json definitions = document.value("$defs", Json::object()), flat = document.flatten();
+    for (const auto& [key, value] : definitions.items()) defined.insert(file + "#/$defs/" + key);
+    for (const auto& [pointer, value] : flat.items()) {
+      if (!pointer.ends_with("/$ref")) continue;
+      const auto reference = value.get<std::string>();
+      if (reference.find('#') != std::string::npos)
+        used.insert(reference.starts_with('#') ? file + reference : reference);
+    }
+  }
+  EXPECT_EQ(defined, used);
+}
+
 // The schemas are the manual: every field says in a sentence what it is.
 TEST(Schemas, DescribeEveryField) {
   std::size_t fields = 0;
