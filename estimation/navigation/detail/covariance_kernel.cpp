@@ -13,37 +13,43 @@ constexpr int kInputs = 6;
 constexpr int kCoreRows = padded(kCore);
 constexpr int kTurned = kAttitude;  // rows from here see attitude and gyro alone
 
-// NOLINTNEXTLINE(modernize-use-using): the attribute needs a typedef
-typedef double Lanes
-    __attribute__((vector_size(kLanes * sizeof(double)), aligned(alignof(double)), may_alias));
+using Lanes = double __attribute__((vector_size(kLanes * sizeof(double))));
 
-GYROBUDGET_INLINE Lanes& at(double* x) { return *reinterpret_cast<Lanes*>(x); }
-GYROBUDGET_INLINE const Lanes& at(const double* x) { return *reinterpret_cast<const Lanes*>(x); }
+/// Lanes that lie in memory as doubles do. That they need no more alignment is said by a struct, for an
+/// attribute of a typedef is lost where Clang compiles a function that returns a reference: it would promise
+/// the optimiser the alignment of the plain vector, of 32 bytes, and P is only at a multiple of 16.
+struct __attribute__((packed, aligned(alignof(double)), may_alias)) InMemory {
+  Lanes lanes;
+};
+static_assert(alignof(InMemory) == alignof(double) && sizeof(InMemory) == sizeof(Lanes));
+
+GYROBUDGET_INLINE InMemory& at(double* x) { return *reinterpret_cast<InMemory*>(x); }
+GYROBUDGET_INLINE const InMemory& at(const double* x) { return *reinterpret_cast<const InMemory*>(x); }
 
 /// out_i = sum_j core(i, j) x_j + sum_s input(i, s) e_s for columns of `rows` numbers.
 GYROBUDGET_INLINE void transform(const double* core, const double* input, int rows, const double* x,
                                  int x_stride, const double* e, int e_stride, double* out, int out_stride) {
   for (int r = 0; r < rows; r += kLanes) {
     Lanes column[kCore], error[kInputs];
-    for (int j = 0; j < kCore; ++j) column[j] = at(x + j * x_stride + r);
-    for (int s = 0; s < kInputs; ++s) error[s] = at(e + s * e_stride + r);
+    for (int j = 0; j < kCore; ++j) column[j] = at(x + j * x_stride + r).lanes;
+    for (int s = 0; s < kInputs; ++s) error[s] = at(e + s * e_stride + r).lanes;
     for (int i = 0; i < kTurned; ++i) {
       Lanes sum = core[i] * column[0];
       for (int j = 1; j < kCore; ++j) sum += core[i + kCore * j] * column[j];
       for (int s = 0; s < kInputs; ++s) sum += input[i + kCore * s] * error[s];
-      at(out + i * out_stride + r) = sum;
+      at(out + i * out_stride + r).lanes = sum;
     }
     for (int i = kTurned; i < kCore; ++i) {
       Lanes sum = core[i + kCore * kTurned] * column[kTurned];
       for (int j = kTurned + 1; j < kCore; ++j) sum += core[i + kCore * j] * column[j];
       for (int s = 0; s < kInputs / 2; ++s) sum += input[i + kCore * s] * error[s];
-      at(out + i * out_stride + r) = sum;
+      at(out + i * out_stride + r).lanes = sum;
     }
   }
 }
 
 GYROBUDGET_INLINE void add(double factor, const double* x, double* sum, int rows) {
-  for (int r = 0; r < rows; r += kLanes) at(sum + r) += factor * at(x + r);
+  for (int r = 0; r < rows; r += kLanes) at(sum + r).lanes += factor * at(x + r).lanes;
 }
 
 /// The sensor block: elements times both decays, in an order in which P stays symmetric.
@@ -58,7 +64,7 @@ GYROBUDGET_INLINE void decay(const Transition& step, double* p, int stride) {
   if (!any) return;
   for (int k = kCore; k < step.size; ++k)
     for (int r = kCore / kLanes * kLanes; r < stride; r += kLanes)
-      at(p + k * stride + r) *= decays[k] * at(decays + r);
+      at(p + k * stride + r).lanes *= decays[k] * at(decays + r).lanes;
 }
 
 // With C = input W, W (6 x n) one gain a column, and M = [core, C] P:
@@ -110,7 +116,7 @@ GYROBUDGET_INLINE void propagate(const Transition& step, double* p) {
   for (int k = 0; k < terms; ++k) {
     const Transition::Term& term = step.terms[static_cast<std::size_t>(k)];
     double* cross = rows + (kCore + k) * kCoreRows;
-    for (int r = 0; r < kCoreRows; r += kLanes) at(cross + r) *= term.decay;
+    for (int r = 0; r < kCoreRows; r += kLanes) at(cross + r).lanes *= term.decay;
     if (term.signal >= 0 && term.noise != 0)
       add(term.noise * term.spill, inputs + term.signal * kCoreRows, cross, kCoreRows);
     for (int i = 0; i < kCore; ++i) p[(kCore + k) * stride + i] = p[i * stride + kCore + k] = cross[i];

@@ -157,6 +157,29 @@ TEST(Covariance, KernelsGiveTheSameBytes) {
   }
 }
 
+// A kernel that is compiled as if P were aligned to whole lanes traps at six of the eight places, or at four.
+TEST(Covariance, KernelsNeedNoAlignmentButThatOfADouble) {
+  using navigation::detail::Target;
+  constexpr int kPlaces = 8;  // of a double within 64 bytes
+  for (const Target target : {Target::baseline, Target::avx2}) {
+    if (!navigation::detail::supported(target)) continue;
+    for (const int states : kSizes) {
+      const auto step = transition(states, 6);
+      StateMatrix start = StateMatrix::Zero(navigation::detail::padded(states), states);
+      start.topRows(states) = covariance(states, 7);
+      StateMatrix expected = start;
+      navigation::detail::propagate_dense(target, step, expected.data());
+      const std::size_t bytes = sizeof(double) * static_cast<std::size_t>(start.size());
+      for (int place = 0; place < kPlaces; ++place) {
+        alignas(64) double memory[navigation::kMaxStates * navigation::kMaxStates + kPlaces];
+        std::memcpy(memory + place, start.data(), bytes);
+        navigation::detail::propagate_dense(target, step, memory + place);
+        EXPECT_EQ(std::memcmp(memory + place, expected.data(), bytes), 0) << states << " at " << place;
+      }
+    }
+  }
+}
+
 TEST(Covariance, UpdatesAsDenseAlgebraSays) {
   for (const int states : kSizes)
     for (const Form form : kForms) {
