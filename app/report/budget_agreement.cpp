@@ -81,9 +81,11 @@ AllRatios all_ratios(const BudgetResult& r) {
     if (sources[i]) all.push_back({r.budget.lines[i].name, *sources[i]});
   AllRatios result;
   const double runs = r.monte_carlo->runs;
-  for (const auto& [name, one] : all)
+  for (const Named& named : all) {
+    const Agreement& one = named.agreement;
     result.compared +=
         static_cast<int>(std::ranges::count_if(one.axes, [&](const auto& a) { return one.compares(a); }));
+  }
   result.band = navigation::sigma_ratio_band(runs, kBandOfOne);
   result.together = band_of_all(runs, result.compared);
   for (const auto& [name, one] : all)
