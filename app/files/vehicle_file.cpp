@@ -51,7 +51,7 @@ struct Entry {
       left_out;  ///< what leaving it out means; empty: it is needed, of bending where there is any
   Over over{};
 };
-constexpr std::string_view kActuator = "actuator", kBending = "bending";
+constexpr std::string_view kBending = "bending";
 
 constexpr std::array kEntries{
     Entry{"lift_off_mass", &Vehicle::lift_off_mass, dimension::kMass, sensor_file::Sign::above_zero, ""},
