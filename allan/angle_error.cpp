@@ -24,8 +24,7 @@ class Extremes {
     const std::size_t second = count - width_;  // two windows that overlap cover it
     double greatest = 0;
     for (std::size_t k = 0; k + second < least_.size(); ++k) {
-      greatest =
-          std::max(greatest, std::max(most_[k], most_[k + second]) - std::min(least_[k], least_[k + second]));
+      greatest = std::max(greatest, std::max(most_[k], most_[k + second]) - std::min(least_[k], least_[k + second]));
     }
     return greatest;
   }
@@ -60,8 +59,8 @@ double rms_of_steps(std::span<const double> x, std::size_t m) {
 std::vector<AngleError> angle_error(const Series& record, std::span<const std::int64_t> factors) {
   for (const std::int64_t m : factors) {
     if (m >= 1 && m <= record.samples()) continue;
-    throw std::invalid_argument(fmt::format(
-        "averaging factor is {}; it must be from 1 to the {} samples of the record", m, record.samples()));
+    throw std::invalid_argument(
+        fmt::format("averaging factor is {}; it must be from 1 to the {} samples of the record", m, record.samples()));
   }
   if (factors.empty()) return {};
   const std::span<const double> x(record.phase().x.get(), static_cast<std::size_t>(record.samples()) + 1);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "series.h"
-
 #include <cstdint>
 #include <span>
 #include <vector>
+
+#include "series.h"
 
 namespace gyrobudget::inline v0::allan {
 

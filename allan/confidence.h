@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "form.h"
-#include "mask.h"
 #include "gyrobudget/noise/process.h"
 
 #include <cstdint>
 #include <span>
+
+#include "form.h"
+#include "mask.h"
 
 namespace gyrobudget::inline v0::allan {
 

@@ -25,8 +25,7 @@ CurveCovariance::CurveCovariance(std::int64_t samples, std::vector<std::int64_t>
   const std::size_t count = factors_.size(), kinds = processes_.size();
 
   std::vector<detail::FactorFacts> facts(count);
-  tbb::parallel_for(std::size_t{0}, count,
-                    [&](std::size_t i) { facts[i] = factor_facts(setting, factors_[i]); });
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) { facts[i] = factor_facts(setting, factors_[i]); });
   expectation_.resize(index(count), index(kinds));
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t a = 0; a < kinds; ++a) expectation_(index(i), index(a)) = facts[i].expectation[a];

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "deviation.h"
 #include "gyrobudget/noise/process.h"
 
 #include <cstddef>
@@ -9,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "deviation.h"
 #include <Eigen/Core>
 
 namespace gyrobudget::inline v0::allan {

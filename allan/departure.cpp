@@ -54,8 +54,7 @@ Eigen::MatrixXd covariance(std::span<const noise::Process> processes, std::int64
 Eigen::VectorXd warm_up(double time_constant) {
   Eigen::VectorXd means(kBlocks);
   for (Eigen::Index i = 0; i < kBlocks; ++i) {
-    means(i) =
-        -time_constant * std::exp(-static_cast<double>(i) / time_constant) * std::expm1(-1 / time_constant);
+    means(i) = -time_constant * std::exp(-static_cast<double>(i) / time_constant) * std::expm1(-1 / time_constant);
   }
   return means;
 }
@@ -80,8 +79,7 @@ std::int64_t place_step(const Series& record, std::int64_t border, std::int64_t 
   std::int64_t place = border;
   double largest = -1;
   for (std::int64_t k = border - m + 1; k < border + m; ++k) {
-    const double size =
-        detail::mean_of(record.phase(), k, end - k) - detail::mean_of(record.phase(), begin, k - begin);
+    const double size = detail::mean_of(record.phase(), k, end - k) - detail::mean_of(record.phase(), begin, k - begin);
     // Sum of squares between the two parts.
     const double between = size * size * static_cast<double>(k - begin) * static_cast<double>(end - k);
     if (between > largest) largest = between, place = k;

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "series.h"
 #include "gyrobudget/noise/process.h"
 
 #include <cstdint>
 #include <optional>
 #include <span>
+
+#include "series.h"
 
 namespace gyrobudget::inline v0::allan {
 
@@ -18,7 +19,7 @@ struct Departure {
     step,     ///< a jump for good
   };
   Kind kind = Kind::trend;
-  double size = 0;  ///< a of the warm-up, change of the trend over the record, height of the step [signal]
+  double size = 0;             ///< a of the warm-up, change of the trend over the record, height of the step [signal]
   double time_constant_s = 0;  ///< T of the warm-up
   std::int64_t index = 0;      ///< first sample after the step
   double sigmas = 0;           ///< |size| in its standard deviations under the noise
@@ -44,8 +45,7 @@ struct DepartureOptions {
 /// @return nothing where no departure is seen, processes are empty, the record is shorter than 512 samples, or a block
 /// has under half of its samples.
 /// @throws std::invalid_argument for a false alarm outside (0, 1) or an invalid process.
-[[nodiscard]] std::optional<Departure> find_departure(const Series&,
-                                                      std::span<const noise::Process> processes,
+[[nodiscard]] std::optional<Departure> find_departure(const Series&, std::span<const noise::Process> processes,
                                                       const DepartureOptions& = {});
 
 }  // namespace gyrobudget::inline v0::allan

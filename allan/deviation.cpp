@@ -30,9 +30,7 @@ struct MaskedSeries {
 
   [[nodiscard]] std::int64_t samples() const { return data.samples(); }
   [[nodiscard]] std::int64_t first() const { return first_triple(form); }
-  [[nodiscard]] std::int64_t end(std::int64_t m) const {
-    return first() + complete_terms(samples(), m, form);
-  }
+  [[nodiscard]] std::int64_t end(std::int64_t m) const { return first() + complete_terms(samples(), m, form); }
 };
 
 /// Phase and missing counts from some triple on; missing is null for a complete record.

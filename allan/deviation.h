@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "estimator.h"
-#include "form.h"
-#include "mask.h"
-#include "series.h"
-
 #include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
+
+#include "estimator.h"
+#include "form.h"
+#include "mask.h"
+#include "series.h"
 
 namespace gyrobudget::inline v0::allan {
 
@@ -62,10 +62,9 @@ struct Curve {
 /// Cost: O(n) per factor, in cache-sized tiles that serve up to 256 factors at a time; memory 8
 /// bytes per sample (12 with gaps) where a factor exceeds 4096. The result has the same bytes for any number of
 /// threads and on any x86-64.
-[[nodiscard]] Curve overlapped_variance(std::span<const double> rate, double dt,
-                                        std::span<const std::int64_t> factors, const DeviationOptions& = {});
+[[nodiscard]] Curve overlapped_variance(std::span<const double> rate, double dt, std::span<const std::int64_t> factors,
+                                        const DeviationOptions& = {});
 /// The same of a record made ready before, whose minimum fill holds.
-[[nodiscard]] Curve overlapped_variance(const Series&, std::span<const std::int64_t> factors,
-                                        Form = Form::full);
+[[nodiscard]] Curve overlapped_variance(const Series&, std::span<const std::int64_t> factors, Form = Form::full);
 
 }  // namespace gyrobudget::inline v0::allan

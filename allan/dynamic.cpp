@@ -19,17 +19,16 @@ Eigen::Index index(std::size_t i) { return static_cast<Eigen::Index>(i); }
 
 void check(const DynamicOptions& options, std::int64_t samples, std::span<const std::int64_t> factors) {
   if (options.window < 2 || options.window > samples) {
-    throw std::invalid_argument(
-        fmt::format("window is {} samples; for a record of {} it must be from 2 to {}", options.window,
-                    samples, samples));
+    throw std::invalid_argument(fmt::format("window is {} samples; for a record of {} it must be from 2 to {}",
+                                            options.window, samples, samples));
   }
   if (options.hop < 1)
     throw std::invalid_argument(fmt::format("hop is {} samples; it must be at least 1", options.hop));
   for (const std::int64_t m : factors) {
     if (m < 1 || m > options.window / 2) {
       throw std::invalid_argument(
-          fmt::format("averaging factor is {}; for a window of {} samples it must be from 1 to {}", m,
-                      options.window, options.window / 2));
+          fmt::format("averaging factor is {}; for a window of {} samples it must be from 1 to {}", m, options.window,
+                      options.window / 2));
     }
   }
 }
@@ -58,8 +57,7 @@ void fill_column(const Series& record, DynamicSurface& surface, std::size_t colu
   cuts.erase(std::unique(cuts.begin(), cuts.end()), cuts.end());
 
   std::vector<TripleSum> stretches;
-  for (std::size_t i = 0; i + 1 < cuts.size(); ++i)
-    stretches.push_back(sum_between(record, m, cuts[i], cuts[i + 1]));
+  for (std::size_t i = 0; i + 1 < cuts.size(); ++i) stretches.push_back(sum_between(record, m, cuts[i], cuts[i + 1]));
 
   std::size_t first = 0;
   for (std::size_t w = 0; w < surface.time.size(); ++w) {
@@ -71,9 +69,8 @@ void fill_column(const Series& record, DynamicSurface& surface, std::size_t colu
       sum.terms += stretches[i].terms;
     }
     surface.terms(index(w), index(column)) = sum.terms;
-    surface.variance(index(w), index(column)) = sum.terms > 0
-                                                    ? sum.squares / (2 * static_cast<double>(sum.terms))
-                                                    : std::numeric_limits<double>::quiet_NaN();
+    surface.variance(index(w), index(column)) =
+        sum.terms > 0 ? sum.squares / (2 * static_cast<double>(sum.terms)) : std::numeric_limits<double>::quiet_NaN();
   }
 }
 
@@ -97,21 +94,18 @@ DynamicSurface dynamic_variance(const Series& record, std::span<const std::int64
   surface.hop = options.hop;
   surface.factors.assign(factors.begin(), factors.end());
   for (std::int64_t begin = 0; begin + options.window <= record.samples(); begin += options.hop)
-    surface.time.push_back((static_cast<double>(begin) + static_cast<double>(options.window) / 2) *
-                           record.dt());
+    surface.time.push_back((static_cast<double>(begin) + static_cast<double>(options.window) / 2) * record.dt());
 
   surface.variance.resize(index(surface.time.size()), index(factors.size()));
   surface.terms.resize(surface.variance.rows(), surface.variance.cols());
-  tbb::parallel_for(std::size_t{0}, factors.size(),
-                    [&](std::size_t column) { fill_column(record, surface, column); });
+  tbb::parallel_for(std::size_t{0}, factors.size(), [&](std::size_t column) { fill_column(record, surface, column); });
   return surface;
 }
 
 Curve DynamicSurface::curve(std::size_t window_index) const {
   Curve curve{dt, window, std::numeric_limits<double>::quiet_NaN()};
   for (std::size_t i = 0; i < factors.size(); ++i) {
-    curve.points.push_back(
-        {factors[i], variance(index(window_index), index(i)), terms(index(window_index), index(i))});
+    curve.points.push_back({factors[i], variance(index(window_index), index(i)), terms(index(window_index), index(i))});
   }
   return curve;
 }

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "deviation.h"
-#include "series.h"
-
 #include <cstdint>
 #include <span>
 #include <vector>
 
+#include "deviation.h"
+#include "series.h"
 #include <Eigen/Core>
 
 namespace gyrobudget::inline v0::allan {

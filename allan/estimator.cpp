@@ -1,17 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "estimator.h"
 
-#include "factors.h"
-
 #include <algorithm>
 #include <iterator>
+
+#include "factors.h"
 
 namespace gyrobudget::inline v0::allan {
 
 std::string_view name(Estimator estimator) {
-  constexpr std::string_view kNames[] = {"adev",  "oadev",  "mdev",    "tdev",    "hdev",
-                                         "ohdev", "totdev", "mtotdev", "ttotdev", "htotdev",
-                                         "theo1", "theobr", "theoh",   "pdev"};
+  constexpr std::string_view kNames[] = {"adev",    "oadev",   "mdev",    "tdev",  "hdev",   "ohdev", "totdev",
+                                         "mtotdev", "ttotdev", "htotdev", "theo1", "theobr", "theoh", "pdev"};
   static_assert(std::size(kNames) == std::size(kEstimators));
   return kNames[static_cast<std::size_t>(estimator)];
 }

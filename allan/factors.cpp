@@ -34,16 +34,14 @@ std::vector<std::int64_t> all_factors(std::int64_t samples) {
 
 std::vector<std::int64_t> log_factors(std::int64_t samples, std::int64_t count) {
   if (count < 1) {
-    throw std::invalid_argument(
-        fmt::format("number of averaging factors is {}; it must be at least 1", count));
+    throw std::invalid_argument(fmt::format("number of averaging factors is {}; it must be at least 1", count));
   }
   const std::int64_t last = samples / 2;
   std::vector<std::int64_t> factors;
   if (last < 1) return factors;
   const double step = count > 1 ? std::log(static_cast<double>(last)) / static_cast<double>(count - 1) : 0;
   for (std::int64_t i = 0; i < count; ++i) {
-    const std::int64_t m =
-        std::min<std::int64_t>(last, std::llround(std::exp(step * static_cast<double>(i))));
+    const std::int64_t m = std::min<std::int64_t>(last, std::llround(std::exp(step * static_cast<double>(i))));
     if (factors.empty() || m > factors.back()) factors.push_back(m);
   }
   return factors;

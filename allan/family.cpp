@@ -25,8 +25,8 @@ void check(Estimator estimator, std::int64_t samples, std::span<const std::int64
     if (!has_terms(estimator, samples, m)) {
       const FactorRange range = factor_range(estimator, samples);
       throw std::invalid_argument(
-          fmt::format("averaging factor is {}; for {} of a record of {} samples it must be {}from {} to {}{}",
-                      m, name(estimator), samples, range.step == 2 ? "even, " : "", range.least, range.most,
+          fmt::format("averaging factor is {}; for {} of a record of {} samples it must be {}from {} to {}{}", m,
+                      name(estimator), samples, range.step == 2 ? "even, " : "", range.least, range.most,
                       estimator == Estimator::theoh ? ", a multiple of 3 above a fifth of them" : ""));
     }
   }
@@ -36,8 +36,7 @@ void check(Estimator estimator, std::int64_t samples, std::span<const std::int64
         fmt::format("{} of {} samples; it takes at most {}", name(estimator), samples, kLongestStretch - 1));
   }
   if (options.overlap < 0)
-    throw std::invalid_argument(
-        fmt::format("overlap is {} terms a cluster; it must be 0 or more", options.overlap));
+    throw std::invalid_argument(fmt::format("overlap is {} terms a cluster; it must be 0 or more", options.overlap));
 }
 
 std::int64_t ceil_ratio(std::int64_t a, std::int64_t b) { return (a + b - 1) / b; }
@@ -78,10 +77,9 @@ Job make_job(Estimator estimator, std::int64_t samples, std::int64_t m, const Es
   job.terms = ceil_ratio(detail::family_positions(estimator, samples, m), job.stride);
   constexpr std::int64_t kStepsPerTile = 1 << 15;
   // A tile of the modified deviations has prefix sums of its own, which reach m or 3m beyond it.
-  const bool has_sums =
-      estimator == Estimator::mdev || estimator == Estimator::tdev || estimator == Estimator::pdev;
-  const std::int64_t steps = has_sums ? std::max(kStepsPerTile, m) / job.stride
-                                      : kStepsPerTile / detail::steps_per_term(estimator, m);
+  const bool has_sums = estimator == Estimator::mdev || estimator == Estimator::tdev || estimator == Estimator::pdev;
+  const std::int64_t steps =
+      has_sums ? std::max(kStepsPerTile, m) / job.stride : kStepsPerTile / detail::steps_per_term(estimator, m);
   job.tile = std::max<std::int64_t>(steps, detail::steps_per_term(estimator, m) > 1 ? 8 : 1);
   return job;
 }
@@ -95,8 +93,7 @@ std::vector<TermSum> sum_jobs(std::span<const Job> jobs, Sum sum) {
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
     const auto at = std::upper_bound(first_part.begin(), first_part.end(), part) - first_part.begin() - 1;
     const Job& job = jobs[static_cast<std::size_t>(at)];
-    const std::int64_t first =
-        static_cast<std::int64_t>(part - first_part[static_cast<std::size_t>(at)]) * job.tile;
+    const std::int64_t first = static_cast<std::int64_t>(part - first_part[static_cast<std::size_t>(at)]) * job.tile;
     parts[part] = sum(job, first, std::min(job.tile, job.terms - first));
   });
   std::vector<TermSum> totals(jobs.size());
@@ -112,14 +109,13 @@ std::vector<TermSum> sum_jobs(std::span<const Job> jobs, Sum sum) {
 }
 
 /// Differences of the means over what exists in two clusters.
-TermSum masked_second_differences(const detail::Phase& phase, const Mask& mask, const Job& job,
-                                  std::int64_t first, std::int64_t count) {
+TermSum masked_second_differences(const detail::Phase& phase, const Mask& mask, const Job& job, std::int64_t first,
+                                  std::int64_t count) {
   const detail::SecondDifference& kernel = detail::second_difference();
   TermSum sum;
   for (std::int64_t i = first; i < first + count; ++i) {
     const std::int64_t k = i * job.stride;
-    const auto term =
-        kernel.masked(phase.x.get() + k, phase.missing.get() + k, 1, job.m, mask.minimum_count(job.m));
+    const auto term = kernel.masked(phase.x.get() + k, phase.missing.get() + k, 1, job.m, mask.minimum_count(job.m));
     sum.squares += term.squares;
     sum.terms += term.terms;
   }
@@ -153,8 +149,7 @@ std::vector<TermSum> sum_terms(const Series& record, Estimator estimator, std::s
 
 }  // namespace
 
-std::int64_t stride_of(Estimator named, std::int64_t samples, std::int64_t factor,
-                       const EstimatorOptions& options) {
+std::int64_t stride_of(Estimator named, std::int64_t samples, std::int64_t factor, const EstimatorOptions& options) {
   const auto [estimator, m] = basis_of(named, samples, factor);
   if (estimator == Estimator::adev || estimator == Estimator::hdev) return m;
   if (options.overlap > 0) {
@@ -166,8 +161,7 @@ std::int64_t stride_of(Estimator named, std::int64_t samples, std::int64_t facto
   constexpr double kMostSteps = 1 << 26;
   // What costs nothing: a term of the totals averages over 6m places itself.
   const std::int64_t least_overlap = estimator == Estimator::theo1 ? 16 : 4;
-  const double work =
-      static_cast<double>(steps) * static_cast<double>(detail::family_positions(estimator, samples, m));
+  const double work = static_cast<double>(steps) * static_cast<double>(detail::family_positions(estimator, samples, m));
   const auto wanted = static_cast<std::int64_t>(std::ceil(work / kMostSteps));
   return std::max<std::int64_t>(1, std::min(wanted, m / least_overlap));
 }
@@ -227,8 +221,7 @@ Curve deviation(const Series& record, Estimator estimator, std::span<const std::
   check(estimator, record.samples(), factors, options);
   if (estimator == Estimator::theobr || estimator == Estimator::theoh)
     return composed(record, estimator, factors, options);
-  if (estimator == Estimator::oadev && options.overlap == 0)
-    return overlapped_variance(record, factors, options.form);
+  if (estimator == Estimator::oadev && options.overlap == 0) return overlapped_variance(record, factors, options.form);
 
   Curve curve{record.dt(), record.samples(), record.mean(), Form::full, {}, record.mask(), estimator};
   std::vector<Job> jobs;
@@ -249,9 +242,8 @@ Curve deviation(const Series& record, Estimator estimator, std::span<const std::
     const auto terms = static_cast<double>(sums[i].terms);
     Point& point = curve.points[thinned[i]];
     point.terms = sums[i].terms;
-    point.variance = terms > 0
-                         ? sums[i].squares / terms * detail::family_scale(estimator, point.m, record.dt())
-                         : std::numeric_limits<double>::quiet_NaN();
+    point.variance = terms > 0 ? sums[i].squares / terms * detail::family_scale(estimator, point.m, record.dt())
+                               : std::numeric_limits<double>::quiet_NaN();
   }
   if (every_sample.empty()) return curve;
   const Curve full = overlapped_variance(record, every_sample);
@@ -262,8 +254,8 @@ Curve deviation(const Series& record, Estimator estimator, std::span<const std::
   return curve;
 }
 
-Curve deviation(std::span<const double> rate, double dt, Estimator estimator,
-                std::span<const std::int64_t> factors, const EstimatorOptions& options) {
+Curve deviation(std::span<const double> rate, double dt, Estimator estimator, std::span<const std::int64_t> factors,
+                const EstimatorOptions& options) {
   return deviation(Series(rate, dt), estimator, factors, options);
 }
 

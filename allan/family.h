@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "deviation.h"
-#include "estimator.h"
-#include "series.h"
-
 #include <cstdint>
 #include <span>
 #include <vector>
+
+#include "deviation.h"
+#include "estimator.h"
+#include "series.h"
 
 namespace gyrobudget::inline v0::allan {
 
@@ -66,8 +66,8 @@ struct EstimatorOptions {
 [[nodiscard]] Curve deviation(const Series&, Estimator, std::span<const std::int64_t> factors,
                               const EstimatorOptions& = {});
 /// The same of rates [signal] every dt [s].
-[[nodiscard]] Curve deviation(std::span<const double> rate, double dt, Estimator,
-                              std::span<const std::int64_t> factors, const EstimatorOptions& = {});
+[[nodiscard]] Curve deviation(std::span<const double> rate, double dt, Estimator, std::span<const std::int64_t> factors,
+                              const EstimatorOptions& = {});
 
 /// Rates of angle (phase) readings: n angles give n - 1 rates. Differences of neighbours keep every digit
 /// that matters.
@@ -76,7 +76,6 @@ struct EstimatorOptions {
 [[nodiscard]] std::vector<double> rates_of_increments(std::span<const double> increments, double dt);
 
 /// The stride that deviation() takes.
-[[nodiscard]] std::int64_t stride_of(Estimator, std::int64_t samples, std::int64_t m,
-                                     const EstimatorOptions& = {});
+[[nodiscard]] std::int64_t stride_of(Estimator, std::int64_t samples, std::int64_t m, const EstimatorOptions& = {});
 
 }  // namespace gyrobudget::inline v0::allan

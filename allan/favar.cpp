@@ -85,8 +85,8 @@ Clusters counted_into_cells(std::span<const double> time, std::span<const double
   constexpr double kMostCells = 0x1p31;
   const double cells = std::floor((end - start) / cell) + 1;
   if (!(cells <= kMostCells))
-    throw std::invalid_argument(fmt::format("{:.6g} s in cells of {} s are {:.3g} cells; there may be 2^31",
-                                            end - start, cell, cells));
+    throw std::invalid_argument(
+        fmt::format("{:.6g} s in cells of {} s are {:.3g} cells; there may be 2^31", end - start, cell, cells));
   Clusters clusters{std::vector<double>(static_cast<std::size_t>(cells)), {}};
   clusters.count = clusters.sum;
   const double mean = sum.value() / count;

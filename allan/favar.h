@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "deviation.h"
-
 #include <cstdint>
 #include <span>
 #include <vector>
+
+#include "deviation.h"
 
 namespace gyrobudget::inline v0::allan {
 
@@ -21,8 +21,7 @@ namespace gyrobudget::inline v0::allan {
 ///
 /// Cost: O(n) per octave, one thread; 16 bytes a sample. Error: 1e-15 m times the mean square of the samples.
 /// @throws std::invalid_argument for a dt that is not positive and finite, or a minimum fill outside (0, 1].
-[[nodiscard]] Curve recursive_variance(std::span<const double> rate, double dt,
-                                       double minimum_fill = kMinimumFill);
+[[nodiscard]] Curve recursive_variance(std::span<const double> rate, double dt, double minimum_fill = kMinimumFill);
 
 /// One averaging time of samples at irregular times.
 struct IrregularPoint {
@@ -49,7 +48,7 @@ struct IrregularPoint {
 /// Samples that are not finite, or at such times, are left out.
 /// @throws std::invalid_argument for unequal lengths, a cell that is not positive and finite, or more than 2^31 cells.
 /// Cost: O(cells) per octave, 24 bytes a cell.
-[[nodiscard]] std::vector<IrregularPoint> irregular_variance(std::span<const double> time,
-                                                             std::span<const double> rate, double cell);
+[[nodiscard]] std::vector<IrregularPoint> irregular_variance(std::span<const double> time, std::span<const double> rate,
+                                                             double cell);
 
 }  // namespace gyrobudget::inline v0::allan

@@ -20,8 +20,7 @@ namespace {
 constexpr std::size_t kFewestSamples = 1024;
 constexpr std::size_t kLongestSegment = std::size_t{1} << 17;
 constexpr std::size_t kFewestSegments = 4;
-constexpr std::size_t kMostSamples = std::size_t{1}
-                                     << 18;  // looked at, at each of the shorter segment lengths
+constexpr std::size_t kMostSamples = std::size_t{1} << 18;  // looked at, at each of the shorter segment lengths
 constexpr std::size_t kFirstBin = 50;
 constexpr std::size_t kLeastBlock = 60;
 constexpr double kBlockRatio = 1.1;
@@ -45,8 +44,7 @@ double mean_of(std::span<const double> rate) {
 std::vector<double> hann(std::size_t length) {
   std::vector<double> window(length);
   for (std::size_t i = 0; i < length; ++i) {
-    const double s =
-        std::sin(std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(length));
+    const double s = std::sin(std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(length));
     window[i] = s * s;
   }
   return window;
@@ -54,8 +52,8 @@ std::vector<double> hann(std::size_t length) {
 
 // Sum of the periodograms of segments first, first + 1, ... before last.
 template <typename Start>
-std::vector<double> sum_periodograms(std::span<const double> rate, std::span<const double> window,
-                                     double mean, std::size_t first, std::size_t last, const Start& start) {
+std::vector<double> sum_periodograms(std::span<const double> rate, std::span<const double> window, double mean,
+                                     std::size_t first, std::size_t last, const Start& start) {
   const std::size_t length = window.size();
   std::vector<double> power(length / 2 + 1), segment(length);
   for (std::size_t s = first; s < last; ++s) {

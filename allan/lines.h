@@ -10,15 +10,13 @@ namespace gyrobudget::inline v0::allan {
 struct SpectralLine {
   double frequency_hz = 0;  ///< centroid of the peak; known to about one bin, `resolution_hz`
   double resolution_hz = 0;
-  double amplitude =
-      0;             ///< of the sinusoid A sin(2 pi f t) with this power [signal]; of a wandering line, about
-  double ratio = 0;  ///< peak over the local median of the spectrum
+  double amplitude = 0;  ///< of the sinusoid A sin(2 pi f t) with this power [signal]; of a wandering line, about
+  double ratio = 0;      ///< peak over the local median of the spectrum
 };
 
 struct LineOptions {
-  double false_alarm =
-      1e-4;              ///< probability that a record of noise with a smooth spectrum shows any line at all
-  std::size_t most = 5;  ///< strongest lines to return
+  double false_alarm = 1e-4;  ///< probability that a record of noise with a smooth spectrum shows any line at all
+  std::size_t most = 5;       ///< strongest lines to return
 };
 
 /// Lines of a record, strongest first.
@@ -32,7 +30,6 @@ struct LineOptions {
 /// @param rate  at least 1024 samples, else nothing is found; dt > 0 [s].
 /// @throws std::invalid_argument for dt that is not above zero.
 /// Source: Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70; window's noise bandwidth 1.5 bins.
-[[nodiscard]] std::vector<SpectralLine> find_lines(std::span<const double> rate, double dt,
-                                                   const LineOptions& = {});
+[[nodiscard]] std::vector<SpectralLine> find_lines(std::span<const double> rate, double dt, const LineOptions& = {});
 
 }  // namespace gyrobudget::inline v0::allan

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "form.h"
 #include "gyrobudget/noise/process.h"
 
 #include <cstdint>
 #include <vector>
+
+#include "form.h"
 
 namespace gyrobudget::inline v0::allan {
 

@@ -81,8 +81,8 @@ Scale scale_of(std::span<const double> rate) {
 }
 
 /// Suspects of [begin, end) that stand the test, and their neighbours while those do: inside a burst nothing is curved.
-std::vector<std::int64_t> search(std::span<const double> rate, std::int64_t begin, std::int64_t end,
-                                 double limit, double suspicion) {
+std::vector<std::int64_t> search(std::span<const double> rate, std::int64_t begin, std::int64_t end, double limit,
+                                 double suspicion) {
   const auto samples = static_cast<std::int64_t>(rate.size());
   std::vector<std::int64_t> found;
   const auto is_outlier = [&](std::int64_t k) {
@@ -94,8 +94,7 @@ std::vector<std::int64_t> search(std::span<const double> rate, std::int64_t begi
     if (std::abs(curvature_at(rate, k)) <= suspicion || !is_outlier(k)) continue;
     found.push_back(k);
     for (const std::int64_t step : {-1, 1}) {
-      for (std::int64_t j = k + step; j >= 0 && j < samples && std::abs(j - k) <= kReach && is_outlier(j);
-           j += step) {
+      for (std::int64_t j = k + step; j >= 0 && j < samples && std::abs(j - k) <= kReach && is_outlier(j); j += step) {
         found.push_back(j);
       }
     }

@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "points.h"
 
-#include "statistics.h"
-
 #include <cmath>
+
+#include "statistics.h"
 
 namespace gyrobudget::inline v0::allan {
 
-std::vector<DeviationPoint> deviation_points(const Curve& curve,
-                                                   std::span<const Identified> identified,
-                                                   std::span<const noise::Process> mix) {
+std::vector<DeviationPoint> deviation_points(const Curve& curve, std::span<const Identified> identified,
+                                             std::span<const noise::Process> mix) {
   std::vector<Identified> types(identified.begin(), identified.end());
   types.resize(curve.points.size());  // white noise where nothing is known
   const auto known_points = mix.empty() ? statistics(curve, types) : statistics(curve, mix);

@@ -2,12 +2,12 @@
 // A measured curve as it is quoted: deviations with their intervals.
 #pragma once
 
-#include "deviation.h"
-#include "identify.h"
-
 #include <cstdint>
 #include <span>
 #include <vector>
+
+#include "deviation.h"
+#include "identify.h"
 
 namespace gyrobudget::inline v0::allan {
 

@@ -19,8 +19,7 @@ constexpr std::size_t kFewestSamples = 8;
 
 void check(std::span<const double> rate, double dt) {
   if (!(dt > 0) || !std::isfinite(dt))
-    throw std::invalid_argument(
-        fmt::format("sample interval dt is {}; it must be positive and finite (s)", dt));
+    throw std::invalid_argument(fmt::format("sample interval dt is {}; it must be positive and finite (s)", dt));
   if (rate.size() < kFewestSamples) {
     throw std::invalid_argument(
         fmt::format("record has {} samples; a spectrum needs at least {}", rate.size(), kFewestSamples));
@@ -46,9 +45,7 @@ Existing existing(std::span<const double> rate) {
   return {*first + sum / count, count / static_cast<double>(rate.size())};
 }
 
-double without_mean(double sample, const Existing& facts) {
-  return std::isfinite(sample) ? sample - facts.mean : 0;
-}
+double without_mean(double sample, const Existing& facts) { return std::isfinite(sample) ? sample - facts.mean : 0; }
 
 // ---- Welch ----
 
@@ -88,20 +85,17 @@ Spectrum welch(std::span<const double> rate, double dt, std::int64_t segment) {
   constexpr std::size_t kSegments = 16, kLongest = std::size_t{1} << 16;
   if (segment < 0 || (segment > 0 && static_cast<std::size_t>(segment) < kFewestSamples) ||
       static_cast<std::size_t>(segment) > rate.size()) {
-    throw std::invalid_argument(
-        fmt::format("segment is {} samples; for a record of {} it must be from {} to {}", segment,
-                    rate.size(), kFewestSamples, rate.size()));
+    throw std::invalid_argument(fmt::format("segment is {} samples; for a record of {} it must be from {} to {}",
+                                            segment, rate.size(), kFewestSamples, rate.size()));
   }
-  const std::size_t wanted = segment > 0
-                                 ? static_cast<std::size_t>(segment)
-                                 : std::clamp(2 * rate.size() / (kSegments + 1), kFewestSamples, kLongest);
+  const std::size_t wanted = segment > 0 ? static_cast<std::size_t>(segment)
+                                         : std::clamp(2 * rate.size() / (kSegments + 1), kFewestSamples, kLongest);
   const std::size_t length = longest_fast(wanted), segments = (rate.size() - length) / (length / 2) + 1;
 
   std::vector<double> window(length);
   double energy = 0;
   for (std::size_t i = 0; i < length; ++i) {
-    const double s =
-        std::sin(std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(length));
+    const double s = std::sin(std::numbers::pi * (static_cast<double>(i) + 0.5) / static_cast<double>(length));
     window[i] = s * s;
     energy += window[i] * window[i];
   }
@@ -134,9 +128,8 @@ Spectrum welch(std::span<const double> rate, double dt, std::int64_t segment) {
 Spectrum multitaper(std::span<const double> rate, double dt, std::int64_t tapers) {
   check(rate, dt);
   if (tapers < 1 || tapers > static_cast<std::int64_t>(rate.size() / 4)) {
-    throw std::invalid_argument(
-        fmt::format("{} tapers; for a record of {} samples there must be from 1 to {}", tapers, rate.size(),
-                    rate.size() / 4));
+    throw std::invalid_argument(fmt::format("{} tapers; for a record of {} samples there must be from 1 to {}", tapers,
+                                            rate.size(), rate.size() / 4));
   }
   const std::size_t length = longest_fast(2 * (rate.size() + 1)), used = length / 2 - 1;
   const auto samples = rate.first(used);
@@ -155,8 +148,7 @@ Spectrum multitaper(std::span<const double> rate, double dt, std::int64_t tapers
   const auto last = static_cast<std::int64_t>(bins.size()) - 1;
   const auto bin = [&](std::int64_t q) {
     if (q < 0) return std::conj(bins[static_cast<std::size_t>(-q)]);
-    return q <= last ? bins[static_cast<std::size_t>(q)]
-                     : std::conj(bins[static_cast<std::size_t>(2 * last - q)]);
+    return q <= last ? bins[static_cast<std::size_t>(q)] : std::conj(bins[static_cast<std::size_t>(2 * last - q)]);
   };
   const auto points = static_cast<std::size_t>(last / 2);
   const double scale = dt / (2 * static_cast<double>(used + 1) * static_cast<double>(tapers) * facts.share);

@@ -16,9 +16,8 @@ Record make_record(std::vector<Axis> axes, double rate_hz, std::string source) {
   const std::size_t samples = axes.empty() ? 0 : axes.front().rate.size();
   for (const Axis& axis : axes) {
     if (axis.rate.size() != samples)
-      throw std::invalid_argument(
-          fmt::format("axis '{}' has {} samples and axis '{}' {}, expected one length for all", axis.name,
-                      axis.rate.size(), axes.front().name, samples));
+      throw std::invalid_argument(fmt::format("axis '{}' has {} samples and axis '{}' {}, expected one length for all",
+                                              axis.name, axis.rate.size(), axes.front().name, samples));
   }
   Record record{.source = std::move(source), .rate_hz = rate_hz, .samples = static_cast<std::int64_t>(samples)};
   for (std::size_t i = 0; i < samples; ++i)

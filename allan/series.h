@@ -2,12 +2,13 @@
 #pragma once
 
 #include "gyrobudget/allan/detail/phase.h"
-#include "mask.h"
 
 #include <cstdint>
 #include <memory>
 #include <mutex>
 #include <span>
+
+#include "mask.h"
 
 namespace gyrobudget::inline v0::allan {
 

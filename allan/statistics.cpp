@@ -27,24 +27,20 @@ using Mix = std::span<const noise::Process>;
 void check(const Estimation& of) {
   if (!has_terms(of.estimator, of.samples, of.m)) {
     const FactorRange range = factor_range(of.estimator, of.samples);
-    throw std::invalid_argument(fmt::format(
-        "averaging factor is {}; for {} of a record of {} samples it must be {}from {} to {}", of.m,
-        name(of.estimator), of.samples, range.step == 2 ? "even, " : "", range.least, range.most));
-  }
-  if (of.stride < 1)
-    throw std::invalid_argument(fmt::format("stride is {} samples; it must be at least 1", of.stride));
-  if (!(of.dt > 0) || !std::isfinite(of.dt))
     throw std::invalid_argument(
-        fmt::format("sample interval dt is {}; it must be positive and finite (s)", of.dt));
+        fmt::format("averaging factor is {}; for {} of a record of {} samples it must be {}from {} to {}", of.m,
+                    name(of.estimator), of.samples, range.step == 2 ? "even, " : "", range.least, range.most));
+  }
+  if (of.stride < 1) throw std::invalid_argument(fmt::format("stride is {} samples; it must be at least 1", of.stride));
+  if (!(of.dt > 0) || !std::isfinite(of.dt))
+    throw std::invalid_argument(fmt::format("sample interval dt is {}; it must be positive and finite (s)", of.dt));
 }
 
 /// The mix relative to its largest coefficient: degrees of freedom and biases know no scale.
 std::vector<noise::Process> normalized(Mix mix) {
   double largest = 0;
-  for (const noise::Process& process : mix)
-    largest = std::max(largest, std::abs(noise::coefficient(process)));
-  if (!(largest > 0))
-    throw std::invalid_argument("statistics of no noise: all coefficients of the mix are 0");
+  for (const noise::Process& process : mix) largest = std::max(largest, std::abs(noise::coefficient(process)));
+  if (!(largest > 0)) throw std::invalid_argument("statistics of no noise: all coefficients of the mix are 0");
   std::vector<noise::Process> result;
   for (const noise::Process& process : mix)
     result.push_back(noise::with_coefficient(process, noise::coefficient(process) / largest));
@@ -171,9 +167,7 @@ double theo1_ratio(const Estimation& of, Mix mix) {
   const double dt = of.dt * static_cast<double>(of.m) / static_cast<double>(m);
   double expectation = 0;
   for (const noise::Process& process : mix) {
-    const auto R = [&](std::int64_t lag) {
-      return noise::phase_covariance(process, static_cast<double>(lag), dt);
-    };
+    const auto R = [&](std::int64_t lag) { return noise::phase_covariance(process, static_cast<double>(lag), dt); };
     const double ends = R(0) + R(m);
     for (std::int64_t j = 1; j <= m / 2; ++j) {
       // x_0 + x_m - x_j - x_{m-j}
@@ -211,9 +205,8 @@ Facts facts_of(const Curve& curve, const Point& point, Mix mix, DenseDof& dense)
   const Estimation of{curve.estimator, curve.samples, point.m, curve.dt, point.stride};
   const Estimator basis = basis_of(curve.estimator, curve.samples, point.m).estimator;
   const bool overlapped = basis == Estimator::oadev && point.stride == 1;
-  const double edf = overlapped
-                         ? equivalent_dof(curve.samples, point.m, curve.dt, mix, curve.form, curve.mask.get())
-                         : degrees_of_freedom(of, normalized(mix), dense);
+  const double edf = overlapped ? equivalent_dof(curve.samples, point.m, curve.dt, mix, curve.form, curve.mask.get())
+                                : degrees_of_freedom(of, normalized(mix), dense);
   return {expectation_ratio(of, mix), edf};
 }
 
@@ -221,15 +214,13 @@ Facts facts_of(const Curve& curve, const Point& point, Mix mix, DenseDof& dense)
 double share_left(const Curve& curve, const Point& point) {
   const auto [estimator, m] = basis_of(curve.estimator, curve.samples, point.m);
   if (estimator == Estimator::oadev && point.stride == 1 && curve.mask) return 1;
-  const std::int64_t positions = curve.form == Form::ieee
-                                     ? complete_terms(curve.samples, m, curve.form)
-                                     : detail::family_positions(estimator, curve.samples, m);
+  const std::int64_t positions = curve.form == Form::ieee ? complete_terms(curve.samples, m, curve.form)
+                                                          : detail::family_positions(estimator, curve.samples, m);
   const double complete = std::ceil(static_cast<double>(positions) / static_cast<double>(point.stride));
   return std::min(1., static_cast<double>(point.terms) / complete);
 }
 
-PointStatistics point_statistics(const Curve& curve, const Point& point, const Facts& facts,
-                                 double confidence) {
+PointStatistics point_statistics(const Curve& curve, const Point& point, const Facts& facts, double confidence) {
   PointStatistics result;
   result.bias = facts.bias;
   result.edf = std::max(facts.edf * share_left(curve, point), std::min(1., facts.edf));
@@ -239,8 +230,7 @@ PointStatistics point_statistics(const Curve& curve, const Point& point, const F
 }
 
 /// Weights of the noises seen around a point, by term; they add up to 1.
-std::map<noise::Term, double> noises_around(const Curve& curve, std::span<const Identified> noises,
-                                            std::size_t i) {
+std::map<noise::Term, double> noises_around(const Curve& curve, std::span<const Identified> noises, std::size_t i) {
   constexpr double kReach = 2;  // octaves
   std::map<noise::Term, double> weights;
   double sum = 0;
@@ -295,16 +285,14 @@ double expectation_ratio(const Estimation& of, Mix mix) {
 }
 
 std::vector<PointStatistics> statistics(const Curve& curve, Mix mix, double confidence) {
-  return each_point(curve, confidence, [&](std::size_t i, DenseDof& dense) {
-    return facts_of(curve, curve.points[i], mix, dense);
-  });
+  return each_point(curve, confidence,
+                    [&](std::size_t i, DenseDof& dense) { return facts_of(curve, curve.points[i], mix, dense); });
 }
 
-std::vector<PointStatistics> statistics(const Curve& curve, std::span<const Identified> noises,
-                                        double confidence) {
+std::vector<PointStatistics> statistics(const Curve& curve, std::span<const Identified> noises, double confidence) {
   if (noises.size() != curve.points.size()) {
-    throw std::invalid_argument(fmt::format("noise was identified at {} points; the curve has {}",
-                                            noises.size(), curve.points.size()));
+    throw std::invalid_argument(
+        fmt::format("noise was identified at {} points; the curve has {}", noises.size(), curve.points.size()));
   }
   return each_point(curve, confidence, [&](std::size_t i, DenseDof& dense) {
     Facts mean;
@@ -361,12 +349,12 @@ std::vector<PooledPoint> pool(std::span<const Segment> segments, double confiden
     const Curve &curve = *segment.curve, &first = *segments.front().curve;
     if (curve.estimator != first.estimator || curve.dt != first.dt) {
       throw std::invalid_argument(
-          fmt::format("segments to pool are {} every {} s and {} every {} s; they must be alike",
-                      name(first.estimator), first.dt, name(curve.estimator), curve.dt));
+          fmt::format("segments to pool are {} every {} s and {} every {} s; they must be alike", name(first.estimator),
+                      first.dt, name(curve.estimator), curve.dt));
     }
     if (segment.statistics.size() != curve.points.size()) {
-      throw std::invalid_argument(fmt::format("a segment has {} points and statistics of {}",
-                                              curve.points.size(), segment.statistics.size()));
+      throw std::invalid_argument(
+          fmt::format("a segment has {} points and statistics of {}", curve.points.size(), segment.statistics.size()));
     }
     for (std::size_t i = 0; i < curve.points.size(); ++i) {
       if (curve.points[i].terms == 0) continue;

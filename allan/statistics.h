@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "confidence.h"
-#include "deviation.h"
-#include "identify.h"
 #include "gyrobudget/noise/process.h"
 
 #include <cstdint>
 #include <span>
 #include <vector>
+
+#include "confidence.h"
+#include "deviation.h"
+#include "identify.h"
 
 namespace gyrobudget::inline v0::allan {
 

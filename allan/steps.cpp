@@ -61,8 +61,7 @@ Step placed(const Series& record, const Difference& d) {
   const std::int64_t begin = d.middle - d.m, end = d.middle + d.m;
   double best = -1;
   for (std::int64_t k = d.middle - d.m / 2; k <= d.middle + d.m / 2; ++k) {
-    const double size =
-        detail::mean_of(record.phase(), k, end - k) - detail::mean_of(record.phase(), begin, k - begin);
+    const double size = detail::mean_of(record.phase(), k, end - k) - detail::mean_of(record.phase(), begin, k - begin);
     // Sum of squares between the two parts.
     const double between = size * size * static_cast<double>(k - begin) * static_cast<double>(end - k);
     if (between > best) best = between, step.index = k;
@@ -89,14 +88,12 @@ std::vector<Step> find_steps(const Series& record, const StepOptions& options) {
   std::vector<Difference> found;
   for (std::int64_t m = record.samples() / kFewestClusters; m >= kShortest; m /= 2)
     add_excesses(found, record, m, limit);
-  std::stable_sort(found.begin(), found.end(),
-                   [](const auto& a, const auto& b) { return a.excess > b.excess; });
+  std::stable_sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.excess > b.excess; });
   std::vector<Step> steps;
   for (const Difference& d : found) {
     if (steps.size() == options.most) break;
-    const bool explained = std::any_of(steps.begin(), steps.end(), [&](const Step& s) {
-      return std::abs(s.index - d.middle) < d.m + s.span / 2;
-    });
+    const bool explained = std::any_of(steps.begin(), steps.end(),
+                                       [&](const Step& s) { return std::abs(s.index - d.middle) < d.m + s.span / 2; });
     if (explained) continue;
     const Step step = placed(record, d);
     if (std::isfinite(step.size)) steps.push_back(step);  // none beside a gap that leaves no mean

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "series.h"
-
 #include <cstdint>
 #include <vector>
+
+#include "series.h"
 
 namespace gyrobudget::inline v0::allan {
 

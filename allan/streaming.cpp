@@ -21,8 +21,7 @@ std::size_t log2_of(std::int64_t power) {
 
 void check(double dt, const StreamingOptions& options) {
   if (!(dt > 0) || !std::isfinite(dt))
-    throw std::invalid_argument(
-        fmt::format("sample interval dt is {}; it must be positive and finite (s)", dt));
+    throw std::invalid_argument(fmt::format("sample interval dt is {}; it must be positive and finite (s)", dt));
   constexpr std::int64_t kMostOverlap = 4096;
   if (options.overlap < 1 || options.overlap > kMostOverlap ||
       !std::has_single_bit(static_cast<std::uint64_t>(options.overlap))) {
@@ -34,8 +33,7 @@ void check(double dt, const StreamingOptions& options) {
         fmt::format("minimum fill of a cluster is {}; it must be in (0, 1]", options.minimum_fill));
   }
   if (options.first_sample < 0)
-    throw std::invalid_argument(
-        fmt::format("first sample is {}; it must be 0 or more", options.first_sample));
+    throw std::invalid_argument(fmt::format("first sample is {}; it must be 0 or more", options.first_sample));
 }
 
 template <typename T>
@@ -65,10 +63,9 @@ class StreamingDeviation::PrefixSums {
  public:
   PrefixSums(std::span<const Block> blocks, std::int64_t block_length)
       : block_length_(block_length), x_(blocks.size() + 1) {
-    const bool complete = std::all_of(blocks.begin(), blocks.end(),
-                                      [&](const Block& block) { return block.count == block_length; });
-    const double level =
-        complete && !blocks.empty() ? blocks.front().sum : 0;  // near the others where they drift
+    const bool complete =
+        std::all_of(blocks.begin(), blocks.end(), [&](const Block& block) { return block.count == block_length; });
+    const double level = complete && !blocks.empty() ? blocks.front().sum : 0;  // near the others where they drift
     for (std::size_t i = 0; i < blocks.size(); ++i) x_[i + 1] = x_[i] + (blocks[i].sum - level);
     if (complete) return;
     counts_.resize(x_.size());
@@ -76,8 +73,7 @@ class StreamingDeviation::PrefixSums {
   }
 
   /// Terms that begin at blocks first .. end-1.
-  void add_terms(Accumulator& sum, std::size_t first, std::size_t end, std::size_t cluster,
-                 double minimum_fill) const {
+  void add_terms(Accumulator& sum, std::size_t first, std::size_t end, std::size_t cluster, double minimum_fill) const {
     const double m = static_cast<double>(cluster) * static_cast<double>(block_length_);
     if (counts_.empty()) {
       const auto terms = static_cast<std::int64_t>(end - first), c = static_cast<std::int64_t>(cluster);
@@ -91,8 +87,7 @@ class StreamingDeviation::PrefixSums {
     for (std::size_t a = first, b = a + cluster, c = b + cluster; a < end; ++a, ++b, ++c) {
       const std::int64_t one = counts_[b] - counts_[a], two = counts_[c] - counts_[b];
       if (std::min(one, two) < least) continue;
-      const double d =
-          (x_[c] - x_[b]) / static_cast<double>(two) - (x_[b] - x_[a]) / static_cast<double>(one);
+      const double d = (x_[c] - x_[b]) / static_cast<double>(two) - (x_[b] - x_[a]) / static_cast<double>(one);
       squares += d * d;
       ++sum.terms;
     }
@@ -105,8 +100,7 @@ class StreamingDeviation::PrefixSums {
   std::vector<std::int64_t> counts_;  ///< empty where nothing is missing
 };
 
-StreamingDeviation::StreamingDeviation(double dt, const StreamingOptions& options)
-    : dt_(dt), options_(options) {
+StreamingDeviation::StreamingDeviation(double dt, const StreamingOptions& options) : dt_(dt), options_(options) {
   check(dt, options);
   buffer_.reserve(kTile);
 }
@@ -179,8 +173,7 @@ void StreamingDeviation::extend(std::size_t index, const std::vector<Block>& blo
 }
 
 /// Terms that need a block at or behind `reach` and begin before `end`.
-void StreamingDeviation::add_terms(std::size_t row, std::span<const Block> blocks, std::size_t reach,
-                                   std::size_t end) {
+void StreamingDeviation::add_terms(std::size_t row, std::span<const Block> blocks, std::size_t reach, std::size_t end) {
   const PrefixSums sums(blocks, std::int64_t{1} << row);
   // Single samples serve the factors 1 to overlap, each other row one factor.
   const std::size_t last = log2_of(options_.overlap);
@@ -188,21 +181,18 @@ void StreamingDeviation::add_terms(std::size_t row, std::span<const Block> block
   for (std::size_t octave = row == 0 ? 0 : last + row; octave <= last + row; ++octave) {
     const std::size_t cluster = std::size_t{1} << std::min(octave, last);  // in blocks
     const std::size_t first = reach < 2 * cluster ? 0 : reach - 2 * cluster + 1;
-    const std::size_t behind =
-        std::min(end, blocks.size() < 2 * cluster ? 0 : blocks.size() - 2 * cluster + 1);
+    const std::size_t behind = std::min(end, blocks.size() < 2 * cluster ? 0 : blocks.size() - 2 * cluster + 1);
     if (first < behind) sums.add_terms(octaves_[octave], first, behind, cluster, options_.minimum_fill);
   }
 }
 
 void StreamingDeviation::append(const StreamingDeviation& following) {
   const auto& theirs = following.options_;
-  if (following.dt_ != dt_ || theirs.overlap != options_.overlap ||
-      theirs.minimum_fill != options_.minimum_fill)
+  if (following.dt_ != dt_ || theirs.overlap != options_.overlap || theirs.minimum_fill != options_.minimum_fill)
     throw std::invalid_argument("streams to join have different sample intervals, overlaps or minimum fills");
   if (theirs.first_sample != options_.first_sample + samples_) {
-    throw std::invalid_argument(
-        fmt::format("the stream to join begins at sample {} of the log; this one ends at {}",
-                    theirs.first_sample, options_.first_sample + samples_));
+    throw std::invalid_argument(fmt::format("the stream to join begins at sample {} of the log; this one ends at {}",
+                                            theirs.first_sample, options_.first_sample + samples_));
   }
   StreamingDeviation next = following;
   next.flush();
@@ -215,8 +205,7 @@ void StreamingDeviation::append(const StreamingDeviation& following) {
   };
 
   const std::size_t kept = ends_kept();
-  std::vector<Block>
-      joint;  // the block of the row at hand that the end of one and the beginning of the other make
+  std::vector<Block> joint;  // the block of the row at hand that the end of one and the beginning of the other make
   for (std::size_t index = 0; index < std::max(rows_.size(), next.rows_.size()) || !joint.empty(); ++index) {
     Row& row = row_at(index);
     const Row other = index < next.rows_.size() ? next.rows_[index] : Row{};
@@ -229,8 +218,7 @@ void StreamingDeviation::append(const StreamingDeviation& following) {
     // The pair across the seam, or with the block on it.
     std::vector<Block> doubled;
     for (std::size_t i = ours > 0 ? ours - 1 : 0; i < end && i + 1 < seam.size(); ++i) {
-      const bool first_half =
-          (row.next + static_cast<std::int64_t>(i) - static_cast<std::int64_t>(ours)) % 2 == 0;
+      const bool first_half = (row.next + static_cast<std::int64_t>(i) - static_cast<std::int64_t>(ours)) % 2 == 0;
       if (first_half) doubled.push_back(seam[i] + seam[i + 1]);
     }
 

@@ -2,11 +2,12 @@
 #pragma once
 
 #include "gyrobudget/allan/detail/phase.h"
-#include "deviation.h"
 
 #include <cstdint>
 #include <span>
 #include <vector>
+
+#include "deviation.h"
 
 namespace gyrobudget::inline v0::allan {
 

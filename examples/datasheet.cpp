@@ -22,8 +22,7 @@ int main() {
   for (const auto& c : datasheet.coefficients) {
     if (!c.fitted) continue;
     const auto unit = noise::datasheet_unit(noise::Signal::angular_rate, c.term);
-    std::printf(
-        "%c  %s  [%s, %s]\n", static_cast<char>(c.term), noise::quantity_text(c.value, unit, 3).c_str(),
-        noise::quantity_text(c.lower, unit, 3).c_str(), noise::quantity_text(c.upper, unit, 3).c_str());
+    std::printf("%c  %s  [%s, %s]\n", static_cast<char>(c.term), noise::quantity_text(c.value, unit, 3).c_str(),
+                noise::quantity_text(c.lower, unit, 3).c_str(), noise::quantity_text(c.upper, unit, 3).c_str());
   }
 }

@@ -2,7 +2,6 @@
 #include "gyrobudget/noise/detail/axis_noise.h"
 
 #include "gyrobudget/noise/detail/streams.h"
-#include "generate.h"
 
 #include <fmt/core.h>
 
@@ -10,6 +9,8 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+
+#include "generate.h"
 
 namespace gyrobudget::inline v0::noise::detail {
 namespace {
@@ -23,25 +24,21 @@ std::uint64_t whole_samples(const char* what, double time, double dt) {
   constexpr double kMost = 0x1p62;
   const double samples = std::round(time / dt);
   if (time >= 0 && samples <= kMost) return static_cast<std::uint64_t>(samples);
-  throw std::invalid_argument(
-      fmt::format("{} is {} s; it must be from 0 to 2^62 samples of {} s", what, time, dt));
+  throw std::invalid_argument(fmt::format("{} is {} s; it must be from 0 to 2^62 samples of {} s", what, time, dt));
 }
 
 }  // namespace
 
 Epoch epoch_of(const ErrorModel& model, double dt) {
   Epoch epoch;
-  if (model.powered_on_before)
-    epoch.powered = whole_samples("powered_on_before", *model.powered_on_before, dt);
+  if (model.powered_on_before) epoch.powered = whole_samples("powered_on_before", *model.powered_on_before, dt);
   if (!model.calibrated_over) return epoch;
   epoch.calibrated = whole_samples("calibrated_over", *model.calibrated_over, dt);
   if (!model.powered_on_before) epoch.powered = epoch.calibrated;
   if (epoch.calibrated == 0 || epoch.powered < epoch.calibrated) {
     throw std::invalid_argument(fmt::format(
         "calibrated_over is {} s; it must be at least a sample ({} s){}", *model.calibrated_over, dt,
-        model.powered_on_before
-            ? fmt::format(" and at most powered_on_before ({} s)", *model.powered_on_before)
-            : ""));
+        model.powered_on_before ? fmt::format(" and at most powered_on_before ({} s)", *model.powered_on_before) : ""));
   }
   return epoch;
 }
@@ -53,8 +50,8 @@ AxisNoise::AxisNoise(const ErrorModel& model, double dt, StreamKey axis, const F
   if (model.white != 0) start_white(setting, model.white);
   if (model.bias_instability != 0) {
     const double past = static_cast<double>(setting.epoch.powered) * dt;
-    const auto states = flicker_approximation(Flicker{model.bias_instability}, dt,
-                                              std::max(dt, band.duration + past), band.poles_per_decade);
+    const auto states = flicker_approximation(Flicker{model.bias_instability}, dt, std::max(dt, band.duration + past),
+                                              band.poles_per_decade);
     add_bank(setting, 'B', 0, states);
   }
   if (model.rate_random_walk != 0) {
@@ -72,10 +69,8 @@ AxisNoise::AxisNoise(const ErrorModel& model, double dt, StreamKey axis, const F
   }
 }
 
-void AxisNoise::add_bank(const Setting& setting, char kind, std::uint64_t occurrence,
-                         std::span<const Process> states) {
-  constexpr std::size_t kDraws =
-      4;  // of a state: at power-on, when the calibration begins, and its end and sum
+void AxisNoise::add_bank(const Setting& setting, char kind, std::uint64_t occurrence, std::span<const Process> states) {
+  constexpr std::size_t kDraws = 4;  // of a state: at power-on, when the calibration begins, and its end and sum
   const char start = kind == 'B' ? kFlickerStart : kind == 'K' ? kWalkStart : kGaussMarkovStart;
   std::vector<double> u(kDraws * states.size());
   fill_normal(source_stream(setting.axis, start, occurrence), 0, u);
@@ -83,16 +78,14 @@ void AxisNoise::add_bank(const Setting& setting, char kind, std::uint64_t occurr
   for (std::size_t i = 0; i < states.size(); ++i) {
     bank.origin += add_state(setting, bank, states[i], std::span(u).subspan(kDraws * i, kDraws));
   }
-  if (setting.epoch.powered == 0)
-    bank.origin = bank.states.sum();  // zero at the first sample to the last digit
-  if (kind == 'G') bank.origin = 0;   // a Gauss-Markov process of the sensor was never zero
+  if (setting.epoch.powered == 0) bank.origin = bank.states.sum();  // zero at the first sample to the last digit
+  if (kind == 'G') bank.origin = 0;  // a Gauss-Markov process of the sensor was never zero
   if (setting.epoch.calibrated > 0) calibrated_mean_ -= bank.origin;
   normals_.resize(std::max(normals_.size(), kTile * states.size() + StateBank::kLanes));
   banks_.push_back(std::move(bank));
 }
 
-double AxisNoise::add_state(const Setting& setting, Bank& bank, const Process& process,
-                            std::span<const double> u) {
+double AxisNoise::add_state(const Setting& setting, Bank& bank, const Process& process, std::span<const double> u) {
   const auto* gauss_markov = std::get_if<GaussMarkov>(&process);
   const FirstOrder step =
       gauss_markov ? FirstOrder::gauss_markov(gauss_markov->sigma, gauss_markov->correlation_time, setting.dt)
@@ -172,8 +165,7 @@ void AxisNoise::add_sinusoids(Tile& fast) const {
   for (const Sinusoid& s : sinusoids_) {
     for (std::size_t k = 0; k < kTile; ++k) {
       const auto at = static_cast<double>(at_ + k);
-      const double turn =
-          std::fma(s.frequency, at, -std::nearbyint(s.frequency * at));  // whole turns lose no digits
+      const double turn = std::fma(s.frequency, at, -std::nearbyint(s.frequency * at));  // whole turns lose no digits
       fast[k] += s.amplitude * std::sin(2 * pi * turn + s.phase);
     }
   }

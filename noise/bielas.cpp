@@ -27,8 +27,7 @@ Process bias_process(const Bielas& m, double dt) {
 
 Model Bielas::model(double dt) const {
   if (!(dt > 0 && std::isfinite(dt))) {
-    throw std::invalid_argument(
-        fmt::format("sample interval dt is {}; it must be positive and finite (s)", dt));
+    throw std::invalid_argument(fmt::format("sample interval dt is {}; it must be positive and finite (s)", dt));
   }
   Model model{{White{arw}, bias_process(*this, dt)}, {}};
   if (rrw != 0) model.processes.emplace_back(RateRandomWalk{rrw});

@@ -17,9 +17,8 @@ using Transform = Eigen::FFT<double>;
 void require_length(std::size_t n, std::size_t multiple_of) {
   constexpr auto kMost = static_cast<std::size_t>(std::numeric_limits<int>::max());
   if (n == 0 || n > kMost || n % multiple_of != 0) {
-    throw std::invalid_argument(
-        fmt::format("transform of {} points; the length must be a multiple of {} from {} to {}", n,
-                    multiple_of, multiple_of, kMost));
+    throw std::invalid_argument(fmt::format("transform of {} points; the length must be a multiple of {} from {} to {}",
+                                            n, multiple_of, multiple_of, kMost));
   }
 }
 
@@ -97,9 +96,8 @@ std::vector<double> real_signal(std::span<const std::complex<double>> spectrum) 
   const std::size_t n = spectrum.empty() ? 0 : 2 * (spectrum.size() - 1);
   require_length(n, 4);
   std::vector<double> result(n);
-  with_transform(n, [&](Transform& transform) {
-    transform.inv(result.data(), spectrum.data(), static_cast<Eigen::Index>(n));
-  });
+  with_transform(
+      n, [&](Transform& transform) { transform.inv(result.data(), spectrum.data(), static_cast<Eigen::Index>(n)); });
   return result;
 }
 

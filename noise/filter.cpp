@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "filter.h"
 
-#include "fft.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -12,6 +10,8 @@
 #include <numbers>
 #include <span>
 #include <stdexcept>
+
+#include "fft.h"
 
 namespace gyrobudget::inline v0::noise {
 namespace {
@@ -86,11 +86,9 @@ std::vector<double> impulse_response(const FilteredNoise& noise) {
   }
   // A response that reaches the end of its transform is not whole.
   const auto wanted = static_cast<std::int64_t>(std::clamp(kPerTap * taps, kFewest, kMost));
-  for (auto points = static_cast<std::size_t>(4 * fft_length(wanted / 4));;
-       points = std::min(4 * points, kMost)) {
+  for (auto points = static_cast<std::size_t>(4 * fft_length(wanted / 4));; points = std::min(4 * points, kMost)) {
     auto response = folded_response(noise, points);
-    if (response.empty())
-      throw std::invalid_argument(fmt::format("a filter of {} coefficients is not stable", taps));
+    if (response.empty()) throw std::invalid_argument(fmt::format("a filter of {} coefficients is not stable", taps));
     const std::size_t length = living_length(response);
     if (length <= points / 4 * 3) {
       response.resize(length);
@@ -98,11 +96,9 @@ std::vector<double> impulse_response(const FilteredNoise& noise) {
     }
     if (points >= kMost) break;
   }
-  throw std::invalid_argument(
-      fmt::format("a filter of {} coefficients remembers more than {} samples; so slow a noise is a "
-                  "GaussMarkov, one without end "
-                  "of memory a RateRandomWalk",
-                  taps, kMost / 4 * 3));
+  throw std::invalid_argument(fmt::format(
+      "a filter of {} coefficients remembers more than {} samples; so slow a noise is a GaussMarkov, one without end of memory a RateRandomWalk",
+      taps, kMost / 4 * 3));
 }
 
 }  // namespace
@@ -140,11 +136,9 @@ double psd(const FilteredNoise& noise, double frequency_hz, double dt) {
   require_valid(noise);
   constexpr double kNyquist = 0.5 * (1 + 4 * std::numeric_limits<double>::epsilon());  // f dt may round up
   require(dt > 0 && std::isfinite(dt), "sample interval dt", dt, "positive and finite (s)");
-  require(frequency_hz > 0 && frequency_hz * dt <= kNyquist, "frequency", frequency_hz,
-          "in (0, 1/(2 dt)] (Hz)");
+  require(frequency_hz > 0 && frequency_hz * dt <= kNyquist, "frequency", frequency_hz, "in (0, 1/(2 dt)] (Hz)");
   const auto inverse_z = std::polar(1.0, -2 * std::numbers::pi * frequency_hz * dt);
-  const double gain =
-      std::abs(polynomial(noise.numerator, inverse_z) / polynomial(noise.denominator, inverse_z));
+  const double gain = std::abs(polynomial(noise.numerator, inverse_z) / polynomial(noise.denominator, inverse_z));
   return square(noise.sigma * gain) * dt;
 }
 
@@ -181,8 +175,7 @@ double FilterMoments::weighted_sum(std::int64_t m, std::int64_t end, Weight weig
 
 double FilterMoments::allan_variance(std::int64_t m) const {
   require(m >= 1, "averaging factor m", static_cast<double>(m), "at least 1 (samples)");
-  const double sum =
-      weighted_sum(m, std::numeric_limits<std::int64_t>::max(), [](std::int64_t) { return 1.; });
+  const double sum = weighted_sum(m, std::numeric_limits<std::int64_t>::max(), [](std::int64_t) { return 1.; });
   return square(sigma_ / static_cast<double>(m)) * sum / 2;
 }
 
@@ -190,9 +183,8 @@ double FilterMoments::allan_variance(std::int64_t m, std::int64_t samples) const
   require(m >= 1 && m <= samples / 2, "averaging factor m", static_cast<double>(m),
           "from 1 to half the record (samples)");
   const double terms = static_cast<double>(samples - 2 * m + 1);
-  const double sum = weighted_sum(m, samples, [=](std::int64_t j) {
-    return static_cast<double>(samples - std::max(j, 2 * m - 1)) / terms;
-  });
+  const double sum = weighted_sum(
+      m, samples, [=](std::int64_t j) { return static_cast<double>(samples - std::max(j, 2 * m - 1)) / terms; });
   return square(sigma_ / static_cast<double>(m)) * sum / 2;
 }
 

@@ -10,8 +10,8 @@ namespace {
 /// First `a`, then `b`.
 FirstOrder in_a_row(const FirstOrder& a, const FirstOrder& b) {
   const double left = 1 - b.decay;
-  return {a.decay + b.decay * (1 - a.decay), a.gain + b.gain * (1 - a.decay),
-          left * left * a.var_end + b.var_end, left * (a.covariance + b.gain * a.var_end) + b.covariance,
+  return {a.decay + b.decay * (1 - a.decay), a.gain + b.gain * (1 - a.decay), left * left * a.var_end + b.var_end,
+          left * (a.covariance + b.gain * a.var_end) + b.covariance,
           a.var_sum + b.gain * (b.gain * a.var_end + 2 * a.covariance) + b.var_sum};
 }
 

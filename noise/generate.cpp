@@ -4,7 +4,6 @@
 #include "gyrobudget/noise/detail/state_bank.h"
 #include "gyrobudget/noise/detail/streaming_filter.h"
 #include "gyrobudget/noise/detail/streams.h"
-#include "fft.h"
 
 #include <fmt/core.h>
 
@@ -16,6 +15,8 @@
 #include <numbers>
 #include <stdexcept>
 #include <type_traits>
+
+#include "fft.h"
 
 namespace gyrobudget::inline v0::noise {
 namespace {
@@ -203,8 +204,7 @@ class SinusoidSource final : public SampleSource {
   void add_next(std::span<double> out) override {
     for (double& y : out) {
       const auto k = static_cast<double>(at_++);
-      const double turn =
-          std::fma(cycles_, k, -std::nearbyint(cycles_ * k));  // no digits lost to whole turns
+      const double turn = std::fma(cycles_, k, -std::nearbyint(cycles_ * k));  // no digits lost to whole turns
       y += p_.amplitude * std::sin(2 * pi * turn + p_.phase);
     }
   }
@@ -291,8 +291,7 @@ std::unique_ptr<SampleSource> make_source(const Process& process, double dt, Str
       [&](const auto& p) -> std::unique_ptr<SampleSource> {
         using P = std::decay_t<decltype(p)>;
         if constexpr (std::is_same_v<P, White>) return std::make_unique<WhiteSource>(p, dt, key);
-        if constexpr (std::is_same_v<P, Quantization>)
-          return std::make_unique<QuantizationSource>(p, dt, key);
+        if constexpr (std::is_same_v<P, Quantization>) return std::make_unique<QuantizationSource>(p, dt, key);
         if constexpr (std::is_same_v<P, RateRandomWalk>) return std::make_unique<WalkSource>(p, dt, key);
         if constexpr (std::is_same_v<P, GaussMarkov>) return std::make_unique<GaussMarkovSource>(p, dt, key);
         if constexpr (std::is_same_v<P, RateRamp>) return std::make_unique<RampSource>(p, dt);
@@ -344,8 +343,7 @@ void add_flicker(const Flicker& p, std::span<const double> amplitudes, StreamKey
       }
     }
     // The two bins that are their own conjugates are real and carry both parts' variance.
-    for (std::complex<double>* bin : {&spectrum.front(), &spectrum.back()})
-      *bin = std::numbers::sqrt2 * bin->real();
+    for (std::complex<double>* bin : {&spectrum.front(), &spectrum.back()}) *bin = std::numbers::sqrt2 * bin->real();
     increments = real_signal(spectrum);
   }
   CompensatedSum rate;
@@ -402,12 +400,10 @@ std::vector<Process> flicker_approximation(const Flicker& flicker, double dt, do
   constexpr double kLongestCluster = 1e15;  // samples
   require(longest_tau >= dt && longest_tau <= kLongestCluster * dt, "longest tau", longest_tau,
           "from dt to 1e15 dt (s)");
-  require(poles_per_decade >= 0.5 && poles_per_decade <= 10, "poles per decade", poles_per_decade,
-          "from 0.5 to 10");
+  require(poles_per_decade >= 0.5 && poles_per_decade <= 10, "poles per decade", poles_per_decade, "from 0.5 to 10");
   constexpr double kBeyond = 30;   // slowest pole over longest tau
   constexpr double kFastest = 40;  // a: weight (a/2)/sinh(a/2) below 1e-7
-  constexpr double kAnchor =
-      2;  // one of the a: where the rule's error at m = 1 vanishes for two poles per decade
+  constexpr double kAnchor = 2;    // one of the a: where the rule's error at m = 1 vanishes for two poles per decade
   const double step = std::numbers::ln10 / poles_per_decade;
   const double density = flicker.b * flicker.b / pi * step;
   std::vector<Process> states;

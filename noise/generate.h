@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "filter.h"
-#include "normal.h"
-#include "process.h"
-
 #include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
+
+#include "filter.h"
+#include "normal.h"
+#include "process.h"
 
 namespace gyrobudget::inline v0::noise {
 
@@ -50,8 +50,8 @@ class RecordGenerator {
 };
 
 /// One whole record of the sum of `processes`, exact in distribution.
-[[nodiscard]] std::vector<double> generate_record(std::span<const Process> processes, std::int64_t samples,
-                                                  double dt, StreamKey key);
+[[nodiscard]] std::vector<double> generate_record(std::span<const Process> processes, std::int64_t samples, double dt,
+                                                  StreamKey key);
 
 /// Flicker as a sum of Gauss-Markov processes and one rate random walk, for clusters from dt to longest_tau.
 ///
@@ -83,8 +83,7 @@ class Generator {
   /// Filtered noise besides, at rest before sample 0, each from a stream of letter F. More than 128 taps run by
   /// Fourier transforms of blocks: 50 ns a sample at 1000 taps, 100 ns at 1e5.
   /// @throws std::invalid_argument also what psd refuses of a filter.
-  Generator(std::span<const Process> processes, std::span<const FilteredNoise> filters, double dt,
-            const Options&);
+  Generator(std::span<const Process> processes, std::span<const FilteredNoise> filters, double dt, const Options&);
   ~Generator();
   Generator(Generator&&) noexcept;
   Generator& operator=(Generator&&) noexcept;

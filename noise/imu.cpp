@@ -22,8 +22,8 @@ namespace {
 constexpr std::size_t kAxes = 3;
 
 // Streams of the constants, by digits; letters are the noise's.
-constexpr char kTurnOnBias = '1', kScaleFactor = '2', kMisalignment = '3', kGSensitivity = '4',
-               kG2Sensitivity = '5', kVibration = '6', kRemainder = '7';
+constexpr char kTurnOnBias = '1', kScaleFactor = '2', kMisalignment = '3', kGSensitivity = '4', kG2Sensitivity = '5',
+               kVibration = '6', kRemainder = '7';
 
 void require(bool valid, const char* what, double value, const char* limit) {
   if (!valid) throw std::invalid_argument(fmt::format("{} is {}; it must be {}", what, value, limit));
@@ -44,8 +44,8 @@ void check(const ErrorModel& m) {
   }
   for (const GaussMarkov& g : m.gauss_markov) {
     require_size("sigma of a Gauss-Markov process", g.sigma);
-    require(g.correlation_time > 0 && std::isfinite(g.correlation_time), "correlation time",
-            g.correlation_time, "positive and finite (s)");
+    require(g.correlation_time > 0 && std::isfinite(g.correlation_time), "correlation time", g.correlation_time,
+            "positive and finite (s)");
   }
   for (const Sinusoid& s : m.sinusoids) {
     require(std::isfinite(s.amplitude) && std::isfinite(s.frequency) && std::isfinite(s.phase), "a sinusoid",
@@ -129,8 +129,8 @@ Triad::Triad(const ErrorModel& model, const Setting& setting) : dt_(setting.dt) 
   for (std::size_t i = 0; i < kAxes; ++i) start_axis(model, setting, i);
   const auto any = [](const Vector3& x) { return std::ranges::any_of(x, [](double y) { return y != 0; }); };
   const TriadConstants& c = constants_;
-  deforms_ = any(c.g2_sensitivity) || std::ranges::any_of(deformation_, any) ||
-             std::ranges::any_of(c.g_sensitivity, any);
+  deforms_ =
+      any(c.g2_sensitivity) || std::ranges::any_of(deformation_, any) || std::ranges::any_of(c.g_sensitivity, any);
   ideal_ = !(deforms_ || any(constant_bias_) || any(c.calibrated_bias) || bit_ != 0 || model.range ||
              std::ranges::any_of(axes_, [](const Axis& a) { return a.noisy || a.low_pass || a.delay; }));
 }
@@ -148,8 +148,7 @@ void Triad::draw_constants(const ErrorModel& model, const Setting& setting) {
     c.misalignment[i][i] = 0;
     c.g_sensitivity[i] = drawn(kGSensitivity, model.g_sensitivity);
     c.g2_sensitivity[i] = drawn(kG2Sensitivity, model.g2_sensitivity)[0];
-    c.vibration_bias[i] =
-        drawn(kVibration, model.vibration_rectification)[0] * setting.vibration * setting.vibration;
+    c.vibration_bias[i] = drawn(kVibration, model.vibration_rectification)[0] * setting.vibration * setting.vibration;
     deformation_[i] = c.misalignment[i];
     deformation_[i][i] = c.scale_factor[i];
     constant_bias_[i] = c.turn_on_bias[i] + c.vibration_bias[i];
@@ -261,8 +260,7 @@ struct Imu::State {
   ImuConstants constants;
 };
 
-Imu::Imu(const SensorModel& model, double dt, ImuKey key, const Options& options)
-    : state_(std::make_unique<State>()) {
+Imu::Imu(const SensorModel& model, double dt, ImuKey key, const Options& options) : state_(std::make_unique<State>()) {
   require(dt > 0 && std::isfinite(dt), "sample interval dt", dt, "positive and finite (s)");
   require_size("vibration level", options.vibration);
   require_size("duration", options.duration);
@@ -284,16 +282,13 @@ Imu::Imu(Imu&&) noexcept = default;
 Imu& Imu::operator=(Imu&&) noexcept = default;
 
 ImuReading Imu::next(const ImuReading& truth) {
-  return {state_->gyro.next(truth.angle, truth.velocity),
-          state_->accelerometer.next(truth.velocity, truth.velocity)};
+  return {state_->gyro.next(truth.angle, truth.velocity), state_->accelerometer.next(truth.velocity, truth.velocity)};
 }
 
 const ImuConstants& Imu::constants() const { return state_->constants; }
 const Vector3& Imu::gyro_bias() const { return state_->gyro.bias(); }
 const Vector3& Imu::accelerometer_bias() const { return state_->accelerometer.bias(); }
 const std::array<std::uint64_t, 3>& Imu::gyro_saturated() const { return state_->gyro.saturated(); }
-const std::array<std::uint64_t, 3>& Imu::accelerometer_saturated() const {
-  return state_->accelerometer.saturated();
-}
+const std::array<std::uint64_t, 3>& Imu::accelerometer_saturated() const { return state_->accelerometer.saturated(); }
 
 }  // namespace gyrobudget::inline v0::noise

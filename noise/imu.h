@@ -2,12 +2,12 @@
 // A whole inertial measurement unit: what it reads where an ideal one would read the truth.
 #pragma once
 
-#include "sensor.h"
-
 #include <array>
 #include <cstdint>
 #include <initializer_list>
 #include <memory>
+
+#include "sensor.h"
 
 namespace gyrobudget::inline v0::noise {
 
@@ -139,9 +139,8 @@ class Imu {
     std::optional<double> calibrated_over;             ///< as well
     ErrorSources gyro = ErrorSources::all();           ///< what is on
     ErrorSources accelerometer = ErrorSources::all();  ///< what is on
-    double duration = 1e4;  ///< [s] over which flicker is to be right, beside its past
-    double poles_per_decade =
-        2;  ///< of flicker: 0.02 % error of its Allan deviation, see flicker_approximation
+    double duration = 1e4;                             ///< [s] over which flicker is to be right, beside its past
+    double poles_per_decade = 2;  ///< of flicker: 0.02 % error of its Allan deviation, see flicker_approximation
   };
 
   /// @throws std::invalid_argument for dt, a vibration level, a duration or a coefficient that is negative

@@ -64,8 +64,8 @@ ImuSensor::Vector read(const ImuSensor& s, const ImuInput& input, const ImuSenso
   const double warmth = input.temperature - kReferenceTemperature;
   ImuSensor::Vector reading{};
   for (std::size_t i = 0; i < reading.size(); ++i) {
-    double z = s.constant_bias[i] + noise[i] + warmth * s.temperature_bias[i] +
-               s.acceleration_bias[i] * input.acceleration[i];
+    double z =
+        s.constant_bias[i] + noise[i] + warmth * s.temperature_bias[i] + s.acceleration_bias[i] * input.acceleration[i];
     for (std::size_t j = 0; j < reading.size(); ++j) z += s.axes_misalignment[i][j] / 100 * input.signal[j];
     z *= 1 + warmth / 100 * s.temperature_scale_factor[i];
     z = std::clamp(z, -s.measurement_range, s.measurement_range);

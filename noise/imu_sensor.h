@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "generate.h"
-#include "model.h"
-
 #include <array>
 #include <cstdint>
 #include <limits>
 #include <span>
 #include <vector>
+
+#include "generate.h"
+#include "model.h"
 
 namespace gyrobudget::inline v0::noise {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "model.h"
-
 #include <cstdint>
+
+#include "model.h"
 
 namespace gyrobudget::inline v0::noise {
 

@@ -11,8 +11,7 @@ namespace gyrobudget::inline v0::noise {
 ModelMoments::ModelMoments(Model model, double dt)
     : model_(std::move(model)), dt_(dt), filters_(model_.filters.begin(), model_.filters.end()) {
   if (!(dt > 0 && std::isfinite(dt))) {
-    throw std::invalid_argument(
-        fmt::format("sample interval dt is {}; it must be positive and finite (s)", dt));
+    throw std::invalid_argument(fmt::format("sample interval dt is {}; it must be positive and finite (s)", dt));
   }
 }
 
@@ -31,11 +30,10 @@ double ModelMoments::allan_variance(std::int64_t m) const {
 
 double ModelMoments::allan_variance(std::int64_t m, std::int64_t samples) const {
   if (m < 1 || m > samples / 2) {
-    throw std::invalid_argument(fmt::format(
-        "averaging factor m is {}; it must be from 1 to half the record of {} samples", m, samples));
+    throw std::invalid_argument(
+        fmt::format("averaging factor m is {}; it must be from 1 to half the record of {} samples", m, samples));
   }
-  double sum =
-      noise::allan_variance(model_.processes, m, dt_);  // their increments are stationary from the start
+  double sum = noise::allan_variance(model_.processes, m, dt_);  // their increments are stationary from the start
   for (const FilterMoments& f : filters_) sum += f.allan_variance(m, samples);
   return sum;
 }

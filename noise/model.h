@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "filter.h"
-#include "process.h"
-
 #include <cstdint>
 #include <utility>
 #include <vector>
+
+#include "filter.h"
+#include "process.h"
 
 namespace gyrobudget::inline v0::noise {
 

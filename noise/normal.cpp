@@ -61,8 +61,7 @@ GYROBUDGET_INLINE double logarithm(double u) {
   // The exponent as a double without an integer conversion, which AVX2 lacks: put it into the mantissa of
   // 2^52.
   constexpr double kTwo52 = 0x1p52;
-  const auto e =
-      std::bit_cast<double>((shifted >> 52) | std::bit_cast<std::uint64_t>(kTwo52)) - (kTwo52 + 1023);
+  const auto e = std::bit_cast<double>((shifted >> 52) | std::bit_cast<std::uint64_t>(kTwo52)) - (kTwo52 + 1023);
   const double s = (m - 1) / (m + 1);
   constexpr double kLn2High = 0x1.62e42feep-1,
                    kLn2Low = 0x1.a39ef35793c76p-33;  // ln 2 in two parts, e * high exact
@@ -81,8 +80,7 @@ GYROBUDGET_INLINE void box_muller(std::uint64_t radius_word, std::uint64_t angle
   const double radius = std::sqrt(-2 * logarithm(uniform(radius_word)));
   const double angle = ((one_to_two(angle_word) - 1.5) + 0x1p-53) * (std::numbers::pi / 2);
   const double square = angle * angle;
-  const double along = radius * polynomial(kCosine, square),
-               across = radius * (angle * polynomial(kSine, square));
+  const double along = radius * polynomial(kCosine, square), across = radius * (angle * polynomial(kSine, square));
   const std::uint64_t swap = 0 - (angle_word & 1), sign = (angle_word & 2) << 62;
   const auto a = std::bit_cast<std::uint64_t>(along), b = std::bit_cast<std::uint64_t>(across);
   const std::uint64_t difference = (a ^ b) & swap;
@@ -138,8 +136,7 @@ namespace avx2 {
 #define GYROBUDGET_TARGET __attribute__((target("avx2")))
 using Lanes = std::uint64_t __attribute__((vector_size(32)));
 GYROBUDGET_TARGET inline Lanes product(const Lanes& a, const Lanes& b) {
-  return reinterpret_cast<Lanes>(
-      _mm256_mul_epu32(reinterpret_cast<__m256i>(a), reinterpret_cast<__m256i>(b)));
+  return reinterpret_cast<Lanes>(_mm256_mul_epu32(reinterpret_cast<__m256i>(a), reinterpret_cast<__m256i>(b)));
 }
 #include "gyrobudget/noise/detail/normal_lanes.inc"
 #undef GYROBUDGET_TARGET
@@ -218,8 +215,7 @@ namespace {
 using BlockFunction = void (*)(detail::Target, detail::BlockKey, std::uint64_t, std::int64_t, double*);
 
 /// Numbers first, first+1, ... where number 2 b + i is number i of block b + offset.
-void fill(BlockFunction blocks, StreamKey key, std::uint64_t offset, std::uint64_t first,
-          std::span<double> out) {
+void fill(BlockFunction blocks, StreamKey key, std::uint64_t offset, std::uint64_t first, std::span<double> out) {
   const detail::BlockKey block_key{key.seed, key.stream};
   const auto whole = [&](std::uint64_t block, std::int64_t count, double* to) {
     blocks(detail::best_target(), block_key, offset + block, count, to);

@@ -61,9 +61,7 @@ double exponential_tail(double x, int first, Weight weight) {
 // --- Quantization ------------------------------------------------------------------------------------------
 // ------------------------------------------------------------------------------------------------
 
-double psd_of(const Quantization& p, double f, double dt) {
-  return 4 * square(p.q * std::sin(pi * f * dt)) / dt;
-}
+double psd_of(const Quantization& p, double f, double dt) { return 4 * square(p.q * std::sin(pi * f * dt)) / dt; }
 double allan_of(const Quantization& p, double m, double dt) { return 3 * square(p.q / (m * dt)); }
 double structure_of(const Quantization& p, double lag, double dt) {
   return (lag == 0 ? 0 : lag == 1 ? 6 : 4) * square(p.q / dt);  // neighbours share one reading
@@ -81,15 +79,12 @@ double phase_of(const White& p, double lag, double dt) { return -0.5 * square(p.
 // --- Flicker -----------------------------------------------------------------------------------------------
 // -----------------------------------------------------------------------------------------------------
 
-double psd_of(const Flicker& p, double f, double dt) {
-  return square(p.b) * dt / (2 * std::sin(pi * f * dt));
-}
+double psd_of(const Flicker& p, double f, double dt) { return square(p.b) * dt / (2 * std::sin(pi * f * dt)); }
 double allan_of(const Flicker& p, double m, double) {
   const double h_m = odd_harmonic(m), h_2m = odd_harmonic(2 * m);
   // For long clusters the logarithms are the same but for ln 2: take the difference before rounding does.
-  const double growth = m < kAsymptotic
-                            ? h_2m - h_m
-                            : 0.5 * (std::numbers::ln2 + digamma_remainder(2 * m) - digamma_remainder(m));
+  const double growth =
+      m < kAsymptotic ? h_2m - h_m : 0.5 * (std::numbers::ln2 + digamma_remainder(2 * m) - digamma_remainder(m));
   return square(p.b) / (4 * pi) * (16 * growth + (4 * h_m - h_2m) / square(m));
 }
 double structure_of(const Flicker& p, double lag, double) { return 4 / pi * square(p.b) * odd_harmonic(lag); }
@@ -100,12 +95,8 @@ double phase_of(const Flicker& p, double lag, double dt) {
 // --- Rate random walk --------------------------------------------------------------------------------------
 // --------------------------------------------------------------------------------------------
 
-double psd_of(const RateRandomWalk& p, double f, double dt) {
-  return square(p.k * dt / (2 * std::sin(pi * f * dt)));
-}
-double allan_of(const RateRandomWalk& p, double m, double dt) {
-  return square(p.k) * dt * (m / 3 + 1 / (6 * m));
-}
+double psd_of(const RateRandomWalk& p, double f, double dt) { return square(p.k * dt / (2 * std::sin(pi * f * dt))); }
+double allan_of(const RateRandomWalk& p, double m, double dt) { return square(p.k) * dt * (m / 3 + 1 / (6 * m)); }
 double structure_of(const RateRandomWalk& p, double lag, double dt) { return square(p.k) * dt * lag; }
 double phase_of(const RateRandomWalk& p, double lag, double dt) {
   return square(p.k * dt) * dt * lag * (square(lag) - 1) / 12;
@@ -161,8 +152,7 @@ double phase_of(const GaussMarkov& p, double lag, double dt) {
   const GaussMarkovShape shape(p, dt);
   if (shape.P == 0) return -0.5 * square(p.sigma * dt) * lag;
   const double x = shape.a * lag;
-  const double curve =
-      x < 1 ? exponential_tail(-x, 2, [](int) { return 1.; }) : (x + std::expm1(-x)) / square(x);
+  const double curve = x < 1 ? exponential_tail(-x, 2, [](int) { return 1.; }) : (x + std::expm1(-x)) / square(x);
   return -0.5 * square(p.sigma * dt) * lag * (shape.L + lag * shape.P * curve);
 }
 
@@ -196,8 +186,8 @@ double phase_of(const Sinusoid& p, double lag, double dt) {
 void require_sampled(const Process& process, double dt) {
   require_interval(dt);
   if (const auto* p = std::get_if<GaussMarkov>(&process)) {
-    require(p->correlation_time > 0 && std::isfinite(p->correlation_time), "correlation time",
-            p->correlation_time, "positive and finite (s)");
+    require(p->correlation_time > 0 && std::isfinite(p->correlation_time), "correlation time", p->correlation_time,
+            "positive and finite (s)");
   }
 }
 
@@ -234,15 +224,13 @@ Process unit_process(Term wanted) {
   for (const Process& p : kZero) {
     if (term(p) == wanted) return with_coefficient(p, 1);
   }
-  throw std::invalid_argument(
-      fmt::format("'{}' is no noise term; there are Q N B K R G S", static_cast<char>(wanted)));
+  throw std::invalid_argument(fmt::format("'{}' is no noise term; there are Q N B K R G S", static_cast<char>(wanted)));
 }
 
 double psd(const Process& process, double frequency_hz, double dt) {
   require_sampled(process, dt);
   constexpr double kNyquist = 0.5 * (1 + 4 * std::numeric_limits<double>::epsilon());  // f dt may round up
-  require(frequency_hz > 0 && frequency_hz * dt <= kNyquist, "frequency", frequency_hz,
-          "in (0, 1/(2 dt)] (Hz)");
+  require(frequency_hz > 0 && frequency_hz * dt <= kNyquist, "frequency", frequency_hz, "in (0, 1/(2 dt)] (Hz)");
   return std::visit([=](const auto& p) { return psd_of(p, frequency_hz, dt); }, process);
 }
 

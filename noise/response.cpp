@@ -12,8 +12,7 @@ namespace gyrobudget::inline v0::noise::detail {
 
 LowPass::LowPass(double bandwidth, int order, double dt) : order_(order) {
   if (!(bandwidth > 0 && std::isfinite(bandwidth))) {
-    throw std::invalid_argument(
-        fmt::format("bandwidth is {}; it must be positive and finite (Hz)", bandwidth));
+    throw std::invalid_argument(fmt::format("bandwidth is {}; it must be positive and finite (Hz)", bandwidth));
   }
   if (order != 1 && order != 2) {
     throw std::invalid_argument(fmt::format("order of the low pass is {}; it must be 1 or 2", order));
@@ -55,8 +54,7 @@ Delay::Delay(double delay, double dt) {
   constexpr double kMost = 1e7;
   const double samples = delay / dt;
   if (!(samples >= 0 && samples <= kMost)) {
-    throw std::invalid_argument(
-        fmt::format("delay is {} s; it must be from 0 to 1e7 samples of {} s", delay, dt));
+    throw std::invalid_argument(fmt::format("delay is {} s; it must be from 0 to 1e7 samples of {} s", delay, dt));
   }
   const double whole = std::floor(samples);
   fraction_ = samples - whole;
@@ -67,8 +65,7 @@ double Delay::next(double increment) {
   if (!started_) std::ranges::fill(past_, increment);
   started_ = true;
   past_[at_] = increment;
-  at_ =
-      at_ + 1 == past_.size() ? 0 : at_ + 1;  // now the oldest: one sample older than the delay's whole part
+  at_ = at_ + 1 == past_.size() ? 0 : at_ + 1;  // now the oldest: one sample older than the delay's whole part
   const double older = past_[at_], younger = past_[at_ + 1 == past_.size() ? 0 : at_ + 1];
   return younger + fraction_ * (older - younger);
 }

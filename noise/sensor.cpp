@@ -44,15 +44,13 @@ constexpr Entry kNumber[] = {
 };
 
 const Entry& entry(Signal signal, Term term) {
-  const std::span<const Entry> table = signal == Signal::angular_rate ? std::span<const Entry>(kGyro)
-                                       : signal == Signal::specific_force
-                                           ? std::span<const Entry>(kAccelerometer)
-                                           : std::span<const Entry>(kNumber);
+  const std::span<const Entry> table = signal == Signal::angular_rate     ? std::span<const Entry>(kGyro)
+                                       : signal == Signal::specific_force ? std::span<const Entry>(kAccelerometer)
+                                                                          : std::span<const Entry>(kNumber);
   for (const Entry& e : table) {
     if (e.term == term) return e;
   }
-  throw std::invalid_argument(
-      fmt::format("'{}' is no noise term; there are Q N B K R G S", static_cast<char>(term)));
+  throw std::invalid_argument(fmt::format("'{}' is no noise term; there are Q N B K R G S", static_cast<char>(term)));
 }
 
 template <typename Model>
@@ -80,16 +78,13 @@ auto& member(Model& model, Term term) {
 std::string_view datasheet_unit(Signal signal, Term term) { return entry(signal, term).unit; }
 std::string_view datasheet_unit(Signal signal) { return entry(signal, Term::flicker).unit; }
 Dimension dimension_of(Signal signal) { return dimension_of(signal, Term::flicker); }
-Dimension dimension_of(Signal signal, Term term) {
-  return parse_unit(datasheet_unit(signal, term)).dimension;
-}
+Dimension dimension_of(Signal signal, Term term) { return parse_unit(datasheet_unit(signal, term)).dimension; }
 std::string_view key(Signal signal, Term term) { return entry(signal, term).key; }
 std::string_view label(Signal signal, Term term) { return entry(signal, term).label; }
 
 std::vector<Process> ErrorModel::processes() const {
   std::vector<Process> result;
-  for (const Term t :
-       {Term::quantization, Term::white, Term::flicker, Term::rate_random_walk, Term::rate_ramp}) {
+  for (const Term t : {Term::quantization, Term::white, Term::flicker, Term::rate_random_walk, Term::rate_ramp}) {
     if ((*this)[t] != 0) result.push_back(with_coefficient(unit_process(t), (*this)[t]));
   }
   for (const GaussMarkov& g : gauss_markov) {

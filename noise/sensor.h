@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "process.h"
-#include "units.h"
-
 #include <array>
 #include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "process.h"
+#include "units.h"
 
 namespace gyrobudget::inline v0::noise {
 

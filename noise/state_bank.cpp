@@ -68,8 +68,7 @@ double StateBank::sum() const {
   return total(sum);
 }
 
-void StateBank::run(Target target, std::span<const double> drive, std::size_t stride,
-                    std::span<double> sums) {
+void StateBank::run(Target target, std::span<const double> drive, std::size_t stride, std::span<double> sums) {
   const Bank bank{phi_.data(), step_.data(), state_.data(), state_.size()};
   (target == Target::baseline ? run_baseline : run_avx2)(bank, drive.data(), stride, sums);
 }

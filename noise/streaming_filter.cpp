@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/noise/detail/streaming_filter.h"
 
-#include "fft.h"
-
 #include <algorithm>
 #include <bit>
 #include <optional>
+
+#include "fft.h"
 
 namespace gyrobudget::inline v0::noise::detail {
 namespace {
@@ -101,8 +101,7 @@ class Convolution {
     Spectrum now = spectrum_of(block, size_);
     newest_ = (newest_ + 1) % pairs_.size();
     Spectrum& pair = pairs_[newest_];
-    for (std::size_t k = 0; k < now.re.size();
-         ++k) {  // behind the block before it: a shift by half the transform
+    for (std::size_t k = 0; k < now.re.size(); ++k) {  // behind the block before it: a shift by half the transform
       const double sign = k % 2 == 0 ? 1 : -1;
       pair.re[k] = last_.re[k] + sign * now.re[k];
       pair.im[k] = last_.im[k] + sign * now.im[k];
@@ -117,9 +116,7 @@ class Convolution {
   }
 
  private:
-  const Spectrum& pair_before(std::size_t age) const {
-    return pairs_[(newest_ + pairs_.size() - age) % pairs_.size()];
-  }
+  const Spectrum& pair_before(std::size_t age) const { return pairs_[(newest_ + pairs_.size() - age) % pairs_.size()]; }
   std::vector<double> latter_half(const Spectrum& sum) const {
     const auto signal = signal_of(sum);
     return {signal.begin() + static_cast<std::ptrdiff_t>(size_), signal.end()};
@@ -200,8 +197,7 @@ std::unique_ptr<StreamingFilter> make_block_filter(std::span<const double> numer
   return std::make_unique<BlockFilter>(numerator, denominator);
 }
 
-std::unique_ptr<StreamingFilter> make_filter(std::span<const double> numerator,
-                                             std::span<const double> denominator) {
+std::unique_ptr<StreamingFilter> make_filter(std::span<const double> numerator, std::span<const double> denominator) {
   constexpr std::size_t kMostDirect = 128;  // where the two take the same time
   const bool direct = std::max(numerator.size(), denominator.size()) <= kMostDirect;
   return direct ? make_direct_filter(numerator, denominator) : make_block_filter(numerator, denominator);

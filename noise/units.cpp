@@ -200,20 +200,19 @@ std::string suggestion(std::string_view word) {
 struct Spelling {
   std::string_view from, to;
 };
-constexpr Spelling kSigns[] = {
-    {"°", "deg"},    {"º", "deg"},     {"˚", "deg"},     {"′", "arcmin"}, {"″", "arcsec"}, {"’", "arcmin"},
-    {"”", "arcsec"}, {"''", "arcsec"}, {"\"", "arcsec"}, {"'", "arcmin"}, {"µ", "u"},      {"μ", "u"},
-    {"√", " sqrt "}, {"·", "*"},       {"⋅", "*"},       {"×", "*"},      {"∙", "*"},      {"•", "*"},
-    {"∕", "/"},      {"⁄", "/"},       {"−", "-"},       {"–", "-"},      {"‑", "-"},      {"\u00a0", " "},
-    {"\u2009", " "}, {"\u202f", " "},  {"\t", " "}};
+constexpr Spelling kSigns[] = {{"°", "deg"},    {"º", "deg"},    {"˚", "deg"},     {"′", "arcmin"},  {"″", "arcsec"},
+                               {"’", "arcmin"}, {"”", "arcsec"}, {"''", "arcsec"}, {"\"", "arcsec"}, {"'", "arcmin"},
+                               {"µ", "u"},      {"μ", "u"},      {"√", " sqrt "},  {"·", "*"},       {"⋅", "*"},
+                               {"×", "*"},      {"∙", "*"},      {"•", "*"},       {"∕", "/"},       {"⁄", "/"},
+                               {"−", "-"},      {"–", "-"},      {"‑", "-"},       {"\u00a0", " "},  {"\u2009", " "},
+                               {"\u202f", " "}, {"\t", " "}};
 constexpr Spelling kSuperscripts[] = {{"⁻", "-"}, {"⁺", "+"}, {"⁰", "0"},  {"¹", "1"}, {"²", "2"},
                                       {"³", "3"}, {"⁴", "4"}, {"⁵", "5"},  {"⁶", "6"}, {"⁷", "7"},
                                       {"⁸", "8"}, {"⁹", "9"}, {"½", "1/2"}};
 
 template <std::size_t n>
 const Spelling* find_spelling(const Spelling (&table)[n], std::string_view text) {
-  const auto* found =
-      std::ranges::find_if(table, [&](const Spelling& s) { return text.starts_with(s.from); });
+  const auto* found = std::ranges::find_if(table, [&](const Spelling& s) { return text.starts_with(s.from); });
   return found == std::end(table) ? nullptr : found;
 }
 
@@ -269,9 +268,7 @@ class Parser {
 
   /// Refuses what no sensor has, before an int or a double overflows.
   const Scale& bounded(const Scale& scale) const {
-    const auto fits = [](int exponent) {
-      return std::abs(exponent) <= std::numeric_limits<std::int8_t>::max();
-    };
+    const auto fits = [](int exponent) { return std::abs(exponent) <= std::numeric_limits<std::int8_t>::max(); };
     if (!std::isnormal(static_cast<double>(scale.factor)) || !fits(scale.angle) || !fits(scale.length) ||
         !fits(scale.time) || !fits(scale.mass)) {
       fail("its size or powers are beyond reason");
@@ -332,8 +329,7 @@ class Parser {
     at_ -= unread;
     accept("-");
     const Scale radicand = factor();
-    if (radicand.angle % 2 != 0 || radicand.length % 2 != 0 || radicand.time % 2 != 0 ||
-        radicand.mass % 2 != 0) {
+    if (radicand.angle % 2 != 0 || radicand.length % 2 != 0 || radicand.time % 2 != 0 || radicand.mass % 2 != 0) {
       fail("a fourth root is in no unit of a sensor");
     }
     return power(radicand, 1);
@@ -344,8 +340,7 @@ class Parser {
     const std::size_t start = at_;
     if (next() == '%') return std::string_view(text_).substr(at_++, 1);
     while (is_letter(next())) ++at_;
-    if (lower(text_.substr(start, at_ - start)) == "arc" && (next() == ' ' || next() == '-') &&
-        is_letter(next(1))) {
+    if (lower(text_.substr(start, at_ - start)) == "arc" && (next() == ' ' || next() == '-') && is_letter(next(1))) {
       text_.erase(at_, 1);
       while (is_letter(next())) ++at_;
     }
@@ -396,8 +391,7 @@ class Parser {
     double value = 0;
     if (!is_digit(next())) fail("an exponent is missing or unreadable");
     const char* begin = text_.data() + at_;
-    const auto [end, error] =
-        std::from_chars(begin, text_.data() + text_.size(), value, std::chars_format::fixed);
+    const auto [end, error] = std::from_chars(begin, text_.data() + text_.size(), value, std::chars_format::fixed);
     if (error != std::errc{}) fail("an exponent is unreadable");
     at_ += static_cast<std::size_t>(end - begin);
     return value;
@@ -410,8 +404,7 @@ class Parser {
 
   [[noreturn]] void fail_unknown(std::string_view word) const {
     if (std::ranges::find(kWithoutSize, lower(word)) != std::end(kWithoutSize)) {
-      fail(fmt::format("'{}' has no size of its own; give the size of one as a scale (--scale) and its unit",
-                       word));
+      fail(fmt::format("'{}' has no size of its own; give the size of one as a scale (--scale) and its unit", word));
     }
     fail(fmt::format("'{}' is no known unit{}", excerpt(word), suggestion(word)));
   }
@@ -474,22 +467,21 @@ std::string significant(double value, int digits) {
 
 Unit parse_unit(std::string_view text) {
   if (text.size() > kLongestUnit) {
-    throw std::invalid_argument(fmt::format("unit '{}' is {} bytes long; at most {} are read", excerpt(text),
-                                            text.size(), kLongestUnit));
+    throw std::invalid_argument(
+        fmt::format("unit '{}' is {} bytes long; at most {} are read", excerpt(text), text.size(), kLongestUnit));
   }
   return Parser(text).parse();
 }
 
 double parse_quantity(std::string_view text, const Dimension& expected) {
   const std::string_view trimmed = trim(text);
-  const std::string_view digits =
-      trimmed.substr(trimmed.starts_with('+') && !trimmed.starts_with("+-") ? 1 : 0);
+  const std::string_view digits = trimmed.substr(trimmed.starts_with('+') && !trimmed.starts_with("+-") ? 1 : 0);
   double number = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
   if (error != std::errc{} || !std::isfinite(number)) {
     throw std::invalid_argument(
-        fmt::format("'{}' does not start with a finite number; expected a number and a unit ({})",
-                    excerpt(text), example_units(expected)));
+        fmt::format("'{}' does not start with a finite number; expected a number and a unit ({})", excerpt(text),
+                    example_units(expected)));
   }
   const std::string_view unit_text = trim(digits.substr(static_cast<std::size_t>(end - digits.data())));
   if (unit_text.empty()) {
@@ -498,9 +490,8 @@ double parse_quantity(std::string_view text, const Dimension& expected) {
   }
   const Unit unit = parse_unit(unit_text);
   if (unit.dimension != expected) {
-    throw std::invalid_argument(
-        fmt::format("'{}' has a unit of the wrong kind (the kind of {}); expected one like {}", excerpt(text),
-                    example_units(unit.dimension), example_units(expected)));
+    throw std::invalid_argument(fmt::format("'{}' has a unit of the wrong kind (the kind of {}); expected one like {}",
+                                            excerpt(text), example_units(unit.dimension), example_units(expected)));
   }
   const double si = number * unit.to_si;
   if (!std::isfinite(si))
@@ -513,8 +504,7 @@ std::string example_units(const Dimension& d) {
     if (example.dimension == d) return std::string(example.units);
   }
   std::string result;
-  for (const auto& [name, doubled] :
-       {std::pair{"rad", d.angle}, {"m", d.length}, {"s", d.time}, {"kg", d.mass}}) {
+  for (const auto& [name, doubled] : {std::pair{"rad", d.angle}, {"m", d.length}, {"s", d.time}, {"kg", d.mass}}) {
     if (doubled == 0) continue;
     result += fmt::format("{}{}^{}", result.empty() ? "" : " ", name, doubled / 2.0);
   }

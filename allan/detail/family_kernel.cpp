@@ -47,9 +47,8 @@ GYROBUDGET_INLINE inline void remove_trend(const double* p, std::int64_t m, doub
 GYROBUDGET_INLINE inline double even(const double* p, std::int64_t m, double* scratch) {
   remove_trend(p, m, scratch);
   const double *s = scratch, *end = s + 3 * m;
-  const double inside = lane_sum(m, [=](std::int64_t t) GYROBUDGET_INLINE {
-    return square((end[-t] + s[t]) + 3 * (s[t + 2 * m] - s[t + m]));
-  });
+  const double inside = lane_sum(
+      m, [=](std::int64_t t) GYROBUDGET_INLINE { return square((end[-t] + s[t]) + 3 * (s[t + 2 * m] - s[t + m])); });
   const double right = lane_sum(m + 1, [=](std::int64_t i) GYROBUDGET_INLINE {
     const std::int64_t t = m + i;
     return square((end[-t] + s[t]) - 3 * (end[m - t] + s[t + m]));
@@ -68,25 +67,21 @@ GYROBUDGET_INLINE inline double even(const double* p, std::int64_t m, double* sc
 GYROBUDGET_INLINE inline double theo(const double* x, std::int64_t m, const double* weight) {
   const double *begin = x + 1, *end = x + m - 1;
   const double ends = x[0] + x[m];
-  return lane_sum(m / 2, [=](std::int64_t j)
-                             GYROBUDGET_INLINE { return weight[j] * square(ends - (begin[j] + end[-j])); });
+  return lane_sum(m / 2,
+                  [=](std::int64_t j) GYROBUDGET_INLINE { return weight[j] * square(ends - (begin[j] + end[-j])); });
 }
 
 double third_baseline(const double* x, std::int64_t count, std::int64_t m) { return third(x, count, m); }
 double even_baseline(const double* p, std::int64_t m, double* s) { return even(p, m, s); }
 double theo_baseline(const double* x, std::int64_t m, const double* w) { return theo(x, m, w); }
-GYROBUDGET_AVX2 double third_avx2(const double* x, std::int64_t count, std::int64_t m) {
-  return third(x, count, m);
-}
+GYROBUDGET_AVX2 double third_avx2(const double* x, std::int64_t count, std::int64_t m) { return third(x, count, m); }
 GYROBUDGET_AVX2 double even_avx2(const double* p, std::int64_t m, double* s) { return even(p, m, s); }
 GYROBUDGET_AVX2 double theo_avx2(const double* x, std::int64_t m, const double* w) { return theo(x, m, w); }
 GYROBUDGET_AVX512 double third_avx512(const double* x, std::int64_t count, std::int64_t m) {
   return third(x, count, m);
 }
 GYROBUDGET_AVX512 double even_avx512(const double* p, std::int64_t m, double* s) { return even(p, m, s); }
-GYROBUDGET_AVX512 double theo_avx512(const double* x, std::int64_t m, const double* w) {
-  return theo(x, m, w);
-}
+GYROBUDGET_AVX512 double theo_avx512(const double* x, std::int64_t m, const double* w) { return theo(x, m, w); }
 
 }  // namespace
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "second_difference.h"
-
 #include <cstdint>
+
+#include "second_difference.h"
 
 namespace gyrobudget::inline v0::allan::detail {
 

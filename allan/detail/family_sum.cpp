@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "family_sum.h"
 
-#include "family_kernel.h"
-#include "lanes.h"
-
 #include <algorithm>
 #include <cmath>
 #include <memory>
+
+#include "family_kernel.h"
+#include "lanes.h"
 
 namespace gyrobudget::inline v0::allan::detail {
 namespace {
@@ -35,14 +35,13 @@ bool counts(const FamilyRecord& record, const Span& span) {
 /// @param squared the square of the term at a position.
 /// @param span the samples of the term at a position.
 template <typename Squared, typename SpanAt>
-[[gnu::always_inline]] inline TermSum sum_terms(const FamilyRecord& record, const Positions& at,
-                                                Squared squared, SpanAt span) {
+[[gnu::always_inline]] inline TermSum sum_terms(const FamilyRecord& record, const Positions& at, Squared squared,
+                                                SpanAt span) {
   if (record.missing == nullptr) {
     if (at.stride == 1) {
-      return {
-          lane_sum(
-              at.count, [&](std::int64_t i) __attribute__((always_inline)) { return squared(at.first + i); }),
-          at.count};
+      return {lane_sum(
+                  at.count, [&](std::int64_t i) __attribute__((always_inline)) { return squared(at.first + i); }),
+              at.count};
     }
     return {lane_sum(
                 at.count, [&](std::int64_t i) __attribute__((always_inline)) { return squared(at.at(i)); }),
@@ -70,9 +69,8 @@ TermSum second_differences(const FamilyRecord& record, std::int64_t m, const Pos
     return {second_difference().complete(record.x + at.first, at.count, m), at.count};
   const double *x0 = record.x, *x1 = x0 + m, *x2 = x1 + m;
   return sum_terms(
-      record, at,
-      [=](std::int64_t k)
-          __attribute__((always_inline)) { return square((x2[k] - x1[k]) - (x1[k] - x0[k])); },
+      record,
+      at, [=](std::int64_t k) __attribute__((always_inline)) { return square((x2[k] - x1[k]) - (x1[k] - x0[k])); },
       span_of(2 * m));
 }
 
@@ -123,8 +121,7 @@ TermSum modified(const FamilyRecord& record, std::int64_t m, const Positions& at
   const double *s0 = sums.get(), *s1 = s0 + m;
   const std::int64_t first = at.first;
   return sum_terms(
-      record, at,
-      [=](std::int64_t k) __attribute__((always_inline)) { return square(s1[k - first] - s0[k - first]); },
+      record, at, [=](std::int64_t k) __attribute__((always_inline)) { return square(s1[k - first] - s0[k - first]); },
       span_of(3 * m - 1));
 }
 
@@ -169,8 +166,7 @@ TermSum hadamard_total(const FamilyRecord& record, std::int64_t m, const Positio
   if (m == 1) return third_differences(record, 1, at);  // as Stable32 and AllanTools have it
   const Numbers scratch = numbers(3 * m + 1);
   return sum_terms(
-      record, at,
-      [&](std::int64_t k) { return family_kernel().even_continuation(record.x + k, m, scratch.get()); },
+      record, at, [&](std::int64_t k) { return family_kernel().even_continuation(record.x + k, m, scratch.get()); },
       span_of(3 * m));
 }
 
@@ -183,9 +179,7 @@ TermSum modified_total(const FamilyRecord& record, std::int64_t m, const Positio
   for (std::int64_t i = 0; i < length; ++i) p[i + 1] = p[i] + (x[i] - middle);
   return sum_terms(
       record, at,
-      [&](std::int64_t k) {
-        return family_kernel().even_continuation(p.get() + (k - at.first), m, scratch.get());
-      },
+      [&](std::int64_t k) { return family_kernel().even_continuation(p.get() + (k - at.first), m, scratch.get()); },
       span_of(3 * m - 1));
 }
 
@@ -193,8 +187,7 @@ TermSum theo1(const FamilyRecord& record, std::int64_t m, const Positions& at) {
   const Numbers weight = numbers(m / 2);
   for (std::int64_t j = 0; j < m / 2; ++j) weight[j] = 1 / static_cast<double>(j + 1);
   return sum_terms(
-      record, at, [&](std::int64_t k) { return family_kernel().theo1(record.x + k, m, weight.get()); },
-      span_of(m));
+      record, at, [&](std::int64_t k) { return family_kernel().theo1(record.x + k, m, weight.get()); }, span_of(m));
 }
 
 // ---- Parabolic: slopes of lines fitted to the phases of two neighbouring clusters ----
@@ -259,10 +252,9 @@ std::int64_t family_positions(Estimator estimator, std::int64_t samples, std::in
   return 0;
 }
 
-std::int64_t rescaled_samples(Estimator estimator, std::int64_t samples, std::int64_t m,
-                              std::int64_t coarse) {
-  const double positions = static_cast<double>(family_positions(estimator, samples, m)) *
-                           static_cast<double>(coarse) / static_cast<double>(m);
+std::int64_t rescaled_samples(Estimator estimator, std::int64_t samples, std::int64_t m, std::int64_t coarse) {
+  const double positions = static_cast<double>(family_positions(estimator, samples, m)) * static_cast<double>(coarse) /
+                           static_cast<double>(m);
   const std::int64_t beyond = -family_positions(estimator, 0, coarse);  // samples that are no positions
   return std::max<std::int64_t>(1, std::llround(positions)) + beyond;
 }

@@ -9,11 +9,10 @@ namespace gyrobudget::inline v0::allan::detail {
 
 /// A record as the sums over its terms see it.
 struct FamilyRecord {
-  const double* x;  ///< n + 1 prefix sums of the rate, missing samples bridged
-  const std::uint32_t*
-      missing;           ///< missing samples before each of the n + 1 positions; null for a complete record
-  std::int64_t samples;  ///< n
-  double minimum_fill;   ///< part of the samples a term spans that must exist for it to count
+  const double* x;               ///< n + 1 prefix sums of the rate, missing samples bridged
+  const std::uint32_t* missing;  ///< missing samples before each of the n + 1 positions; null for a complete record
+  std::int64_t samples;          ///< n
+  double minimum_fill;           ///< part of the samples a term spans that must exist for it to count
 };
 
 /// Sum over terms that count, and how many did.
@@ -27,8 +26,7 @@ struct TermSum {
 
 /// A shorter record that is to clusters of `coarse` samples as this one is to clusters of m: the same number
 /// of positions in clusters.
-[[nodiscard]] std::int64_t rescaled_samples(Estimator, std::int64_t samples, std::int64_t m,
-                                            std::int64_t coarse);
+[[nodiscard]] std::int64_t rescaled_samples(Estimator, std::int64_t samples, std::int64_t m, std::int64_t coarse);
 
 /// What one term costs in elementary steps: 1, or about m where it is a sum over m samples.
 [[nodiscard]] std::int64_t steps_per_term(Estimator, std::int64_t m);

@@ -19,10 +19,7 @@ constexpr double cube(double x) { return x * x * x; }
 struct Lengths {
   double m1, m2, dt, scale;
   explicit Lengths(const Pair& pair)
-      : m1(static_cast<double>(pair.m1)),
-        m2(static_cast<double>(pair.m2)),
-        dt(pair.dt),
-        scale(1 / (2 * m1 * m2)) {}
+      : m1(static_cast<double>(pair.m1)), m2(static_cast<double>(pair.m2)), dt(pair.dt), scale(1 / (2 * m1 * m2)) {}
 };
 
 /// Second difference over m2 of an even function of the lag.
@@ -141,8 +138,7 @@ double sinh_excess(double z) {
 /// e^(a x) times the second difference over m of e^(-a|h|), at x >= m, without overflow: (1 - e^(-a m))^2 e^(a m).
 double decay_at(double a, double m, double x) { return square(std::expm1(-a * m)) * std::exp(-a * (x - m)); }
 
-void kernel(const noise::GaussMarkov& process, const Lengths& l, std::span<const double> u,
-            std::span<double> c) {
+void kernel(const noise::GaussMarkov& process, const Lengths& l, std::span<const double> u, std::span<double> c) {
   const double a = l.dt / process.correlation_time, phi = std::exp(-a), b = phi / square(std::expm1(-a));
   const double L = a < 1 ? 2 * b * sinh_excess(a) : (1 - square(phi) - 2 * a * phi) / square(1 - phi);
   const double growth = 4 * square(std::sinh(a * std::min(l.m1, 1 / a) / 2));
@@ -170,10 +166,9 @@ void kernel(const noise::RateRamp&, const Lengths& l, std::span<const double>, s
   std::fill(c.begin(), c.end(), l.m1 * l.m2 * square(l.dt) / 2);
 }
 
-void kernel(const noise::Sinusoid& process, const Lengths& l, std::span<const double> u,
-            std::span<double> c) {
+void kernel(const noise::Sinusoid& process, const Lengths& l, std::span<const double> u, std::span<double> c) {
   const double cycles = std::abs(std::remainder(process.frequency * l.dt, 1.0));  // per sample, as it appears
-  const auto amplitude = [&](double m) {  // root of the Allan variance
+  const auto amplitude = [&](double m) {                                          // root of the Allan variance
     if (cycles == 0) return 0.;
     return square(std::sin(pi * std::remainder(cycles * m, 1.0))) / (m * std::sin(pi * cycles));
   };
@@ -184,8 +179,7 @@ void kernel(const noise::Sinusoid& process, const Lengths& l, std::span<const do
 
 }  // namespace
 
-void lag_kernel(const noise::Process& process, const Pair& pair, std::span<const double> u,
-                std::span<double> c) {
+void lag_kernel(const noise::Process& process, const Pair& pair, std::span<const double> u, std::span<double> c) {
   std::visit([&, lengths = Lengths(pair)](const auto& p) { kernel(p, lengths, u, c); }, process);
 }
 

@@ -29,8 +29,7 @@ struct Pair {
 /// Rate ramp and sinusoid are means. For them C(u) is the product of the means of d1 and d2, averaged over the phase
 /// of the sinusoid: by Isserlis' theorem it enters the covariance of the estimates as if it were a covariance, but
 /// never together with another mean.
-void lag_kernel(const noise::Process& unit_process, const Pair&, std::span<const double> u,
-                std::span<double> c);
+void lag_kernel(const noise::Process& unit_process, const Pair&, std::span<const double> u, std::span<double> c);
 
 inline constexpr std::int64_t kSmooth = 16;
 

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "lag_moments.h"
 
-#include "family_sum.h"
-#include "lag_kernel.h"
-#include "lag_sum.h"
-
 #include <algorithm>
 #include <cmath>
 #include <vector>
+
+#include "family_sum.h"
+#include "lag_kernel.h"
+#include "lag_sum.h"
 
 namespace gyrobudget::inline v0::allan::detail {
 namespace {
@@ -19,8 +19,7 @@ struct Covariances {
 };
 
 /// Of two second differences of phases over m, as the Allan variance has them.
-Covariances allan_covariances(std::span<const noise::Process> mix, const Pair& pair,
-                              std::span<const double> u) {
+Covariances allan_covariances(std::span<const noise::Process> mix, const Pair& pair, std::span<const double> u) {
   Covariances sum(u.size());
   std::vector<double> one(u.size());
   for (const noise::Process& process : mix) {
@@ -33,8 +32,7 @@ Covariances allan_covariances(std::span<const noise::Process> mix, const Pair& p
 }
 
 /// A third difference is the difference of two second ones m apart; 1/6 stands where Allan has 1/2.
-Covariances hadamard_covariances(std::span<const noise::Process> mix, const Pair& pair,
-                                 std::span<const double> u) {
+Covariances hadamard_covariances(std::span<const noise::Process> mix, const Pair& pair, std::span<const double> u) {
   const auto m = static_cast<double>(pair.m1);
   std::vector<double> ahead(u.begin(), u.end()), behind(ahead);
   for (double& lag : ahead) lag += m;
@@ -103,8 +101,7 @@ Moments modified_moments(std::int64_t samples, std::int64_t m, std::int64_t stri
   const std::int64_t terms = term_count(Estimator::mdev, samples, m, stride);
   constexpr std::int64_t kReach = 40;  // clusters; C^2 falls off as u^-4, and beyond lies less than 1e-5
   const std::int64_t lags = std::min(terms, kReach * m / stride + 1);
-  const Covariances all =
-      modified_covariances(mix, {m, m, dt}, static_cast<std::size_t>((lags - 1) * stride + 1));
+  const Covariances all = modified_covariances(mix, {m, m, dt}, static_cast<std::size_t>((lags - 1) * stride + 1));
   Covariances c(static_cast<std::size_t>(lags));
   LagNodes nodes;
   for (std::int64_t h = 0; h < lags; ++h) {
@@ -145,8 +142,7 @@ Moments lag_moments(Estimator estimator, std::int64_t samples, std::int64_t m, s
   for (double& lag : u) lag *= static_cast<double>(stride);
   const Pair pair{m, m, dt};
   const bool hadamard = estimator == Estimator::hdev || estimator == Estimator::ohdev;
-  return collect(hadamard ? hadamard_covariances(mix, pair, u) : allan_covariances(mix, pair, u), nodes,
-                 terms);
+  return collect(hadamard ? hadamard_covariances(mix, pair, u) : allan_covariances(mix, pair, u), nodes, terms);
 }
 
 }  // namespace gyrobudget::inline v0::allan::detail

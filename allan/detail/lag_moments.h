@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "quadratic_form.h"
 #include "gyrobudget/allan/estimator.h"
 #include "gyrobudget/noise/process.h"
 
 #include <cstdint>
 #include <span>
+
+#include "quadratic_form.h"
 
 namespace gyrobudget::inline v0::allan::detail {
 
@@ -22,7 +23,7 @@ namespace gyrobudget::inline v0::allan::detail {
 /// record length: below 5e-3 there.
 ///
 /// A ramp is a mean (see lag_kernel); so is a sinusoid, averaged over its phase.
-[[nodiscard]] Moments lag_moments(Estimator, std::int64_t samples, std::int64_t m, std::int64_t stride,
-                                  double dt, std::span<const noise::Process> mix);
+[[nodiscard]] Moments lag_moments(Estimator, std::int64_t samples, std::int64_t m, std::int64_t stride, double dt,
+                                  std::span<const noise::Process> mix);
 
 }  // namespace gyrobudget::inline v0::allan::detail

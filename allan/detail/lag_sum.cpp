@@ -78,8 +78,7 @@ class Builder {
         single(knot + direction * ++done);
         continue;
       }
-      const std::int64_t nearest = knot + direction * (done + 1),
-                         farthest = knot + direction * (done + length);
+      const std::int64_t nearest = knot + direction * (done + 1), farthest = knot + direction * (done + length);
       panel(std::min(nearest, farthest), length);
       done += length;
     }

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "lag_kernel.h"
-
 #include <cstdint>
 #include <vector>
+
+#include "lag_kernel.h"
 
 namespace gyrobudget::inline v0::allan::detail {
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What gaps do to the expectation of one triple, process by process, averaged over a sample of the triples that miss
 // samples. A triple estimates d = (mean over the samples that exist in cluster 2) - (same in cluster 1).
-#include "triples.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -10,6 +8,8 @@
 #include <limits>
 #include <numbers>
 #include <variant>
+
+#include "triples.h"
 
 namespace gyrobudget::inline v0::allan::detail {
 namespace {
@@ -59,8 +59,7 @@ double expected_square(const noise::Quantization& p, const TripleGaps& gaps, dou
   }
   const auto& before = gaps[0].missing;
   const auto& after = gaps[1].missing;
-  const bool ends_missing =
-      !before.empty() && static_cast<double>(before.back().first + before.back().count) == m;
+  const bool ends_missing = !before.empty() && static_cast<double>(before.back().first + before.back().count) == m;
   const bool starts_missing = !after.empty() && static_cast<double>(after.front().first) == m;
   if (!ends_missing && !starts_missing) weights += 2 / (gaps[0].existing * gaps[1].existing);
   return square(p.q / dt) * weights;
@@ -104,11 +103,7 @@ double expected_square(const noise::Sinusoid& p, const TripleGaps& gaps, double 
 class Blocks {
  public:
   Blocks(const noise::Process& process, std::int64_t m, double dt)
-      : process_(process),
-        dt_(dt),
-        m_(m),
-        length_((m + kBlocks - 1) / kBlocks),
-        blocks_((m + length_ - 1) / length_) {
+      : process_(process), dt_(dt), m_(m), length_((m + kBlocks - 1) / kBlocks), blocks_((m + length_ - 1) / length_) {
     for (std::int64_t cluster = 0; cluster < 2; ++cluster) {
       for (std::int64_t b = 0; b < blocks_; ++b) edges_.push_back(cluster * m + b * length_);
     }
@@ -118,8 +113,7 @@ class Blocks {
       for (const std::int64_t b : edges_) covariance_.push_back(covariance(static_cast<double>(a - b)));
     }
     if (length_ > 1) {
-      for (std::int64_t count = 1; count <= std::min(length_, kTabulated); ++count)
-        within_.push_back(within(count));
+      for (std::int64_t count = 1; count <= std::min(length_, kTabulated); ++count) within_.push_back(within(count));
     }
   }
 
@@ -158,8 +152,7 @@ class Blocks {
         const std::int64_t b = from / length_, block_end = std::min(m_, (b + 1) * length_);
         const std::int64_t count = std::min(end, block_end) - from;
         density[b] -= weight * static_cast<double>(count) / static_cast<double>(block_end - b * length_);
-        if (length_ > 1)
-          inside += count <= kTabulated ? within_[static_cast<std::size_t>(count - 1)] : within(count);
+        if (length_ > 1) inside += count <= kTabulated ? within_[static_cast<std::size_t>(count - 1)] : within(count);
         from += count;
       }
     }
@@ -208,8 +201,7 @@ double masked_variance(const Mask& mask, const Triples& triples, const noise::Pr
 
   // Long clusters hold many gaps, but each is then more like the next: fewer do.
   constexpr std::int64_t kMostExact = 512, kMostBlocks = 128, kFewest = 32, kGaps = 100'000;
-  const std::int64_t gaps_each =
-      1 + static_cast<std::int64_t>(mask.runs().size()) * 2 * triples.m / mask.samples();
+  const std::int64_t gaps_each = 1 + static_cast<std::int64_t>(mask.runs().size()) * 2 * triples.m / mask.samples();
   const auto taken = [&](std::int64_t most) { return std::clamp(kGaps / gaps_each, kFewest, most); };
   const auto m = static_cast<double>(triples.m);
   const double expected = std::visit(
@@ -224,8 +216,7 @@ double masked_variance(const Mask& mask, const Triples& triples, const noise::Pr
         }
       },
       process);
-  const double touched =
-      static_cast<double>(triples.touched.size()) / static_cast<double>(triples.valid.size());
+  const double touched = static_cast<double>(triples.touched.size()) / static_cast<double>(triples.valid.size());
   return complete + touched * (expected / 2 - complete);
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "phase.h"
-
 #include <cstdint>
 #include <limits>
+
+#include "phase.h"
 
 namespace gyrobudget::inline v0::allan::detail {
 
@@ -13,8 +13,7 @@ namespace gyrobudget::inline v0::allan::detail {
   constexpr double kLeastPart = 0.5;
   const std::uint32_t missing = phase.missing ? phase.missing[first + m] - phase.missing[first] : 0;
   const double existing = static_cast<double>(m) - missing;
-  if (m < 1 || existing < kLeastPart * static_cast<double>(m))
-    return std::numeric_limits<double>::quiet_NaN();
+  if (m < 1 || existing < kLeastPart * static_cast<double>(m)) return std::numeric_limits<double>::quiet_NaN();
   return (phase.x[first + m] - phase.x[first]) / existing;
 }
 

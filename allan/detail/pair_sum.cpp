@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "pair_sum.h"
 
-#include "lag_kernel.h"
-#include "lag_sum.h"
-
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -11,6 +8,9 @@
 #include <limits>
 #include <numbers>
 #include <stdexcept>
+
+#include "lag_kernel.h"
+#include "lag_sum.h"
 
 namespace gyrobudget::inline v0::allan::detail {
 namespace {
@@ -52,8 +52,7 @@ class PairCount {
     const Ranges &few = first_is_few ? one.triples.valid : two.triples.valid,
                  &many = first_is_few ? two.triples.valid : one.triples.valid;
     const Ranges part = few.sample(kMostRanges);
-    const double scale =
-        static_cast<double>(few.size()) / static_cast<double>(std::max<std::int64_t>(1, part.size()));
+    const double scale = static_cast<double>(few.size()) / static_cast<double>(std::max<std::int64_t>(1, part.size()));
 
     const std::int64_t sum = one.m + two.m;
     std::vector<std::int64_t> lags{0, one.m, offset_, two.m, sum, end()};
@@ -80,8 +79,7 @@ struct Samples {
   std::vector<std::vector<double>> kernel;
 };
 
-Samples take_samples(const Setting& setting, const Pair& pair, const PairCount& count,
-                     const LagNodes& nodes) {
+Samples take_samples(const Setting& setting, const Pair& pair, const PairCount& count, const LagNodes& nodes) {
   Samples samples;
   samples.weight.resize(nodes.u.size());
   for (std::size_t i = 0; i < nodes.u.size(); ++i) samples.weight[i] = nodes.w[i] * count(nodes.u[i]);
@@ -103,8 +101,7 @@ double product_sum(const Samples& samples, std::size_t a, std::size_t b) {
 /// sum_u count(u) C_line(u) C(u), whose first kernel oscillates. Few cycles in the record: panels shorter than a quarter
 /// of a cycle. Many: where the line matters the count hardly changes over a cycle, and the sum of C(u) cos is the
 /// cross-spectrum of the two differences at the line, |H_1| |H_2| S / dt, |H_m| = sqrt2 sin^2(pi c m)/(m sin(pi c)).
-double line_sum(const Setting& setting, const Pair& pair, const PairCount& count, std::size_t line,
-                std::size_t a) {
+double line_sum(const Setting& setting, const Pair& pair, const PairCount& count, std::size_t line, std::size_t a) {
   const auto& sinusoid = std::get<noise::Sinusoid>(setting.processes[line]);
   const double cycles = std::abs(std::remainder(sinusoid.frequency * setting.dt, 1.0));
   if (cycles == 0) return 0;
@@ -126,8 +123,7 @@ double line_sum(const Setting& setting, const Pair& pair, const PairCount& count
 Setting make_setting(std::int64_t samples, double dt, std::span<const noise::Process> processes, Form form,
                      const Mask* mask) {
   if (!(dt > 0) || !std::isfinite(dt)) {
-    throw std::invalid_argument(
-        fmt::format("sample interval dt is {}; it must be positive and finite (s)", dt));
+    throw std::invalid_argument(fmt::format("sample interval dt is {}; it must be positive and finite (s)", dt));
   }
   if (mask && mask->samples() != samples) {
     throw std::invalid_argument(
@@ -143,8 +139,8 @@ Setting make_setting(std::int64_t samples, double dt, std::span<const noise::Pro
 FactorFacts factor_facts(const Setting& setting, std::int64_t m) {
   if (m < 1 || m > setting.samples / 2) {
     throw std::invalid_argument(
-        fmt::format("averaging factor is {}; for a record of {} samples it must be from 1 to {}", m,
-                    setting.samples, setting.samples / 2));
+        fmt::format("averaging factor is {}; for a record of {} samples it must be from 1 to {}", m, setting.samples,
+                    setting.samples / 2));
   }
   FactorFacts facts{m, complete_terms(setting.samples, m, setting.form), {}, {}, {}};
   if (setting.mask) {
@@ -154,9 +150,8 @@ FactorFacts factor_facts(const Setting& setting, std::int64_t m) {
   for (const noise::Process& process : setting.processes) {
     const double complete = noise::allan_variance(process, m, setting.dt);
     const double expected = facts.terms == 0 ? std::numeric_limits<double>::quiet_NaN()
-                            : setting.mask
-                                ? masked_variance(*setting.mask, facts.triples, process, setting.dt)
-                                : complete;
+                            : setting.mask   ? masked_variance(*setting.mask, facts.triples, process, setting.dt)
+                                             : complete;
     facts.expectation.push_back(expected);
     facts.gain.push_back(complete > 0 ? std::sqrt(expected / complete) : 1);
   }

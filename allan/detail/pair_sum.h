@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "triples.h"
 #include "gyrobudget/allan/form.h"
 #include "gyrobudget/allan/mask.h"
 #include "gyrobudget/noise/process.h"
@@ -9,6 +8,8 @@
 #include <cstdint>
 #include <span>
 #include <vector>
+
+#include "triples.h"
 
 namespace gyrobudget::inline v0::allan::detail {
 
@@ -21,8 +22,7 @@ struct Setting {
   std::vector<noise::Process> processes;  ///< with unit coefficients
 };
 /// @throws std::invalid_argument for a dt that is not positive and finite or a mask of another length.
-[[nodiscard]] Setting make_setting(std::int64_t samples, double dt, std::span<const noise::Process>, Form,
-                                   const Mask*);
+[[nodiscard]] Setting make_setting(std::int64_t samples, double dt, std::span<const noise::Process>, Form, const Mask*);
 
 /// What one averaging factor needs to know of the record.
 struct FactorFacts {

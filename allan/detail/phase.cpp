@@ -70,8 +70,7 @@ Tally tally(std::span<const double> rate, double mean) {
 
 std::vector<Tally> tally_tiles(std::span<const double> rate, double mean) {
   std::vector<Tally> result(tiles(rate.size()));
-  tbb::parallel_for(std::size_t{0}, result.size(),
-                    [&](std::size_t i) { result[i] = tally(tile(rate, i), mean); });
+  tbb::parallel_for(std::size_t{0}, result.size(), [&](std::size_t i) { result[i] = tally(tile(rate, i), mean); });
   return result;
 }
 
@@ -102,8 +101,7 @@ void integrate_onwards(CompensatedSum sum, std::span<const double> rate, double 
   }
 }
 
-void integrate_onwards(CompensatedSum sum, std::span<const double> rate, bool has_gaps, double mean,
-                       double* x) {
+void integrate_onwards(CompensatedSum sum, std::span<const double> rate, bool has_gaps, double mean, double* x) {
   if (has_gaps) {
     integrate_onwards<true>(sum, rate, mean, x);
   } else {
@@ -134,8 +132,8 @@ Census census(std::span<const double> rate, double minimum_fill) {
   }
   const auto samples = static_cast<std::int64_t>(rate.size()), existing = samples - total.missing;
   Census result;
-  result.mean = existing > 0 ? total.sum.value() / static_cast<double>(existing)
-                             : std::numeric_limits<double>::quiet_NaN();
+  result.mean =
+      existing > 0 ? total.sum.value() / static_cast<double>(existing) : std::numeric_limits<double>::quiet_NaN();
   if (existing > 0 && !std::isfinite(result.mean)) {
     throw std::invalid_argument("samples are too large: their sum exceeds the range of double (1.8e308)");
   }
@@ -155,8 +153,7 @@ Phase integrate(std::span<const double> rate, const Census& facts) {
   phase.x = std::make_unique_for_overwrite<double[]>(rate.size() + 1);
   phase.x[0] = 0;
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) {
-    integrate_onwards(start[i], tile(rate, i), facts.mask != nullptr, facts.mean,
-                      phase.x.get() + i * kTile + 1);
+    integrate_onwards(start[i], tile(rate, i), facts.mask != nullptr, facts.mean, phase.x.get() + i * kTile + 1);
   });
   if (facts.mask) {
     phase.missing = std::make_unique_for_overwrite<std::uint32_t[]>(rate.size() + 1);
@@ -172,8 +169,7 @@ void integrate_stretch(std::span<const double> rate, bool has_gaps, double* x) {
 
 void count_missing(std::span<const double> rate, std::uint32_t* missing) {
   missing[0] = 0;
-  for (std::size_t k = 0; k < rate.size(); ++k)
-    missing[k + 1] = missing[k] + (std::isfinite(rate[k]) ? 0 : 1);
+  for (std::size_t k = 0; k < rate.size(); ++k) missing[k + 1] = missing[k] + (std::isfinite(rate[k]) ? 0 : 1);
 }
 
 }  // namespace gyrobudget::inline v0::allan::detail

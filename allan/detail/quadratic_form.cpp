@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "quadratic_form.h"
 
-#include "family_sum.h"
-
 #include <array>
 #include <cmath>
 #include <utility>
 #include <variant>
 
+#include "family_sum.h"
 #include <Eigen/SparseCore>
 
 namespace gyrobudget::inline v0::allan::detail {
@@ -35,9 +34,7 @@ class Gram {
     }
   }
   /// A form of the phases from k on.
-  void add_block(Index k, const MatrixXd& squares) {
-    A_.block(k, k, squares.rows(), squares.cols()) += squares;
-  }
+  void add_block(Index k, const MatrixXd& squares) { A_.block(k, k, squares.rows(), squares.cols()) += squares; }
 
   [[nodiscard]] MatrixXd take() { return std::move(A_); }
 
@@ -198,8 +195,8 @@ MatrixXd estimator_matrix(Estimator estimator, std::int64_t samples, std::int64_
   return gram.take() * (family_scale(estimator, m, 1) / terms);
 }
 
-double reflected_expectation(std::span<const noise::Process> mix, std::int64_t samples, std::int64_t m,
-                             std::int64_t i, double dt) {
+double reflected_expectation(std::span<const noise::Process> mix, std::int64_t samples, std::int64_t m, std::int64_t i,
+                             double dt) {
   const auto taps = reflected_taps(samples, m, i);
   double sum = 0;
   for (const noise::Process& process : mix) {

@@ -14,8 +14,7 @@ namespace gyrobudget::inline v0::allan::detail {
 /// The matrix A of an estimate s = x^T A x of n + 1 phases in units of dt: dense, for short records. Every
 /// term is a sum of squares of linear filters of the phases; A is their Gram matrix, scaled as family_scale
 /// says (time deviations as the modified ones of the same name).
-[[nodiscard]] Eigen::MatrixXd estimator_matrix(Estimator, std::int64_t samples, std::int64_t m,
-                                               std::int64_t stride);
+[[nodiscard]] Eigen::MatrixXd estimator_matrix(Estimator, std::int64_t samples, std::int64_t m, std::int64_t stride);
 
 /// First two moments of an estimate.
 struct Moments {
@@ -35,7 +34,7 @@ struct Moments {
 
 /// Expectation of the one term of the total variance (its square over 2 m^2 dt^2) whose middle is phase i of
 /// 0 .. n.
-[[nodiscard]] double reflected_expectation(std::span<const noise::Process> mix, std::int64_t samples,
-                                           std::int64_t m, std::int64_t i, double dt);
+[[nodiscard]] double reflected_expectation(std::span<const noise::Process> mix, std::int64_t samples, std::int64_t m,
+                                           std::int64_t i, double dt);
 
 }  // namespace gyrobudget::inline v0::allan::detail

@@ -49,9 +49,8 @@ template <typename Body>
   return sum_lanes(squares);
 }
 
-[[gnu::always_inline]] inline TripleSum masked(const double* x0, const std::uint32_t* missing0,
-                                               std::int64_t count, std::int64_t m,
-                                               std::int64_t minimum_count) {
+[[gnu::always_inline]] inline TripleSum masked(const double* x0, const std::uint32_t* missing0, std::int64_t count,
+                                               std::int64_t m, std::int64_t minimum_count) {
   constexpr std::int64_t kBlock = 256;  // terms first, sums after: loops this plain become vectors
   double term[kBlock], valid[kBlock];
   double squares[kLanes] = {}, terms[kLanes] = {};
@@ -75,9 +74,7 @@ template <typename Body>
   return {sum_lanes(squares), static_cast<std::int64_t>(sum_lanes(terms))};
 }
 
-double complete_baseline(const double* x, std::int64_t count, std::int64_t m) {
-  return complete(x, count, m);
-}
+double complete_baseline(const double* x, std::int64_t count, std::int64_t m) { return complete(x, count, m); }
 TripleSum masked_baseline(const double* x, const std::uint32_t* missing, std::int64_t count, std::int64_t m,
                           std::int64_t minimum_count) {
   return masked(x, missing, count, m, minimum_count);
@@ -85,8 +82,8 @@ TripleSum masked_baseline(const double* x, const std::uint32_t* missing, std::in
 GYROBUDGET_AVX2 double complete_avx2(const double* x, std::int64_t count, std::int64_t m) {
   return complete(x, count, m);
 }
-GYROBUDGET_AVX2 TripleSum masked_avx2(const double* x, const std::uint32_t* missing, std::int64_t count,
-                                      std::int64_t m, std::int64_t minimum_count) {
+GYROBUDGET_AVX2 TripleSum masked_avx2(const double* x, const std::uint32_t* missing, std::int64_t count, std::int64_t m,
+                                      std::int64_t minimum_count) {
   return masked(x, missing, count, m, minimum_count);
 }
 GYROBUDGET_AVX512 double complete_avx512(const double* x, std::int64_t count, std::int64_t m) {

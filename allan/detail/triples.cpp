@@ -39,8 +39,7 @@ namespace {
 /// Counts the members below ascending bounds, each found by doubling steps from the one before.
 class Counter {
  public:
-  explicit Counter(const std::vector<Ranges::Range>& ranges)
-      : at_(ranges.data()), end_(at_ + ranges.size()) {}
+  explicit Counter(const std::vector<Ranges::Range>& ranges) : at_(ranges.data()), end_(at_ + ranges.size()) {}
   std::int64_t below(std::int64_t bound) {
     std::ptrdiff_t step = 1;  // at_ stays on the last range that begins below the bound
     while (end_ - at_ > step && at_[step].first < bound) {

@@ -39,9 +39,8 @@ class Ranges {
 struct Triples {
   std::int64_t m = 1;
   Ranges valid;
-  Ranges touched;  ///< those of `valid` that miss a sample
-  double white_ratio =
-      1;  ///< mean of (1/c1 + 1/c2) m/2 over `valid`, c the samples that exist in the clusters
+  Ranges touched;          ///< those of `valid` that miss a sample
+  double white_ratio = 1;  ///< mean of (1/c1 + 1/c2) m/2 over `valid`, c the samples that exist in the clusters
 };
 /// One sweep over the edges of the gaps: O(gaps + missing samples), whatever the length of the record.
 [[nodiscard]] Triples find_triples(const Mask&, std::int64_t m, Form);

@@ -2,8 +2,8 @@
 // accuracy: records of known truth, every fit against it, limits held or broken.
 #include "gyrobudget/app/report/accuracy.h"
 
-#include "gyrobudget/app/text/output.h"
 #include "gyrobudget/app/sensor_file/sensor_file.h"
+#include "gyrobudget/app/text/output.h"
 
 #include <fmt/format.h>
 
@@ -23,12 +23,11 @@ using noise::Term;
 noise::ErrorModel axis_of(const noise::SensorModel& sensor, const AccuracyArguments& a) {
   const bool gyro = a.signal == noise::Signal::angular_rate;
   const char* name = gyro ? "gyro" : "accelerometer";
-  if (!gyro && !sensor.accelerometer)
-    throw text::InputError(fmt::format("{}: it has no accelerometer", a.sensor));
+  if (!gyro && !sensor.accelerometer) throw text::InputError(fmt::format("{}: it has no accelerometer", a.sensor));
   noise::ErrorModel model = gyro ? sensor.gyro : *sensor.accelerometer;
   if (model.processes().empty()) {
-    throw text::InputError(fmt::format(
-        "{}: the {} has no noise coefficient above zero; accuracy needs the truth", a.sensor, name));
+    throw text::InputError(
+        fmt::format("{}: the {} has no noise coefficient above zero; accuracy needs the truth", a.sensor, name));
   }
   return model;
 }
@@ -75,8 +74,8 @@ int run_study(const noise::SensorModel& sensor, const noise::ErrorModel& truth, 
   print(a.common.json ? report::accuracy_json(study) : report::accuracy_table(study));
   if (!a.report.empty()) write_page(a, report::accuracy_page(study));
   if (!study.accuracy.complete) {
-    say(a.common, fmt::format("interrupted: the result is that of the first {} of {} records",
-                              study.accuracy.records, study.asked));
+    say(a.common, fmt::format("interrupted: the result is that of the first {} of {} records", study.accuracy.records,
+                              study.asked));
     return exit_interrupted;
   }
   const bool held = std::ranges::all_of(study.checks, &fit::Check::met);

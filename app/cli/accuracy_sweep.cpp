@@ -27,9 +27,7 @@ using report::SweepRow;
 using Clock = std::chrono::steady_clock;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 // One way to fit a record.
 struct Way {
@@ -49,8 +47,7 @@ struct Entry {
 std::vector<std::int64_t> factors_of(std::int64_t samples, int taus_an_octave) {
   std::vector<std::int64_t> list;
   for (int i = 0;; ++i) {
-    const auto m =
-        static_cast<std::int64_t>(std::llround(std::exp2(static_cast<double>(i) / taus_an_octave)));
+    const auto m = static_cast<std::int64_t>(std::llround(std::exp2(static_cast<double>(i) / taus_an_octave)));
     if (m > samples / 2) return list;
     if (list.empty() || m > list.back()) list.push_back(m);
   }
@@ -116,8 +113,7 @@ class Bench {
     }
     row.curve_seconds = quick(std::move(curve));
     row.fit_seconds = quick(std::move(fit));
-    if (needs_covariance(entry.way.method))
-      row.covariance_seconds = covariances_.at(entry.way.taus_an_octave).seconds;
+    if (needs_covariance(entry.way.method)) row.covariance_seconds = covariances_.at(entry.way.taus_an_octave).seconds;
     for (std::size_t t = 0; t < options_.terms.size(); ++t) {
       const double truth = truth_of(options_.terms[t]);
       if (truth > 0) row.coefficients.push_back(coefficient(records, at, t, truth));
@@ -132,9 +128,7 @@ class Bench {
   };
 
   // loglog for its intervals only.
-  static bool needs_covariance(Method m) {
-    return m == Method::gls || m == Method::edf || m == Method::loglog;
-  }
+  static bool needs_covariance(Method m) { return m == Method::gls || m == Method::edf || m == Method::loglog; }
 
   [[nodiscard]] std::vector<double> samples_of(noise::StreamKey key) const {
     if (generator_) return (*generator_)(key);
@@ -151,10 +145,9 @@ class Bench {
     if (way.method != Method::whittle) {
       const auto& covariance = covariances_.at(way.taus_an_octave).matrix;
       const auto start = Clock::now();
-      curve = way.overlap == 0
-                  ? allan::overlapped_variance(rate, options_.dt, covariance.factors())
-                  : allan::deviation(rate, options_.dt, allan::Estimator::oadev, covariance.factors(),
-                                     {.overlap = way.overlap, .least_stride = 1});
+      curve = way.overlap == 0 ? allan::overlapped_variance(rate, options_.dt, covariance.factors())
+                               : allan::deviation(rate, options_.dt, allan::Estimator::oadev, covariance.factors(),
+                                                  {.overlap = way.overlap, .least_stride = 1});
       one.curve_seconds = seconds_since(start);
       record.curve = &curve;
       record.covariance = &covariance;
@@ -169,8 +162,8 @@ class Bench {
   }
 
   // Slope and visual readings do not know every term: those stay without an error.
-  [[nodiscard]] SweepRow::Coefficient coefficient(const std::vector<std::vector<Fitted>>& records,
-                                                  std::size_t way, std::size_t term, double truth) const {
+  [[nodiscard]] SweepRow::Coefficient coefficient(const std::vector<std::vector<Fitted>>& records, std::size_t way,
+                                                  std::size_t term, double truth) const {
     const auto standard = static_cast<std::size_t>(std::ranges::find(ways_, Way{}) - ways_.begin());
     double squares = 0, of_default = 0, covered = 0;
     for (const auto& record : records) {
@@ -224,11 +217,9 @@ std::vector<Entry> entries_of_one_length() {
   list.push_back({"covariance", "exact", {}});
   list.push_back({"covariance", "its diagonal (edf)", {.method = Method::edf}});
   list.push_back({"covariance", "none (loglog)", {.method = Method::loglog}});
-  for (const int n : {1, 2, 4})
-    list.push_back({"taus an octave", fmt::format("{}", n), {.taus_an_octave = n}});
+  for (const int n : {1, 2, 4}) list.push_back({"taus an octave", fmt::format("{}", n), {.taus_an_octave = n}});
   list.push_back({"stride", "1 sample", {}});
-  for (const int n : {64, 32, 16, 8, 4, 2, 1})
-    list.push_back({"stride", fmt::format("m/{}", n), {.overlap = n}});
+  for (const int n : {64, 32, 16, 8, 4, 2, 1}) list.push_back({"stride", fmt::format("m/{}", n), {.overlap = n}});
   return list;
 }
 
@@ -272,14 +263,12 @@ bool cancelled(const SweepOptions& o) { return o.cancel && o.cancel->load(std::m
 // The records that were finished, from the first on.
 std::vector<std::vector<Fitted>> all_records(const Bench& bench, const Part& part, const SweepOptions& o,
                                              const std::function<void(double)>& progress) {
-  constexpr std::int64_t kMostTogether =
-      2'000'000;  // samples; longer records are made one by one, for memory
+  constexpr std::int64_t kMostTogether = 2'000'000;  // samples; longer records are made one by one, for memory
   constexpr std::size_t kBlock = 16;
   const std::size_t block = part.samples > kMostTogether ? 1 : kBlock;
   std::vector<std::vector<Fitted>> all;
   while (all.size() < static_cast<std::size_t>(part.records)) {
-    const std::size_t done = all.size(),
-                      count = std::min(block, static_cast<std::size_t>(part.records) - done);
+    const std::size_t done = all.size(), count = std::min(block, static_cast<std::size_t>(part.records) - done);
     std::vector<std::vector<Fitted>> next(count);
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
       if (!cancelled(o)) next[i] = bench.record(done + i);
@@ -293,8 +282,7 @@ std::vector<std::vector<Fitted>> all_records(const Bench& bench, const Part& par
 
 }  // namespace
 
-void measure_sweep(const std::vector<noise::Process>& truth, const SweepOptions& options,
-                   report::Sweep& sweep) {
+void measure_sweep(const std::vector<noise::Process>& truth, const SweepOptions& options, report::Sweep& sweep) {
   const auto start = Clock::now();
   const auto parts = parts_of(options);
   double work = 0, done = 0;

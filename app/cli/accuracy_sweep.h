@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/noise/process.h"
 #include "gyrobudget/app/report/accuracy.h"
+#include "gyrobudget/noise/process.h"
 
 #include <atomic>
 #include <cstdint>

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "advice.h"
 
+#include "gyrobudget/app/report/words.h"
 #include "gyrobudget/estimation/fit/information.h"
 #include "gyrobudget/noise/sensor.h"
-#include "gyrobudget/app/report/words.h"
 
 #include <fmt/format.h>
 
@@ -28,22 +28,22 @@ std::string hours(double seconds) {
 }
 
 // How long a record of this sensor must be for 10 % on a term, by the Cramer-Rao bound.
-void advise_duration(std::vector<std::string>& advice, const fit::Result& fit, Term term,
-                     std::string_view name, const allan::Curve& curve) {
+void advise_duration(std::vector<std::string>& advice, const fit::Result& fit, Term term, std::string_view name,
+                     const allan::Curve& curve) {
   const auto& c = fit[term];
   if (!c.fitted || c.relative_std <= kWantedAccuracy) return;
   const auto processes = fit.processes();
   const auto at =
       std::find_if(processes.begin(), processes.end(), [&](const auto& p) { return noise::term(p) == term; });
-  const bool random = std::none_of(processes.begin(), processes.end(),
-                                   [](const auto& p) { return noise::term(p) == Term::rate_ramp; });
+  const bool random =
+      std::none_of(processes.begin(), processes.end(), [](const auto& p) { return noise::term(p) == Term::rate_ramp; });
   if (at == processes.end() || !random) return;
-  const double needed = fit::duration_for(processes, static_cast<std::size_t>(at - processes.begin()),
-                                          kWantedAccuracy, curve.dt);
+  const double needed =
+      fit::duration_for(processes, static_cast<std::size_t>(at - processes.begin()), kWantedAccuracy, curve.dt);
   const double have = static_cast<double>(curve.samples) * curve.dt;
   if (!(needed > have)) return;
-  advice.push_back(fmt::format("{} is known to {:.0f} % here ({} of record); for 10 % record at least {}.",
-                               name, 100 * c.relative_std, hours(have),
+  advice.push_back(fmt::format("{} is known to {:.0f} % here ({} of record); for 10 % record at least {}.", name,
+                               100 * c.relative_std, hours(have),
                                std::isfinite(needed) ? hours(needed) : "longer than anyone would"));
 }
 
@@ -51,8 +51,7 @@ void advise_unresolved(std::vector<std::string>& advice, const fit::Result& fit)
   const auto& walk = fit[Term::rate_random_walk];
   if (walk.fitted && walk.status != Status::identified) {
     advice.push_back(
-        "No rate random walk is seen within this record: it may show in a longer one. Quote the upper "
-        "limit.");
+        "No rate random walk is seen within this record: it may show in a longer one. Quote the upper limit.");
   }
 }
 
@@ -63,18 +62,11 @@ void advise_misfit(std::vector<std::string>& advice, const fit::Result& fit) {
     return;
   }
   advice.push_back(
-      "Do not use these coefficients: the curve has a shape that no sum of the fitted terms has. Look at the "
-      "residuals; "
-      "motion of the support, temperature, periodic disturbances and vibration bounded in angle all do this. "
-      "Repeat the "
-      "record on a still base at constant temperature, or fit other terms (--terms), or a range of taus "
-      "(--tau-min, "
-      "--tau-max).");
+      "Do not use these coefficients: the curve has a shape that no sum of the fitted terms has. Look at the residuals; motion of the support, temperature, periodic disturbances and vibration bounded in angle all do this. Repeat the record on a still base at constant temperature, or fit other terms (--terms), or a range of taus (--tau-min, --tau-max).");
 }
 
 bool all_equal(const allan::Curve& curve) {
-  return std::all_of(curve.points.begin(), curve.points.end(),
-                     [](const auto& p) { return !(p.variance > 0); });
+  return std::all_of(curve.points.begin(), curve.points.end(), [](const auto& p) { return !(p.variance > 0); });
 }
 
 }  // namespace
@@ -97,8 +89,8 @@ std::string one_line_verdict(const fit::Result& fit) {
     case fit::Verdict::not_described:
       break;
   }
-  return fmt::format("NOT described by the model (p = {:.2g}, off by {:.0f} % at {:.4g} s): do not use",
-                     fit.p_value, 100 * fit.worst_misfit, fit.worst_misfit_tau_s);
+  return fmt::format("NOT described by the model (p = {:.2g}, off by {:.0f} % at {:.4g} s): do not use", fit.p_value,
+                     100 * fit.worst_misfit, fit.worst_misfit_tau_s);
 }
 
 void note_minimum(fit::Result& fit, const allan::Curve& display) {
@@ -117,18 +109,16 @@ std::vector<std::string> advise(const fit::Result& fit, const allan::Axis& axis,
                                 const std::vector<std::string>& findings) {
   std::vector<std::string> advice;
   if (all_equal(octaves)) {
-    advice.push_back(
-        fmt::format("Every sample of {} is equal: the log holds no noise to measure. The sensor is not "
-                    "connected, or its resolution hides its noise: log raw counts or at a finer range.",
-                    axis.name));
+    advice.push_back(fmt::format(
+        "Every sample of {} is equal: the log holds no noise to measure. The sensor is not connected, or its resolution hides its noise: log raw counts or at a finer range.",
+        axis.name));
     return advice;
   }
   if (holds_no_answer(fit)) {
-    advice.push_back(
-        fmt::format("None of angle random walk, bias instability and rate random walk is resolved{}",
-                    fit[Term::quantization].status == Status::identified
-                        ? ": what is seen is quantization. Record at a finer resolution, or longer."
-                        : "."));
+    advice.push_back(fmt::format("None of angle random walk, bias instability and rate random walk is resolved{}",
+                                 fit[Term::quantization].status == Status::identified
+                                     ? ": what is seen is quantization. Record at a finer resolution, or longer."
+                                     : "."));
   }
   advise_misfit(advice, fit);
   for (const auto& finding : findings) advice.push_back(finding);

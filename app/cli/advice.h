@@ -2,8 +2,8 @@
 #pragma once
 
 #include "gyrobudget/allan/deviation.h"
-#include "gyrobudget/estimation/fit/fit.h"
 #include "gyrobudget/app/log/log.h"
+#include "gyrobudget/estimation/fit/fit.h"
 
 #include <string>
 #include <vector>
@@ -20,8 +20,7 @@ namespace gyrobudget::inline v0::cli {
 void note_minimum(fit::Result&, const allan::Curve& display);
 
 /// What to know and do next, in plain words, most important first; `findings` tell what the record holds beside noise.
-[[nodiscard]] std::vector<std::string> advise(const fit::Result&, const allan::Axis&,
-                                              const allan::Curve& octaves,
+[[nodiscard]] std::vector<std::string> advise(const fit::Result&, const allan::Axis&, const allan::Curve& octaves,
                                               const std::vector<std::string>& findings);
 
 }  // namespace gyrobudget::inline v0::cli

@@ -5,8 +5,8 @@
 #include "gyrobudget/allan/family.h"
 #include "gyrobudget/allan/psd.h"
 #include "gyrobudget/allan/statistics.h"
-#include "gyrobudget/app/text/error.h"
 #include "gyrobudget/app/report/report.h"
+#include "gyrobudget/app/text/error.h"
 
 #include <fmt/format.h>
 
@@ -26,8 +26,8 @@
 namespace gyrobudget::inline v0::cli {
 namespace {
 
-using allan::Estimator;
 using allan::DeviationPoint;
+using allan::Estimator;
 
 /// The curve of one record, with what its noise was found to be at each tau.
 struct Measured {
@@ -35,13 +35,12 @@ struct Measured {
   std::vector<allan::Identified> noises;
 };
 
-Measured measure(const allan::Series& rates, Estimator estimator,
-                 const std::vector<std::int64_t>& factors, const AllanArguments& a) {
+Measured measure(const allan::Series& rates, Estimator estimator, const std::vector<std::int64_t>& factors,
+                 const AllanArguments& a) {
   std::vector<std::int64_t> usable;  // a segment may be shorter than the one that the factors are made for
   std::ranges::copy_if(factors, std::back_inserter(usable),
                        [&](auto m) { return allan::has_terms(estimator, rates.samples(), m); });
-  allan::Curve curve =
-      allan::deviation(rates, estimator, usable, {.overlap = a.overlap, .form = form_of(a.curve)});
+  allan::Curve curve = allan::deviation(rates, estimator, usable, {.overlap = a.overlap, .form = form_of(a.curve)});
   auto noises = allan::identify_noise(rates, curve);
   return {std::move(curve), std::move(noises)};
 }
@@ -82,20 +81,17 @@ std::vector<allan::DeviationPoint> pooled(const std::vector<Measured>& segments)
 }
 
 void check_alike(const allan::Record& first, const allan::Record& other) {
-  const auto same = [](const allan::Axis& a, const allan::Axis& b) {
-    return a.name == b.name && a.signal == b.signal;
-  };
+  const auto same = [](const allan::Axis& a, const allan::Axis& b) { return a.name == b.name && a.signal == b.signal; };
   if (!std::ranges::equal(first.axes, other.axes, same)) {
     throw text::InputError(fmt::format(
-        "{}: its columns are not those of {}, expected segments of one log; choose the same columns of "
-        "both with --column",
+        "{}: its columns are not those of {}, expected segments of one log; choose the same columns of both with --column",
         other.source, first.source));
   }
   constexpr double kSameRate = 1e-3;  // of clocks that were read from time stamps
   if (std::abs(other.rate_hz / first.rate_hz - 1) <= kSameRate) return;
   throw text::InputError(
-      fmt::format("{}: its rate is {:.6g} Hz, that of {} {:.6g} Hz; only logs of one rate are pooled",
-                  other.source, other.rate_hz, first.source, first.rate_hz));
+      fmt::format("{}: its rate is {:.6g} Hz, that of {} {:.6g} Hz; only logs of one rate are pooled", other.source,
+                  other.rate_hz, first.source, first.rate_hz));
 }
 
 /// A log that is pooled with itself would look twice as sure.
@@ -134,18 +130,16 @@ report::LogResult describe_segments(const std::vector<allan::Record>& records, c
   if (records.size() == 1) return result;
   result.samples = result.missing_samples = 0;
   for (const allan::Record& record : records) {
-    if (&record != &records.front())
-      result.notes.insert(result.notes.end(), record.notes.begin(), record.notes.end());
+    if (&record != &records.front()) result.notes.insert(result.notes.end(), record.notes.begin(), record.notes.end());
     result.samples += record.samples;
     result.missing_samples += record.missing_samples;
     result.segments.push_back(
         {record.source, record.first_row, record.start_s, record.samples, record.missing_samples});
   }
   for (const auto& path : a.segments) result.source += ", " + path;
-  result.notes.push_back(
-      fmt::format("{} {} are pooled: at each tau their variances are weighted by degrees of freedom, which "
-                  "add; no term reaches from one into another",
-                  records.size(), a.gap_s ? "segments" : "logs"));
+  result.notes.push_back(fmt::format(
+      "{} {} are pooled: at each tau their variances are weighted by degrees of freedom, which add; no term reaches from one into another",
+      records.size(), a.gap_s ? "segments" : "logs"));
   return result;
 }
 
@@ -182,8 +176,8 @@ report::SurfaceResult surface_of(const allan::Series& rates, double window_s) {
   constexpr std::int64_t kLeast = 32, kMostWindows = 400;
   if (window < kLeast || window > rates.samples()) {
     throw std::invalid_argument(
-        fmt::format("--dynamic: a window of {} samples; there must be from {} to the {} of the record",
-                    window, kLeast, rates.samples()));
+        fmt::format("--dynamic: a window of {} samples; there must be from {} to the {} of the record", window, kLeast,
+                    rates.samples()));
   }
   const std::int64_t hop = std::max(window / 4, (rates.samples() - window) / kMostWindows + 1);
   const allan::DynamicSurface surface =
@@ -192,8 +186,7 @@ report::SurfaceResult surface_of(const allan::Series& rates, double window_s) {
   for (std::size_t i = 0; i < surface.factors.size(); ++i) result.tau_s.push_back(surface.tau(i));
   for (Eigen::Index row = 0; row < surface.variance.rows(); ++row) {
     auto& deviation = result.deviation.emplace_back();
-    for (Eigen::Index i = 0; i < surface.variance.cols(); ++i)
-      deviation.push_back(std::sqrt(surface.variance(row, i)));
+    for (Eigen::Index i = 0; i < surface.variance.cols(); ++i) deviation.push_back(std::sqrt(surface.variance(row, i)));
   }
   return result;
 }

@@ -3,9 +3,9 @@
 
 #include "gyrobudget/allan/factors.h"
 #include "gyrobudget/allan/statistics.h"
+#include "gyrobudget/app/report/report.h"
 #include "gyrobudget/app/text/error.h"
 #include "gyrobudget/app/text/output.h"
-#include "gyrobudget/app/report/report.h"
 
 #include <fmt/format.h>
 
@@ -23,8 +23,7 @@ std::vector<std::int64_t> factors_for(const CurveArguments& a, std::int64_t samp
 }
 
 // The lists of factors.h end at n/2; an estimator that reaches further is given the list of a longer record.
-std::vector<std::int64_t> factors_for(const CurveArguments& a, allan::Estimator estimator,
-                                      std::int64_t samples) {
+std::vector<std::int64_t> factors_for(const CurveArguments& a, allan::Estimator estimator, std::int64_t samples) {
   if (estimator == allan::Estimator::oadev) return factors_for(a, samples);
   const double longest = allan::averaging_time(estimator, allan::factor_range(estimator, samples).most, 1);
   return allan::usable_factors(estimator, samples, factors_for(a, 2 * static_cast<std::int64_t>(longest)));
@@ -35,8 +34,7 @@ namespace {
 void refuse_sensor_file(const std::string& path) {
   if (!path.ends_with(".yaml") && !path.ends_with(".yml")) return;
   throw text::InputError(fmt::format(
-      "{}: found a sensor file by its ending, expected a log: samples as CSV, text, .npy, .f32 or "
-      ".f64; gyrobudget simulate makes one of a sensor file",
+      "{}: found a sensor file by its ending, expected a log: samples as CSV, text, .npy, .f32 or .f64; gyrobudget simulate makes one of a sensor file",
       path));
 }
 

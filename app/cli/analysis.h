@@ -20,15 +20,13 @@ namespace gyrobudget::inline v0::cli {
 [[nodiscard]] std::vector<std::int64_t> factors_for(const CurveArguments&, std::int64_t samples);
 
 /// The same for any estimator: in the range that it has terms for.
-[[nodiscard]] std::vector<std::int64_t> factors_for(const CurveArguments&, allan::Estimator,
-                                                    std::int64_t samples);
+[[nodiscard]] std::vector<std::int64_t> factors_for(const CurveArguments&, allan::Estimator, std::int64_t samples);
 
 /// Reads the log and says its notes on stderr.
 [[nodiscard]] allan::Record read_record(const CurveArguments&, const Common&);
 
 /// The same, cut where more than `longest_gap_s` is missing.
-[[nodiscard]] std::vector<allan::Record> read_cut_record(const CurveArguments&, double longest_gap_s,
-                                                      const Common&);
+[[nodiscard]] std::vector<allan::Record> read_cut_record(const CurveArguments&, double longest_gap_s, const Common&);
 
 /// What the result says of the record as a whole; axes still empty.
 [[nodiscard]] report::LogResult describe_record(const allan::Record&, const Common&);

@@ -98,8 +98,7 @@ std::string command_line(int argc, const char* const* argv) {
   std::string line = "gyrobudget";
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
-    const bool plain =
-        !word.empty() && word.find_first_of(" \t\n'\"\\$`*?[](){}<>|&;#~!") == std::string::npos;
+    const bool plain = !word.empty() && word.find_first_of(" \t\n'\"\\$`*?[](){}<>|&;#~!") == std::string::npos;
     if (plain) {
       line += " " + word;
       continue;

@@ -2,10 +2,10 @@
 #pragma once
 
 #include "gyrobudget/allan/estimator.h"
+#include "gyrobudget/app/files/trajectory_file.h"
+#include "gyrobudget/app/log/log.h"
 #include "gyrobudget/estimation/fit/fit.h"
 #include "gyrobudget/estimation/fit/requirement.h"
-#include "gyrobudget/app/log/log.h"
-#include "gyrobudget/app/files/trajectory_file.h"
 #include "gyrobudget/noise/bielas.h"
 #include "gyrobudget/noise/sensor.h"
 
@@ -39,7 +39,7 @@ struct FlightArguments {
   std::string fixes;       ///< folder for those of the scene's aids; empty: none
   files::AttitudeForm attitude = files::AttitudeForm::quaternion;
   log::Input input = log::Input::rate;  ///< what the log holds, or increments
-  double vibration = 0;               ///< [m/s^2 rms]
+  double vibration = 0;                 ///< [m/s^2 rms]
   std::uint64_t run = 0;
 };
 
@@ -83,8 +83,7 @@ struct AllanArguments {
   std::vector<std::string> segments;  ///< further logs, pooled with the first into one curve
   std::optional<double> gap_s;        ///< each log is cut where more than this is missing
   std::vector<allan::Estimator> estimators{allan::Estimator::oadev};
-  std::int64_t overlap =
-      0;  ///< terms begin every m/overlap samples; 0: at every sample, of a stream every m/16
+  std::int64_t overlap = 0;         ///< terms begin every m/overlap samples; 0: at every sample, of a stream every m/16
   std::optional<Psd> psd;           ///< beside the deviation, in the page and the JSON
   std::optional<double> dynamic_s;  ///< window of the dynamic deviation
   bool stream = false;              ///< read piece by piece, in constant memory
@@ -200,9 +199,8 @@ struct Answered {
   int exit_code = 0;
 };
 
-using Arguments =
-    std::variant<Answered, SimulateArguments, AllanArguments, CalibrateArguments, PlanArguments,
-                 AccuracyArguments, PaperArguments, NavigateArguments, BudgetArguments, FlyArguments>;
+using Arguments = std::variant<Answered, SimulateArguments, AllanArguments, CalibrateArguments, PlanArguments,
+                               AccuracyArguments, PaperArguments, NavigateArguments, BudgetArguments, FlyArguments>;
 
 /// Reads the command line; prints help, version and usage errors itself.
 [[nodiscard]] Arguments parse_arguments(int argc, const char* const* argv);

@@ -2,13 +2,13 @@
 // budget: scene -> error budget per source.
 #include "gyrobudget/app/report/budget.h"
 
-#include "gyrobudget/vehicle/earth/frames.h"
-#include "gyrobudget/app/text/output.h"
 #include "gyrobudget/app/files/scene_file.h"
 #include "gyrobudget/app/files/trajectory_file.h"
+#include "gyrobudget/app/text/output.h"
 #include "gyrobudget/estimation/budget/alignment_time.h"
 #include "gyrobudget/estimation/budget/scene.h"
 #include "gyrobudget/estimation/budget/scene_runs.h"
+#include "gyrobudget/vehicle/earth/frames.h"
 
 #include <fmt/format.h>
 
@@ -29,8 +29,7 @@ namespace {
 using budget::BudgetScene;
 using report::BudgetResult;
 
-budget::BudgetQuestion question(const BudgetArguments& a, const navigation::Scenario& scenario,
-                                    double at) {
+budget::BudgetQuestion question(const BudgetArguments& a, const navigation::Scenario& scenario, double at) {
   budget::BudgetQuestion q = budget::question_of(scenario, 1 / a.rate);
   q.step = a.step;
   q.at = {at};
@@ -38,8 +37,8 @@ budget::BudgetQuestion question(const BudgetArguments& a, const navigation::Scen
 }
 
 std::size_t index_of(const std::vector<double>& times, double at) {
-  const auto nearest = std::min_element(
-      times.begin(), times.end(), [at](double a, double b) { return std::abs(a - at) < std::abs(b - at); });
+  const auto nearest = std::min_element(times.begin(), times.end(),
+                                        [at](double a, double b) { return std::abs(a - at) < std::abs(b - at); });
   return static_cast<std::size_t>(nearest - times.begin());
 }
 
@@ -52,12 +51,10 @@ void choose_axes(BudgetResult& r, const navigation::Scenario& scenario, const ea
   r.C_launch = earth::LocalFrame::launch_plane(here, scenario.azimuth).C_el();
 }
 
-void add_exact(BudgetResult& r, const BudgetScene& scene, const budget::FrozenGains& gains,
-               double imu_interval) {
+void add_exact(BudgetResult& r, const BudgetScene& scene, const budget::FrozenGains& gains, double imu_interval) {
   const budget::Adjoint back = adjoint(scene.timeline, gains, r.at);
   r.exact.emplace();
-  for (const auto& source : scene.sources)
-    r.exact->push_back(response(back, scene.timeline, source, imu_interval));
+  for (const auto& source : scene.sources) r.exact->push_back(response(back, scene.timeline, source, imu_interval));
 }
 
 // All runs of a budget, that of the whole scene and those of its sources, as one piece of work.
@@ -92,12 +89,11 @@ void add_monte_carlo(BudgetResult& r, const BudgetArguments& a, const BudgetScen
   const auto flown = fly(scene, scenario, flights.options());
   flights.flown();
   if (flown.unaligned > 0)
-    r.notes.push_back(fmt::format(
-        "{} runs of Monte Carlo found no heading on the pad and do not count: give the alignment one",
-        flown.unaligned));
+    r.notes.push_back(
+        fmt::format("{} runs of Monte Carlo found no heading on the pad and do not count: give the alignment one",
+                    flown.unaligned));
   r.interrupted = flown.runs + flown.unaligned < a.runs;
-  if (r.interrupted)
-    r.notes.push_back(fmt::format("Monte Carlo was interrupted: {} of {} runs", flown.runs, a.runs));
+  if (r.interrupted) r.notes.push_back(fmt::format("Monte Carlo was interrupted: {} of {} runs", flown.runs, a.runs));
   note_refused(r.notes, flown.fixes, flown.refused);
   if (flown.runs == 0) return;
   const std::size_t i = index_of(flown.times, r.at);
@@ -117,8 +113,8 @@ void add_monte_carlo(BudgetResult& r, const BudgetArguments& a, const BudgetScen
     flights.flown();
     if (alone && alone->runs + alone->unaligned < a.runs) {
       r.interrupted = true;
-      r.notes.push_back(fmt::format(
-          "Monte Carlo was interrupted at {}: it and the sources behind it are not compared", line.name));
+      r.notes.push_back(
+          fmt::format("Monte Carlo was interrupted at {}: it and the sources behind it are not compared", line.name));
       continue;
     }
     if (alone && alone->runs > 0) one = {alone->runs, alone->covariance(i)};
@@ -129,15 +125,13 @@ void add_monte_carlo(BudgetResult& r, const BudgetArguments& a, const BudgetScen
 // "crossrange < 10 m", of all sources, those left out too.
 BudgetResult::Limit limit(const BudgetArguments& a, const BudgetResult& r, const budget::Budget& all,
                           const navigation::Scenario& scenario, const earth::Trajectory& trajectory) {
-  BudgetResult::Limit result{
-      .text = a.limit->text, .component = a.limit->component, .limit = a.limit->metres};
+  BudgetResult::Limit result{.text = a.limit->text, .component = a.limit->component, .limit = a.limit->metres};
   result.found = position_sigma(r, all.total[r.at_index], result.component);
   const auto axes = component_axes(r, result.component);
   for (const auto& line : r.budget.lines)
     result.factors.push_back(allowed_factor(all, r.at_index, line.name, axes, result.limit));
   if (std::holds_alternative<navigation::SelfAlignment>(scenario.alignment.attitude))
-    result.alignment =
-        alignment_time(scenario, trajectory, question(a, scenario, r.at), r.at, axes, result.limit);
+    result.alignment = alignment_time(scenario, trajectory, question(a, scenario, r.at), r.at, axes, result.limit);
   return result;
 }
 
@@ -146,8 +140,8 @@ int flicker_states(std::span<const budget::Source> sources) {
   const auto flicker = std::ranges::find(sources, "gyro.bias_instability", &budget::Source::name);
   if (flicker == sources.end()) return 0;
   const auto& terms = flicker->model.terms;
-  return static_cast<int>(std::ranges::count_if(
-             terms, [](const auto& term) { return std::isfinite(term.correlation_time); })) /
+  return static_cast<int>(
+             std::ranges::count_if(terms, [](const auto& term) { return std::isfinite(term.correlation_time); })) /
          3;
 }
 
@@ -166,11 +160,9 @@ void note_large_angles(BudgetResult& r) {
     }
   }
   if (largest < kLinear) return;
-  r.notes.push_back(
-      fmt::format("the attitude about {} has a sigma of {:.3g} deg at {:.4g} s: beyond about 5 deg linear "
-                  "theory fails and "
-                  "the covariance does not hold; --runs tells by how much",
-                  kAxes[static_cast<std::size_t>(axis)], largest / earth::kDegree, when));
+  r.notes.push_back(fmt::format(
+      "the attitude about {} has a sigma of {:.3g} deg at {:.4g} s: beyond about 5 deg linear theory fails and the covariance does not hold; --runs tells by how much",
+      kAxes[static_cast<std::size_t>(axis)], largest / earth::kDegree, when));
 }
 
 void note_short_flight(std::vector<std::string>& notes, const files::SceneFile& file,
@@ -182,8 +174,7 @@ void note_short_flight(std::vector<std::string>& notes, const files::SceneFile& 
                                 trajectory.duration(), asked));
 }
 
-BudgetResult budget(const BudgetArguments& a, const files::SceneFile& file,
-                    const earth::Trajectory& trajectory) {
+BudgetResult budget(const BudgetArguments& a, const files::SceneFile& file, const earth::Trajectory& trajectory) {
   const navigation::Scenario& scenario = file.scenario;
   const double end = trajectory.duration();
   const double at = a.at.value_or(end);
@@ -245,9 +236,8 @@ int run(const BudgetArguments& a) {
     text::write_file(a.report, report::budget_page(results));
     say(a.common, "report page: " + a.report);
   }
-  const bool broken = std::any_of(results.begin(), results.end(), [](const auto& r) {
-    return r.limit && !(r.limit->found <= r.limit->limit);
-  });
+  const bool broken = std::any_of(results.begin(), results.end(),
+                                  [](const auto& r) { return r.limit && !(r.limit->found <= r.limit->limit); });
   if (results.back().interrupted) return exit_interrupted;
   return broken ? exit_no_answer : exit_done;
 }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // calibrate: log -> datasheet: the coefficients with intervals and verdicts, and the files to use next.
 #include "gyrobudget/app/log/curve_table.h"
-#include "gyrobudget/app/text/output.h"
 #include "gyrobudget/app/report/report.h"
+#include "gyrobudget/app/text/output.h"
 
 #include <fmt/format.h>
 
@@ -38,10 +38,9 @@ allan::Curve curve_of_table(const log::CurveTable& table, const std::vector<doub
     const std::int64_t m = std::llround(cluster);
     constexpr double kPrinted = 0.01;  // taus in tables are rounded
     if (std::abs(cluster - static_cast<double>(m)) > kPrinted * cluster) {
-      throw text::InputError(
-          fmt::format("{}: found tau = {:g} s, expected a whole number of samples at --rate {:g} Hz; give "
-                      "the rate of the record behind the table",
-                      table.source, table.tau_s[i], rate_hz));
+      throw text::InputError(fmt::format(
+          "{}: found tau = {:g} s, expected a whole number of samples at --rate {:g} Hz; give the rate of the record behind the table",
+          table.source, table.tau_s[i], rate_hz));
     }
     const bool repeated = !curve.points.empty() && curve.points.back().m == m;
     if (m < 1 || 2 * m > samples || repeated) continue;
@@ -56,8 +55,7 @@ allan::Curve thinned(const allan::Curve& curve) {
   allan::Curve thin = curve;
   thin.points.clear();
   for (const auto& p : curve.points) {
-    if (thin.points.empty() ||
-        static_cast<double>(p.m) >= kOctave * static_cast<double>(thin.points.back().m)) {
+    if (thin.points.empty() || static_cast<double>(p.m) >= kOctave * static_cast<double>(thin.points.back().m)) {
       thin.points.push_back(p);
     }
   }
@@ -73,8 +71,7 @@ report::LogResult calibrate_table(const CalibrateArguments& a) {
   result.command = a.common.command_line;
   result.rate_hz = rate_hz;
   result.samples = samples;
-  result.notes.push_back(
-      "fitted to a table of deviations, taken as fully overlapped ones of a record without gaps");
+  result.notes.push_back("fitted to a table of deviations, taken as fully overlapped ones of a record without gaps");
   Covariances covariances;
   for (const auto& column : table.columns) {
     const allan::Curve display = curve_of_table(table, column.deviation, rate_hz, samples);
@@ -89,9 +86,7 @@ report::LogResult calibrate_table(const CalibrateArguments& a) {
   return result;
 }
 
-bool is_confirmed(const report::AxisResult& axis) {
-  return !axis.cross_checked || axis.cross_checked->check.agrees;
-}
+bool is_confirmed(const report::AxisResult& axis) { return !axis.cross_checked || axis.cross_checked->check.agrees; }
 
 int exit_code(const report::LogResult& result) {
   const bool done = std::all_of(result.axes.begin(), result.axes.end(),
@@ -116,10 +111,9 @@ int run_several(const CalibrateArguments& a) {
 
 int run(const CalibrateArguments& a) {
   for (const auto& input : a.curve_file.empty() ? a.logs : std::vector{a.curve_file}) {
-    check_outputs(input, {{"-o", a.output},
-                          {"--kalibr", a.kalibr},
-                          {"--report", a.pictures.report},
-                          {"--plot", a.pictures.plot}});
+    check_outputs(
+        input,
+        {{"-o", a.output}, {"--kalibr", a.kalibr}, {"--report", a.pictures.report}, {"--plot", a.pictures.plot}});
   }
   if (a.logs.size() > 1) return run_several(a);
   const report::LogResult result = a.curve_file.empty() ? calibrate_log(a) : calibrate_table(a);

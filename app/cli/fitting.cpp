@@ -2,11 +2,11 @@
 #include "fitting.h"
 
 #include "gyrobudget/allan/factors.h"
+#include "gyrobudget/app/report/words.h"
+#include "gyrobudget/app/text/error.h"
 #include "gyrobudget/estimation/fit/selection.h"
 #include "gyrobudget/estimation/fit/visual.h"
 #include "gyrobudget/estimation/fit/whittle.h"
-#include "gyrobudget/app/text/error.h"
-#include "gyrobudget/app/report/words.h"
 
 #include <fmt/format.h>
 #include <tbb/task_arena.h>
@@ -26,14 +26,11 @@ using noise::Term;
 
 allan::Curve pick(const allan::Curve& curve, const std::vector<std::int64_t>& factors) {
   allan::Curve picked = curve;
-  std::erase_if(picked.points,
-                [&](const auto& p) { return !std::binary_search(factors.begin(), factors.end(), p.m); });
+  std::erase_if(picked.points, [&](const auto& p) { return !std::binary_search(factors.begin(), factors.end(), p.m); });
   return picked;
 }
 
-bool holds(const std::vector<Term>& terms, Term t) {
-  return std::find(terms.begin(), terms.end(), t) != terms.end();
-}
+bool holds(const std::vector<Term>& terms, Term t) { return std::find(terms.begin(), terms.end(), t) != terms.end(); }
 
 // Correlation times and frequencies are found for each axis: its covariance is of no use to others.
 bool has_shape(const std::vector<Term>& terms) {
@@ -60,12 +57,9 @@ void check_enough(const allan::Axis& axis, const allan::Curve& curve, std::size_
                                     [](const auto& p) { return p.terms > 0 && std::isfinite(p.variance); });
   if (static_cast<std::size_t>(usable) > terms) return;
   const std::int64_t missing = curve.mask ? curve.mask->missing() : 0;
-  throw text::InputError(
-      fmt::format("column '{}': found {} usable averaging times, expected at least {} to fit {} terms; {} of "
-                  "{} samples are "
-                  "missing, and a cluster needs 95 % of its own; fit fewer terms (--terms) or use a part of "
-                  "the log without gaps",
-                  axis.name, usable, terms + 1, terms, missing, curve.samples));
+  throw text::InputError(fmt::format(
+      "column '{}': found {} usable averaging times, expected at least {} to fit {} terms; {} of {} samples are missing, and a cluster needs 95 % of its own; fit fewer terms (--terms) or use a part of the log without gaps",
+      axis.name, usable, terms + 1, terms, missing, curve.samples));
 }
 
 // Variances are of squares: beyond these they leave double, and what came out would be no answer.
@@ -73,20 +67,17 @@ void check_scale(const allan::Axis& axis) {
   constexpr double kLeast = 1e-120, kMost = 1e120;
   double low = std::numeric_limits<double>::infinity(), high = -low, size = 0;
   for (const double y : axis.rate) {
-    if (std::isfinite(y))
-      low = std::min(low, y), high = std::max(high, y), size = std::max(size, std::abs(y));
+    if (std::isfinite(y)) low = std::min(low, y), high = std::max(high, y), size = std::max(size, std::abs(y));
   }
   const double range = 0.5 * high - 0.5 * low;
   if (!(size > kMost) && (!(range > 0) || range >= kLeast)) return;
   throw text::InputError(fmt::format(
-      "column '{}': found samples up to {:.3g} that vary by {:.3g} (SI), expected sizes from {:g} to {:g}: "
-      "the squares of others leave double; give their unit, or bring them there with --scale",
+      "column '{}': found samples up to {:.3g} that vary by {:.3g} (SI), expected sizes from {:g} to {:g}: the squares of others leave double; give their unit, or bring them there with --scale",
       axis.name, size, 2 * range, kLeast, kMost));
 }
 
 bool is_silent(const allan::Curve& curve) {
-  return std::all_of(curve.points.begin(), curve.points.end(),
-                     [](const auto& p) { return !(p.variance > 0); });
+  return std::all_of(curve.points.begin(), curve.points.end(), [](const auto& p) { return !(p.variance > 0); });
 }
 
 // The likelihood over the range of taus that the curve's fit used, and whether the two agree.
@@ -112,17 +103,15 @@ struct Fitted {
 };
 
 // Chooses the terms from `tau_min_s` on, and fits them there.
-void fit_chosen(Fitted& f, const allan::Series& record, std::optional<double> tau_min_s,
-                const allan::Axis& axis, const CalibrateArguments& a, Covariances& covariances) {
+void fit_chosen(Fitted& f, const allan::Series& record, std::optional<double> tau_min_s, const allan::Axis& axis,
+                const CalibrateArguments& a, Covariances& covariances) {
   f.chosen.emplace();
   f.chosen->selection = fit::choose_terms(record.rate(), record.dt(), {.tau_min_s = tau_min_s});
   const fit::Selection& s = f.chosen->selection;
   const auto fitted = [&](const std::vector<Term>& terms, std::optional<double> time) {
-    return fit_curves(f.curves, record.rate(), terms, axis, a, covariances,
-                      {time, s.frequency_hz, tau_min_s});
+    return fit_curves(f.curves, record.rate(), terms, axis, a, covariances, {time, s.frequency_hz, tau_min_s});
   };
-  if (s.alternative)
-    f.chosen->alternative_fit = fitted(s.alternative->terms, s.alternative->correlation_time_s);
+  if (s.alternative) f.chosen->alternative_fit = fitted(s.alternative->terms, s.alternative->correlation_time_s);
   f.fit = fitted(s.terms.empty() ? terms_for(a, f.curves.identified) : s.terms, s.correlation_time_s);
 }
 
@@ -137,8 +126,7 @@ Fitted fit_axis(const Prepared& prepared, const allan::Axis& axis, const Calibra
   fit_chosen(f, record, a.tau_min_s, axis, a, covariances);
   // What was chosen does not describe the shortest taus: it may owe terms to them, so it is chosen again without.
   const double shortest = a.tau_min_s.value_or(0);
-  if (!f.fit.moved.empty() && f.fit.tau_min_s > shortest)
-    fit_chosen(f, record, f.fit.tau_min_s, axis, a, covariances);
+  if (!f.fit.moved.empty() && f.fit.tau_min_s > shortest) fit_chosen(f, record, f.fit.tau_min_s, axis, a, covariances);
   return f;
 }
 
@@ -163,8 +151,7 @@ Curves curves_of(const allan::Series& record, const CurveArguments& a) {
 Covariances::Shared Covariances::of(const allan::Curve& curve, const std::vector<Term>& terms) {
   const std::scoped_lock lock(mutex_);
   for (const auto& known : known_) {
-    if (known.terms == terms && known.samples == curve.samples &&
-        same_gaps(known.mask.get(), curve.mask.get()))
+    if (known.terms == terms && known.samples == curve.samples && same_gaps(known.mask.get(), curve.mask.get()))
       return known.covariance;
   }
   // Isolated: a thread that waits in here must not take up another axis, which would want the lock.
@@ -189,8 +176,7 @@ fit::Result fit_curves(const Curves& curves, std::span<const double> rate, const
   if (a.method != fit::Method::whittle) check_enough(axis, curves.octaves, options.terms.size());
   // Readings are made on the curve that the person sees.
   const bool reads = report::is_reading(a.method) && !is_silent(curves.display);
-  fit::Data record{
-      .rate = rate, .dt = curves.octaves.dt, .curve = reads ? &curves.display : &curves.octaves};
+  fit::Data record{.rate = rate, .dt = curves.octaves.dt, .curve = reads ? &curves.display : &curves.octaves};
   Covariances::Shared covariance;
   if (!reads && a.method != fit::Method::whittle && !has_shape(terms)) {
     covariance = covariances.of(curves.octaves, options.terms);
@@ -210,8 +196,7 @@ report::AxisResult calibrate_axis(const allan::Axis& axis, double rate_hz, const
   auto& [curves, fit, chosen] = fitted;
   prepared.look_for_lines(fit);
   report::AxisResult result{.name = axis.name, .signal = axis.signal, .mean = curves.octaves.mean};
-  const auto mix =
-      fit.verdict == fit::Verdict::not_described ? std::vector<noise::Process>{} : fit.processes();
+  const auto mix = fit.verdict == fit::Verdict::not_described ? std::vector<noise::Process>{} : fit.processes();
   result.points = allan::deviation_points(curves.display, curves.identified, mix);
   if (a.cross_check && !fit.fitted_terms.empty()) result.cross_checked = cross_check(fit, prepared);
   result.advice = advise(fit, axis, curves.octaves, describe(prepared.findings(), axis, 1 / rate_hz));

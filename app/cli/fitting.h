@@ -3,9 +3,9 @@
 
 #include "gyrobudget/allan/covariance.h"
 #include "gyrobudget/allan/identify.h"
-#include "gyrobudget/estimation/fit/fit.h"
 #include "gyrobudget/app/log/log.h"
 #include "gyrobudget/app/report/result.h"
+#include "gyrobudget/estimation/fit/fit.h"
 
 #include <memory>
 #include <mutex>
@@ -44,8 +44,7 @@ class Covariances {
 };
 
 /// The terms asked for; else N, B and K, and Q where lag-1 identification sees white angle noise at the first tau.
-[[nodiscard]] std::vector<noise::Term> terms_for(const CalibrateArguments&,
-                                                 const std::vector<allan::Identified>&);
+[[nodiscard]] std::vector<noise::Term> terms_for(const CalibrateArguments&, const std::vector<allan::Identified>&);
 
 /// What choosing the terms saw, for the fit to begin from.
 struct Seen {
@@ -55,9 +54,8 @@ struct Seen {
 
 /// Fits by the method asked for. `rate` is empty for a table.
 /// @throws io::InputError where gaps, or a table of few taus, leave too little to fit.
-[[nodiscard]] fit::Result fit_curves(const Curves&, std::span<const double> rate,
-                                     const std::vector<noise::Term>&, const allan::Axis&,
-                                     const CalibrateArguments&, Covariances&, const Seen& = {});
+[[nodiscard]] fit::Result fit_curves(const Curves&, std::span<const double> rate, const std::vector<noise::Term>&,
+                                     const allan::Axis&, const CalibrateArguments&, Covariances&, const Seen& = {});
 
 /// Everything calibrate tells of one axis of a log.
 /// @throws io::InputError also for samples whose squares leave double.

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // fly: scene with a flight -> flight in closed loop.
-#include "gyrobudget/estimation/closed_loop/study.h"
 #include "gyrobudget/app/files/flight_file.h"
-#include "gyrobudget/app/text/output.h"
 #include "gyrobudget/app/files/scene_file.h"
 #include "gyrobudget/app/report/flight.h"
+#include "gyrobudget/app/text/output.h"
+#include "gyrobudget/estimation/closed_loop/study.h"
 
 #include <fmt/format.h>
 
@@ -37,8 +37,7 @@ std::vector<Case> cases(const FlyArguments& a) {
     result.push_back({scene, files::read_scene(scene)});
     if (!result.back().file.flight)
       throw text::InputError(fmt::format(
-          "{}: found no flight, expected one: write 'flight: {{vehicle: vlm1.yaml}}' in place of what moves",
-          scene));
+          "{}: found no flight, expected one: write 'flight: {{vehicle: vlm1.yaml}}' in place of what moves", scene));
   }
   if (a.sensors.empty()) return result;
   const Case one = std::move(result.front());
@@ -76,8 +75,7 @@ FlightResult fly(const FlyArguments& a, Case& c, Progress& progress, const Inter
   files::FlightSource& source = *c.file.flight;
   flight::Flight& flight = source.plan.flight;
   constexpr double kMostPeriods = 1e6;
-  flight.record_every =
-      static_cast<int>(std::clamp(std::round(1 / (a.rate * flight.period)), 1.0, kMostPeriods));
+  flight.record_every = static_cast<int>(std::clamp(std::round(1 / (a.rate * flight.period)), 1.0, kMostPeriods));
   closed_loop::Study::Options options{.runs = a.runs, .seed = a.seed};
   options.progress = [&](int done, int of) {
     progress.update(done, of);
@@ -114,11 +112,10 @@ int run(const FlyArguments& a) {
     throw std::invalid_argument("-o - and --json both want standard output: give one of them a file");
   std::vector<Case> all = cases(a);
   for (const Case& c : all)
-    for (const std::string& input : {c.file.sensor, c.file.flight->vehicle.path})
-      check_outputs(input, outputs);
+    for (const std::string& input : {c.file.sensor, c.file.flight->vehicle.path}) check_outputs(input, outputs);
   if (all.size() > 1 && !a.output.empty())
-    throw std::invalid_argument(fmt::format(
-        "-o {}: {} flights do not go into one file; write them one by one", a.output, all.size()));
+    throw std::invalid_argument(
+        fmt::format("-o {}: {} flights do not go into one file; write them one by one", a.output, all.size()));
   std::vector<FlightResult> results;
   {
     Progress progress(a.common, "flights");
@@ -131,7 +128,7 @@ int run(const FlyArguments& a) {
   if (!a.output.empty()) {
     const FlightResult& r = results.front();
     files::write_flight(a.output, r.study.flown.value_or(r.study.nominal), r.plan.flight.world.site,
-                     r.plan.control.azimuth, a.common.command_line);
+                        r.plan.control.azimuth, a.common.command_line);
     if (a.output != "-") say(a.common, "flight: " + a.output);
   }
   if (a.output != "-") print(a.common.json ? report::flight_json(results) : report::flight_text(results));

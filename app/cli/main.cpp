@@ -41,8 +41,7 @@ int run(const cli::Arguments& arguments) {
           const auto threads = static_cast<std::size_t>(a.common.threads);
           const tbb::global_control limit(
               tbb::global_control::max_allowed_parallelism,
-              threads > 0 ? threads
-                          : tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+              threads > 0 ? threads : tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
           return cli::run(a);
         }
       },
@@ -54,7 +53,7 @@ int run(const cli::Arguments& arguments) {
 int main(int argc, char** argv) {
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, interrupted);
   if (std::signal(SIGHUP, interrupted) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);  // nohup
-  for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);  // output errors like any other
+  for (const int signal : {SIGPIPE, SIGXFSZ}) std::signal(signal, SIG_IGN);       // output errors like any other
   try {
     return run(cli::parse_arguments(argc, argv));
   } catch (const text::InputError& error) {
@@ -64,9 +63,8 @@ int main(int argc, char** argv) {
   } catch (const std::invalid_argument& error) {
     return complain(error.what(), cli::exit_usage);
   } catch (const std::bad_alloc&) {
-    return complain(
-        "out of memory: the log has more numbers than fit; use fewer columns (--column) or a shorter part",
-        cli::exit_bad_input);
+    return complain("out of memory: the log has more numbers than fit; use fewer columns (--column) or a shorter part",
+                    cli::exit_bad_input);
   } catch (const std::exception& error) {
     return complain(error.what(), cli::exit_no_answer);
   }

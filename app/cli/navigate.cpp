@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 // navigate: scene with a recorded IMU log -> navigation solution.
-#include "gyrobudget/app/text/output.h"
-#include "gyrobudget/app/files/scene_file.h"
 #include "gyrobudget/estimation/navigation/navigate.h"
+
+#include "gyrobudget/app/files/scene_file.h"
 #include "gyrobudget/app/report/navigation.h"
+#include "gyrobudget/app/text/output.h"
 
 #include <fmt/format.h>
 
@@ -49,15 +50,12 @@ void write(const NavigateArguments& a, const report::NavigationResult& r) {
 }  // namespace
 
 int run(const NavigateArguments& a) {
-  const std::vector<Output> outputs{
-      {"-o", a.output}, {"--innovations", a.innovations}, {"--report", a.report}};
+  const std::vector<Output> outputs{{"-o", a.output}, {"--innovations", a.innovations}, {"--report", a.report}};
   check_outputs(a.scene, outputs);
   files::SceneFile scene = files::read_scene(a.scene, a.data_folder);
   if (!scene.imu)
-    throw text::InputError(
-        fmt::format("{}: found no \"imu:\" with a recorded log, which navigate needs; a trajectory is "
-                    "for simulate",
-                    a.scene));
+    throw text::InputError(fmt::format(
+        "{}: found no \"imu:\" with a recorded log, which navigate needs; a trajectory is for simulate", a.scene));
   for (const std::string& input : inputs(scene)) check_outputs(input, outputs);
   files::SceneData data = files::read_recording(scene);
   report::NavigationResult result{.scene = a.scene,
@@ -68,8 +66,7 @@ int run(const NavigateArguments& a) {
                                   .notes = std::move(data.notes)};
   if (scene.sensor.empty())
     result.notes.emplace_back(
-        "the scene names no sensor file: the IMU is taken as ideal, and no error of it "
-        "is estimated");
+        "the scene names no sensor file: the IMU is taken as ideal, and no error of it is estimated");
   if (a.smooth) result.scenario.smooth = true;
   if (result.scenario.smooth)
     result.notes.emplace_back("solutions are smoothed: each uses all fixes, those after it too");

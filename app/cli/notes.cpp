@@ -12,13 +12,9 @@ void note_refused(std::vector<std::string>& notes, std::int64_t fixes, std::int6
   constexpr double kByChance = 1e-3;  // far above any gate's share of right fixes
   const double share = fixes > 0 ? static_cast<double>(refused) / static_cast<double>(fixes) : 0;
   if (share <= kByChance) return;
-  notes.push_back(
-      fmt::format("the filters of Monte Carlo refused {:.3g} % of their fixes: something is wrong that they "
-                  "are not designed for, "
-                  "such as errors of the world beside sensors that are ideal; linear covariance takes every "
-                  "fix. 'filter: "
-                  "{{gate: 0}}' has Monte Carlo take them too",
-                  100 * share));
+  notes.push_back(fmt::format(
+      "the filters of Monte Carlo refused {:.3g} % of their fixes: something is wrong that they are not designed for, such as errors of the world beside sensors that are ideal; linear covariance takes every fix. 'filter: {{gate: 0}}' has Monte Carlo take them too",
+      100 * share));
 }
 
 void note_faults(std::vector<std::string>& notes, const flight::Plan& plan) {
@@ -26,28 +22,24 @@ void note_faults(std::vector<std::string>& notes, const flight::Plan& plan) {
   const flight::NavigatorFaults& n = plan.navigator_faults;
   std::vector<std::string> what;
   if (std::isfinite(f.thrust_cut_at)) what.push_back(fmt::format("thrust cut at {:g} s", f.thrust_cut_at));
-  if (std::isfinite(f.nozzle_stuck_at))
-    what.push_back(fmt::format("nozzle stuck at {:g} s", f.nozzle_stuck_at));
+  if (std::isfinite(f.nozzle_stuck_at)) what.push_back(fmt::format("nozzle stuck at {:g} s", f.nozzle_stuck_at));
   if (!f.thrust_misalignment.isZero(0)) what.emplace_back("thrust misaligned");
-  if (n.dead_gyro)
-    what.push_back(fmt::format("gyro {} dead from {:g} s on", "xyz"[*n.dead_gyro], n.dead_gyro_at));
+  if (n.dead_gyro) what.push_back(fmt::format("gyro {} dead from {:g} s on", "xyz"[*n.dead_gyro], n.dead_gyro_at));
   if (n.delay > 0) what.push_back(fmt::format("navigation {:g} s late", n.delay));
   if (!what.empty())
     notes.push_back(fmt::format("faults: {}; the nominal flight has none of them", fmt::join(what, ", ")));
 }
 
-void note_lost(std::vector<std::string>& notes, const std::string& kind,
-               const closed_loop::Flights& flights) {
+void note_lost(std::vector<std::string>& notes, const std::string& kind, const closed_loop::Flights& flights) {
   constexpr std::size_t kNamed = 3;
   if (flights.lost() == 0) return;
   std::vector<std::string> named;
   for (std::size_t run = 0; run < flights.outcomes.size() && named.size() < kNamed; ++run) {
     const closed_loop::Outcome& o = flights.outcomes[run];
-    if (o.aligned && !o.counts())
-      named.push_back(fmt::format("run {} {} at {:.4g} s", run, to_string(o.ended), o.t));
+    if (o.aligned && !o.counts()) named.push_back(fmt::format("run {} {} at {:.4g} s", run, to_string(o.ended), o.t));
   }
-  notes.push_back(fmt::format("{}: {} of {} flights were lost and are in no sigma: {}{}", kind,
-                              flights.lost(), flights.outcomes.size(), fmt::join(named, ", "),
+  notes.push_back(fmt::format("{}: {} of {} flights were lost and are in no sigma: {}{}", kind, flights.lost(),
+                              flights.outcomes.size(), fmt::join(named, ", "),
                               named.size() < static_cast<std::size_t>(flights.lost()) ? ", ..." : ""));
 }
 

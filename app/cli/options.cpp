@@ -15,9 +15,7 @@ void add_common(CLI::App& app, Common& common, bool has_json) {
   auto* group = app.add_option_group("Common");
   if (has_json) group->add_flag("--json", common.json, "one JSON object on stdout and nothing else");
   group->add_flag("-q,--quiet", common.quiet, "no messages on stderr");
-  group
-      ->add_option("--threads", common.threads,
-                   "number of threads (all cores); the result does not depend on it")
+  group->add_option("--threads", common.threads, "number of threads (all cores); the result does not depend on it")
       ->check(CLI::Range(0, 4096));
 }
 
@@ -52,8 +50,7 @@ void add_log(CLI::App& app, CurveArguments& curve, Texts& texts) {
   group
       ->add_option(
           "--resample", texts.resample,
-          "average readings at uneven times over even intervals of this rate; only where asked for, and "
-          "it is said what that does to short taus")
+          "average readings at uneven times over even intervals of this rate; only where asked for, and it is said what that does to short taus")
       ->type_name("HZ");
   group->add_flag("--strict-gaps", curve.strict_gaps,
                   "use a cluster only where none of its samples is missing (else 95 %)");
@@ -62,13 +59,10 @@ void add_log(CLI::App& app, CurveArguments& curve, Texts& texts) {
 void add_curve(CLI::App& app, CurveArguments& curve, const std::string& default_taus) {
   curve.taus = default_taus;
   auto* group = app.add_option_group("Curve");
-  group
-      ->add_option("--taus", curve.taus,
-                   "averaging times: octave, decade, all, or a number of log-spaced ones")
+  group->add_option("--taus", curve.taus, "averaging times: octave, decade, all, or a number of log-spaced ones")
       ->type_name("octave|decade|all|N")
       ->capture_default_str();
-  group->add_flag("--ieee", curve.ieee_form,
-                  "n - 2m terms as IEEE Std 952 and MATLAB count (else n - 2m + 1)");
+  group->add_flag("--ieee", curve.ieee_form, "n - 2m terms as IEEE Std 952 and MATLAB count (else n - 2m + 1)");
 }
 
 void finish_log(CurveArguments& curve, const Texts& texts) {
@@ -80,8 +74,7 @@ void finish_log(CurveArguments& curve, const Texts& texts) {
   if (!texts.format.empty()) curve.log.format = log::format_named(texts.format);
   const bool named = curve.taus == "octave" || curve.taus == "decade" || curve.taus == "all";
   const bool count = !curve.taus.empty() && curve.taus.size() < 7 &&
-                     curve.taus.find_first_not_of("0123456789") == std::string::npos &&
-                     std::stoi(curve.taus) > 1;
+                     curve.taus.find_first_not_of("0123456789") == std::string::npos && std::stoi(curve.taus) > 1;
   if (!named && !count) {
     throw std::invalid_argument(
         fmt::format("--taus {}: must be octave, decade, all, or a number from 2 on", curve.taus));

@@ -20,17 +20,15 @@ using noise::Term;
 void add_estimators(CLI::App& app, Texts& texts) {
   auto* group = app.add_option_group("Estimator");
   group
-      ->add_option("--estimator", texts.estimators,
-                   "adev, oadev, mdev, tdev, hdev, ohdev, totdev, mtotdev, ttotdev, htotdev, theo1, theobr, "
-                   "theoh, pdev; several with "
-                   "commas; or all")
+      ->add_option(
+          "--estimator", texts.estimators,
+          "adev, oadev, mdev, tdev, hdev, ohdev, totdev, mtotdev, ttotdev, htotdev, theo1, theobr, theoh, pdev; several with commas; or all")
       ->type_name("NAME,...")
       ->capture_default_str();
   group
       ->add_option(
           "--stride", texts.stride,
-          "terms begin at every sample (1), or every m/N samples: m/16 costs white noise 0.5 % of the "
-          "degrees of freedom, m/4 8 %, m 56 %; below 8 samples it is taken as 1")
+          "terms begin at every sample (1), or every m/N samples: m/16 costs white noise 0.5 % of the degrees of freedom, m/4 8 %, m 56 %; below 8 samples it is taken as 1")
       ->type_name("1|m/N|m")
       ->capture_default_str();
 }
@@ -39,17 +37,16 @@ void add_segments(CLI::App& app, Texts& texts) {
   app.add_option_group("Segments")
       ->add_option(
           "--segments", texts.gap,
-          "cut each log where more than this is missing, or time goes back, and pool the segments into one "
-          "curve: power-ups, dropped data")
+          "cut each log where more than this is missing, or time goes back, and pool the segments into one curve: power-ups, dropped data")
       ->type_name("GAP");
 }
 
 void add_views(CLI::App& app, Texts& texts) {
   auto* group = app.add_option_group("Other views, for --report and --json");
   group
-      ->add_option("--psd", texts.psd,
-                   "root of the two-sided power spectral density, deg/h/sqrt(Hz) for a gyro, by welch or "
-                   "multitaper (sine tapers)")
+      ->add_option(
+          "--psd", texts.psd,
+          "root of the two-sided power spectral density, deg/h/sqrt(Hz) for a gyro, by welch or multitaper (sine tapers)")
       ->check(CLI::IsMember({"welch", "multitaper"}))
       ->type_name("METHOD");
   group->add_option("--dynamic", texts.window, "Allan deviation over time, of windows of this length")
@@ -64,22 +61,18 @@ void finish_views(AllanArguments& a, const Texts& texts) {
   const std::string option = a.psd ? "--psd" : "--dynamic";
   if (!a.psd && !a.dynamic_s) return;
   if (!a.common.json && a.pictures.report.empty())
-    throw std::invalid_argument(
-        fmt::format("{} goes into --report FILE.html and --json; give one of them", option));
+    throw std::invalid_argument(fmt::format("{} goes into --report FILE.html and --json; give one of them", option));
   if (!a.segments.empty()) throw std::invalid_argument(fmt::format("{} looks at one log", option));
   if (a.stream)
-    throw std::invalid_argument(
-        fmt::format("{} needs the whole log; leave out --stream and --follow", option));
+    throw std::invalid_argument(fmt::format("{} needs the whole log; leave out --stream and --follow", option));
 }
 
 void add_streaming(CLI::App& app, AllanArguments& a) {
   auto* group = app.add_option_group("Endless logs");
-  group->add_flag("--stream", a.stream,
-                  "read in constant memory: oadev at octaves, terms every m/16 samples");
+  group->add_flag("--stream", a.stream, "read in constant memory: oadev at octaves, terms every m/16 samples");
   group->add_flag(
       "--follow", a.follow,
-      "the same, with a table while the log grows: each second on a terminal, else at each doubling; "
-      "Ctrl-C prints the last one");
+      "the same, with a table while the log grows: each second on a terminal, else at each doubling; Ctrl-C prints the last one");
 }
 
 void check_stream(const AllanArguments& a, const std::string& default_taus) {
@@ -116,14 +109,13 @@ void finish(AllanArguments& a, const Texts& texts) {
 }
 
 CLI::App* add_allan(CLI::App& app, AllanArguments& a, Texts& texts) {
-  auto* verb = app.add_subcommand("allan",
-                                  "Allan deviation of a log, with degrees of freedom and 95 % intervals.\n\n"
-                                  "  gyrobudget allan imu.csv --plot allan.svg\n"
-                                  "  gyrobudget allan counts.txt --rate 100 --unit deg/h --scale 0.1 "
-                                  "--estimator oadev,mdev,totdev --json\n");
-  verb->add_option(
-          "log", texts.logs,
-          "CSV or text, also .gz; - is stdin. Several are power-ups of one sensor, pooled into one curve")
+  auto* verb = app.add_subcommand(
+      "allan",
+      "Allan deviation of a log, with degrees of freedom and 95 % intervals.\n\n"
+      "  gyrobudget allan imu.csv --plot allan.svg\n"
+      "  gyrobudget allan counts.txt --rate 100 --unit deg/h --scale 0.1 --estimator oadev,mdev,totdev --json\n");
+  verb->add_option("log", texts.logs,
+                   "CSV or text, also .gz; - is stdin. Several are power-ups of one sensor, pooled into one curve")
       ->required()
       ->type_name("LOG ...");
   add_log(*verb, a.curve, texts);
@@ -143,9 +135,9 @@ CLI::App* add_calibrate(CLI::App& app, CalibrateArguments& a, Texts& texts) {
       "From a static log to the datasheet: ARW, bias instability and RRW with intervals and a verdict.\n\n"
       "  gyrobudget calibrate imu.csv --report datasheet.html -o sensor.yaml\n"
       "  gyrobudget calibrate gyro.txt --rate 200 --unit deg/s --kalibr imu.yaml\n");
-  verb->add_option("log", a.logs,
-                   "CSV or text, also .gz; - is stdin; several: records of one sensor type, each fitted by "
-                   "itself, then combined")
+  verb->add_option(
+          "log", a.logs,
+          "CSV or text, also .gz; - is stdin; several: records of one sensor type, each fitted by itself, then combined")
       ->type_name("LOG ...");
   add_log(*verb, a.curve, texts);
   verb->get_option("--rate")->description(
@@ -153,34 +145,26 @@ CLI::App* add_calibrate(CLI::App& app, CalibrateArguments& a, Texts& texts) {
   auto* fit = verb->add_option_group("Fit");
   fit->add_option(
          "--terms", texts.terms,
-         "terms to fit, of Q,N,B,K,R, G (one Gauss-Markov process) and S (one sinusoid); auto: those that "
-         "the record holds, by likelihood ratios; G=120s and S=0.05Hz hold its correlation time and its "
-         "frequency [N,B,K, and Q where the shortest taus show "
-         "quantization]")
+         "terms to fit, of Q,N,B,K,R, G (one Gauss-Markov process) and S (one sinusoid); auto: those that the record holds, by likelihood ratios; G=120s and S=0.05Hz hold its correlation time and its frequency [N,B,K, and Q where the shortest taus show quantization]")
       ->type_name("LIST|auto");
   fit->add_option(
          "--method", texts.method,
-         "gls: least squares with the exact covariance; edf: each tau's own variance; loglog: no weights; "
-         "slope, visual: read off the plot, to compare; whittle: likelihood of the record")
+         "gls: least squares with the exact covariance; edf: each tau's own variance; loglog: no weights; slope, visual: read off the plot, to compare; whittle: likelihood of the record")
       ->check(CLI::IsMember({"gls", "edf", "loglog", "slope", "visual", "whittle"}))
       ->capture_default_str();
-  fit->add_flag("--cross-check", a.cross_check,
-                "fit the likelihood of the record too, and say whether the two agree");
+  fit->add_flag("--cross-check", a.cross_check, "fit the likelihood of the record too, and say whether the two agree");
   fit->add_option(
          "--mask", texts.mask,
-         "leave out of the fit what is found in the record: outliers, steps (all but the longest part "
-         "without one), warm-up")
+         "leave out of the fit what is found in the record: outliers, steps (all but the longest part without one), warm-up")
       ->delimiter(',')
       ->check(CLI::IsMember({"outliers", "steps", "warm-up"}))
       ->type_name("outliers,steps,warm-up");
-  fit->add_option("--tau-min", texts.tau_min,
-                  "shortest tau to fit [start of the longest run the model describes]")
+  fit->add_option("--tau-min", texts.tau_min, "shortest tau to fit [start of the longest run the model describes]")
       ->type_name("TIME");
   fit->add_option("--tau-max", texts.tau_max, "longest tau to fit [all]")->type_name("TIME");
   auto* table = verb->add_option_group("Curve table instead of a log");
-  auto* file =
-      table->add_option("--curve", a.curve_file, "table of tau and deviation (CSV with units in the header)")
-          ->type_name("FILE");
+  auto* file = table->add_option("--curve", a.curve_file, "table of tau and deviation (CSV with units in the header)")
+                   ->type_name("FILE");
   file->excludes(verb->get_option("log"));
   table->add_option("--duration", texts.duration, "length of the record behind --curve")->type_name("TIME");
   add_curve(*verb, a.curve, "50");
@@ -196,9 +180,8 @@ CLI::App* add_calibrate(CLI::App& app, CalibrateArguments& a, Texts& texts) {
 void finish(CalibrateArguments& a, const Texts& texts) {
   finish_log(a.curve, texts);
   if (a.logs.empty() == a.curve_file.empty()) {
-    throw std::invalid_argument(
-        fmt::format("calibrate needs a log (or - for stdin), or a table with --curve{}",
-                    a.curve.log.columns.empty() ? "" : "; put the log before --column"));
+    throw std::invalid_argument(fmt::format("calibrate needs a log (or - for stdin), or a table with --curve{}",
+                                            a.curve.log.columns.empty() ? "" : "; put the log before --column"));
   }
   for (auto log = a.logs.begin(); log != a.logs.end(); ++log) {
     if (std::find(a.logs.begin(), log, *log) == log) continue;
@@ -207,8 +190,7 @@ void finish(CalibrateArguments& a, const Texts& texts) {
   if (!a.logs.empty()) a.curve.log.path = a.logs.front();
   const bool of_samples = texts.method == "whittle" || a.cross_check || !texts.mask.empty();
   if (of_samples && !a.curve_file.empty())
-    throw std::invalid_argument(
-        "--method whittle, --cross-check and --mask need the log, not a table (--curve)");
+    throw std::invalid_argument("--method whittle, --cross-check and --mask need the log, not a table (--curve)");
   if (texts.terms == "auto") {
     a.choose_terms = true;
   } else if (!texts.terms.empty()) {
@@ -222,8 +204,7 @@ void finish(CalibrateArguments& a, const Texts& texts) {
   const bool open_frequency = asked(Term::sinusoid) && !a.frequency_hz;
   if (!a.curve_file.empty() && (a.choose_terms || open_time || open_frequency))
     throw std::invalid_argument(
-        "--terms auto, and G and S of unknown time and frequency, need the log, not a table (--curve); for a "
-        "table give them: --terms N,G=120s,S=0.05Hz");
+        "--terms auto, and G and S of unknown time and frequency, need the log, not a table (--curve); for a table give them: --terms N,G=120s,S=0.05Hz");
   a.method = *std::find_if(fit::kMethods.begin(), fit::kMethods.end(),
                            [&](fit::Method m) { return fit::name(m) == texts.method; });
   const auto masks = [&](const char* what) {
@@ -235,8 +216,7 @@ void finish(CalibrateArguments& a, const Texts& texts) {
   if (!texts.duration.empty()) a.duration_s = duration("--duration", texts.duration);
   if (!a.curve_file.empty() &&
       (a.curve.ieee_form || a.curve.strict_gaps || a.curve.log.scale != 1 || texts.input != "rate")) {
-    throw std::invalid_argument(
-        "--curve: --ieee, --strict-gaps, --scale and --input are about logs, not tables");
+    throw std::invalid_argument("--curve: --ieee, --strict-gaps, --scale and --input are about logs, not tables");
   }
   if (!a.curve_file.empty() && (!a.duration_s || !a.curve.log.rate_hz)) {
     throw std::invalid_argument(

@@ -48,35 +48,30 @@ std::vector<std::string> names(const std::map<std::string, Value>& map) {
 void add_model(CLI::App& app, SimulateArguments& a, Texts& texts) {
   auto* group = app.add_option_group("Model");
   group
-      ->add_option("--model", a.model_name,
-                   "spectral: exact, the whole record in memory; gauss-markov: 1/f as a sum of Gauss-Markov "
-                   "processes; 1: Jerath's filter; 2: MATLAB's imuSensor; 3: Bielas. All but spectral stream "
-                   "in constant memory")
+      ->add_option(
+          "--model", a.model_name,
+          "spectral: exact, the whole record in memory; gauss-markov: 1/f as a sum of Gauss-Markov processes; 1: Jerath's filter; 2: MATLAB's imuSensor; 3: Bielas. All but spectral stream in constant memory")
       ->check(CLI::IsMember(names(kModels)))
       ->capture_default_str();
   group
       ->add_option(
           "--taps", texts.taps,
-          "models 1 and 2: past samples that the 1/f filter remembers; its floor holds to 5 taps/rate "
-          "[1: 10000; 2: 1, as imuSensor]")
+          "models 1 and 2: past samples that the 1/f filter remembers; its floor holds to 5 taps/rate [1: 10000; 2: 1, as imuSensor]")
       ->type_name("N");
   group
       ->add_option("--noise-type", texts.noise_type,
-                   "model 2: double-sided makes N smaller and K larger by 1.414, as imuSensor does "
-                   "[double-sided]")
+                   "model 2: double-sided makes N smaller and K larger by 1.414, as imuSensor does [double-sided]")
       ->check(CLI::IsMember({"double-sided", "single-sided"}));
   group
       ->add_option(
           "--variant", texts.variant,
-          "model 3: what bias instability is; integrated_legacy is what the paper did, a random walk "
-          "of 60 B sqrt(dt) deg/h/sqrt(h) [integrated_legacy]")
+          "model 3: what bias instability is; integrated_legacy is what the paper did, a random walk of 60 B sqrt(dt) deg/h/sqrt(h) [integrated_legacy]")
       ->check(CLI::IsMember(names(kVariants)));
   group
       ->add_option("--rrw", texts.rrw,
                    "model 3: the sensor's rate random walk besides [off for integrated_legacy, else on]")
       ->check(CLI::IsMember({"on", "off"}));
-  group->add_option("--correlation-time", texts.correlation_time, "model 3, gauss_markov [100 s]")
-      ->type_name("TIME");
+  group->add_option("--correlation-time", texts.correlation_time, "model 3, gauss_markov [100 s]")->type_name("TIME");
 }
 
 void add_flight(CLI::App& app, Texts& texts) {
@@ -84,27 +79,18 @@ void add_flight(CLI::App& app, Texts& texts) {
   group
       ->add_option(
           "--trajectory", texts.trajectory,
-          "how it moves: a CSV of time, latitude, longitude, height and q_w, q_x, q_y, q_z or yaw, pitch, "
-          "roll; or static, cruise, climb, ascent, with options behind a colon, key=value parted by "
-          "commas; or a scene (.yaml) that names one. Each row of the log is of the interval that ends at "
-          "its "
-          "time")
+          "how it moves: a CSV of time, latitude, longitude, height and q_w, q_x, q_y, q_z or yaw, pitch, roll; or static, cruise, climb, ascent, with options behind a colon, key=value parted by commas; or a scene (.yaml) that names one. Each row of the log is of the interval that ends at its time")
       ->type_name("FILE|NAME[:...]|SCENE");
-  group->add_option("--truth", texts.truth, "write position, velocity and attitude as CSV")
-      ->type_name("FILE");
-  group
-      ->add_option("--fixes", texts.fixes,
-                   "write what the scene's aids measure, with their errors: DEVICE.csv there")
+  group->add_option("--truth", texts.truth, "write position, velocity and attitude as CSV")->type_name("FILE");
+  group->add_option("--fixes", texts.fixes, "write what the scene's aids measure, with their errors: DEVICE.csv there")
       ->type_name("FOLDER");
   group->add_option("--attitude", texts.attitude, "form of the attitude in --truth [quaternion]")
       ->check(CLI::IsMember({"quaternion", "euler"}));
   group
-      ->add_option(
-          "--input", texts.flight_input,
-          "what the log is to hold: rate (and specific force), or increment (angle and velocity) [rate]")
+      ->add_option("--input", texts.flight_input,
+                   "what the log is to hold: rate (and specific force), or increment (angle and velocity) [rate]")
       ->check(CLI::IsMember({"rate", "increment"}));
-  group
-      ->add_option("--vibration", texts.vibration, "level for vibration rectification, rms, e.g. \"2 g\" [0]")
+  group->add_option("--vibration", texts.vibration, "level for vibration rectification, rms, e.g. \"2 g\" [0]")
       ->type_name("LEVEL");
   group->add_option("--run", texts.run, "another turn-on of the IMU: all that is drawn is drawn anew [0]")
       ->type_name("N");
@@ -116,31 +102,26 @@ CLI::App* add_simulate(CLI::App& app, SimulateArguments& a, Texts& texts) {
       "Simulates the log of a sensor at rest, or of a whole IMU along a trajectory.\n\n"
       "  gyrobudget simulate examples/sensors/ifog.yaml --duration 10h --rate 100 -o ifog.csv\n"
       "  gyrobudget simulate mems.yaml --trajectory cruise:duration=600 --truth truth.csv -o imu.csv\n");
-  verb->add_option("sensor", a.sensor, "sensor file (YAML), or a Kalibr imu.yaml")
-      ->required()
-      ->type_name("SENSOR");
-  verb->add_option("--duration", texts.duration,
-                   "length of the log, e.g. 10h, 90 min, 3600 s; endless: until the reader closes the pipe "
-                   "[with --trajectory: all of it]")
+  verb->add_option("sensor", a.sensor, "sensor file (YAML), or a Kalibr imu.yaml")->required()->type_name("SENSOR");
+  verb->add_option(
+          "--duration", texts.duration,
+          "length of the log, e.g. 10h, 90 min, 3600 s; endless: until the reader closes the pipe [with --trajectory: all of it]")
       ->type_name("TIME");
   verb->add_option("--rate", texts.rate, "sample rate [100 Hz]")->type_name("HZ");
   verb->add_option("--skip", texts.skip,
                    "leave out the start, a time (9h) or a number of samples; the rest is the same bytes")
       ->type_name("TIME|SAMPLES");
-  verb->add_option("--seed", texts.seed, "of the random numbers; printed into the log")
-      ->capture_default_str();
+  verb->add_option("--seed", texts.seed, "of the random numbers; printed into the log")->capture_default_str();
   verb->add_option("--axes", texts.axes, "axes to simulate")->capture_default_str();
   verb->add_option("--unit", a.unit, "of the gyro columns [rad/s; increments: rad]");
-  verb->add_option("-o,--output", a.output,
-                   "log to write; .gz compresses; .npy, .f64 and .f32 are binary; - is stdout")
+  verb->add_option("-o,--output", a.output, "log to write; .gz compresses; .npy, .f64 and .f32 are binary; - is stdout")
       ->type_name("FILE")
       ->capture_default_str();
   add_format(*verb, texts, "csv, or binary: f32, f64 (raw, little-endian), npy [by the ending of -o]");
   add_model(*verb, a, texts);
   add_flight(*verb, texts);
   verb->footer(
-      "Trajectories by name and their options (metres, seconds, m/s, m/s^2, Hz, deg, deg/s, or with a "
-      "unit):\n" +
+      "Trajectories by name and their options (metres, seconds, m/s, m/s^2, Hz, deg, deg/s, or with a unit):\n" +
       files::trajectory_names());
   add_common(*verb, a.common, false);
   return verb;
@@ -149,16 +130,14 @@ CLI::App* add_simulate(CLI::App& app, SimulateArguments& a, Texts& texts) {
 void finish_model(SimulateArguments& a, const Texts& texts) {
   const ModelName& chosen = kModels.at(a.model_name);
   a.model = chosen.model;
-  const std::vector<std::pair<std::string, std::string>> given{
-      {"--taps", texts.taps},
-      {"--noise-type", texts.noise_type},
-      {"--variant", texts.variant},
-      {"--rrw", texts.rrw},
-      {"--correlation-time", texts.correlation_time}};
+  const std::vector<std::pair<std::string, std::string>> given{{"--taps", texts.taps},
+                                                               {"--noise-type", texts.noise_type},
+                                                               {"--variant", texts.variant},
+                                                               {"--rrw", texts.rrw},
+                                                               {"--correlation-time", texts.correlation_time}};
   for (const auto& [option, value] : given) {
     if (value.empty() || std::ranges::find(chosen.options, option) != chosen.options.end()) continue;
-    throw std::invalid_argument(
-        fmt::format("{} {}: --model {} has no such option", option, value, a.model_name));
+    throw std::invalid_argument(fmt::format("{} {}: --model {} has no such option", option, value, a.model_name));
   }
   if (!texts.taps.empty()) a.taps = static_cast<std::int64_t>(whole_number("--taps", texts.taps));
   a.single_sided = texts.noise_type == "single-sided";
@@ -183,15 +162,13 @@ void finish_extent(SimulateArguments& a, const Texts& texts) {
   if (!texts.rate.empty()) a.rate_hz = rate("--rate", texts.rate);
   const double samples = a.duration_s * a.rate_hz;
   if (samples < 2) {
-    throw std::invalid_argument(
-        fmt::format("{} s at {} Hz is less than two samples", a.duration_s, a.rate_hz));
+    throw std::invalid_argument(fmt::format("{} s at {} Hz is less than two samples", a.duration_s, a.rate_hz));
   }
   constexpr double kMostSamples = 1e15;
   if (!endless && samples > kMostSamples) {
     throw std::invalid_argument(
-        fmt::format("{:.3g} samples are more than the {:.0e} that simulate makes; lower --rate or "
-                    "--duration",
-                    samples, kMostSamples));
+        fmt::format("{:.3g} samples are more than the {:.0e} that simulate makes; lower --rate or --duration", samples,
+                    kMostSamples));
   }
   if (!texts.skip.empty()) a.skipped = skipped_samples(texts.skip, a.rate_hz);
   if (static_cast<double>(a.skipped) >= std::round(samples)) {
@@ -214,8 +191,7 @@ void check_flight_options(const SimulateArguments& a, const Texts& texts) {
     return;
   }
   const auto refuse = [](bool given, const char* option, const char* why) {
-    if (given)
-      throw std::invalid_argument(fmt::format("{}: {}; leave it out with --trajectory", option, why));
+    if (given) throw std::invalid_argument(fmt::format("{}: {}; leave it out with --trajectory", option, why));
   };
   refuse(a.model_name != "spectral", "--model", "an IMU has the noise of its sensor file, 1/f to 0.02 %");
   refuse(texts.axes != "x,y,z", "--axes", "an IMU has all of them");
@@ -257,8 +233,7 @@ void finish(SimulateArguments& a, const Texts& texts) {
   finish_model(a, texts);
   a.format = texts.format.empty() ? log::format_of(a.output) : *log::format_named(texts.format);
   if (a.format == log::Format::npy && std::isinf(a.duration_s)) {
-    throw std::invalid_argument(
-        "--format npy: its header holds the length, which an endless log has not; use f64");
+    throw std::invalid_argument("--format npy: its header holds the length, which an endless log has not; use f64");
   }
   if (a.format != log::Format::csv && a.output.ends_with(".gz")) {
     throw std::invalid_argument(fmt::format("-o {}: only text is compressed; leave out .gz", a.output));
@@ -267,8 +242,7 @@ void finish(SimulateArguments& a, const Texts& texts) {
   a.axes = split(texts.axes, ',');
   for (const auto& axis : a.axes) {
     if (axis != "x" && axis != "y" && axis != "z") {
-      throw std::invalid_argument(
-          fmt::format("--axes {}: axes are x, y and z, separated by commas", texts.axes));
+      throw std::invalid_argument(fmt::format("--axes {}: axes are x, y and z, separated by commas", texts.axes));
     }
   }
   check_gyro_unit(a);

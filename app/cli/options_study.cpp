@@ -18,18 +18,14 @@ namespace gyrobudget::inline v0::cli {
 namespace {
 
 CLI::App* add_plan(CLI::App& app, PlanArguments& a, Texts& texts) {
-  auto* verb =
-      app.add_subcommand("plan",
-                         "How long to record for a wanted accuracy, or what accuracy a recording buys.\n\n"
-                         "  gyrobudget plan examples/sensors/mems.yaml --want B=10%\n"
-                         "  gyrobudget plan sensor.yaml --duration 2h --rate 200\n");
-  verb->add_option("sensor", a.sensor, "sensor file with the expected coefficients")
-      ->required()
-      ->type_name("SENSOR");
+  auto* verb = app.add_subcommand("plan",
+                                  "How long to record for a wanted accuracy, or what accuracy a recording buys.\n\n"
+                                  "  gyrobudget plan examples/sensors/mems.yaml --want B=10%\n"
+                                  "  gyrobudget plan sensor.yaml --duration 2h --rate 200\n");
+  verb->add_option("sensor", a.sensor, "sensor file with the expected coefficients")->required()->type_name("SENSOR");
   verb->add_option("--rate", texts.rate, "sample rate [100 Hz]")->type_name("HZ");
   verb->add_option("--duration", texts.duration, "what will a record of this length buy?")->type_name("TIME");
-  verb->add_option("--want", texts.wishes,
-                   "how long for this accuracy (one sigma, relative), e.g. B=10% or arw=1%")
+  verb->add_option("--want", texts.wishes, "how long for this accuracy (one sigma, relative), e.g. B=10% or arw=1%")
       ->type_name("TERM=ACCURACY ...");
   add_common(*verb, a.common);
   return verb;
@@ -46,8 +42,7 @@ CLI::App* add_accuracy(CLI::App& app, AccuracyArguments& a, Texts& texts) {
       "accuracy",
       "How wrong the fits are: simulates records of known truth and compares.\n\n"
       "  gyrobudget accuracy examples/sensors/mems.yaml --report accuracy.html\n"
-      "  gyrobudget accuracy sensor.yaml --duration 2h --rate 10 --require \"arw.rmse<1.1*crlb, coverage in "
-      "0.92..0.98\"\n"
+      "  gyrobudget accuracy sensor.yaml --duration 2h --rate 10 --require \"arw.rmse<1.1*crlb, coverage in 0.92..0.98\"\n"
       "  gyrobudget accuracy sensor.yaml --sweep\n");
   verb->add_option("sensor", a.sensor, "sensor file: the truth")->required()->type_name("SENSOR");
   verb->add_option("--duration", texts.duration, "length of a record [10h]")->type_name("TIME");
@@ -55,18 +50,15 @@ CLI::App* add_accuracy(CLI::App& app, AccuracyArguments& a, Texts& texts) {
   verb->add_option("--records", texts.records, "how many [500; 200 for --sweep]")->type_name("N");
   verb->add_option("--methods", texts.methods, "of gls, edf, loglog, slope, visual, whittle [gls,whittle]")
       ->type_name("LIST");
-  verb->add_option("--terms", texts.terms,
-                   "terms to fit, of Q,N,B,K,R [N,B,K, and Q and R where the sensor has them]")
+  verb->add_option("--terms", texts.terms, "terms to fit, of Q,N,B,K,R [N,B,K, and Q and R where the sensor has them]")
       ->type_name("LIST");
   verb->add_option("--axis", texts.axis, "which of the sensor's two")
       ->check(CLI::IsMember({"gyro", "accelerometer"}))
       ->capture_default_str();
-  verb->add_option("--seed", texts.seed, "of the random numbers; printed into every output")
-      ->capture_default_str();
-  verb->add_option("--require", texts.require,
-                   "limits, [METHOD.][COEFFICIENT.]QUANTITY < NUMBER[*crlb|*likelihood] or in LOW..HIGH; "
-                   "quantities: rmse, bias, coverage, coverage_identified, identified, missed, false_terms, "
-                   "p05, p01, unconverged, seconds; exit code 1 where one is broken")
+  verb->add_option("--seed", texts.seed, "of the random numbers; printed into every output")->capture_default_str();
+  verb->add_option(
+          "--require", texts.require,
+          "limits, [METHOD.][COEFFICIENT.]QUANTITY < NUMBER[*crlb|*likelihood] or in LOW..HIGH; quantities: rmse, bias, coverage, coverage_identified, identified, missed, false_terms, p05, p01, unconverged, seconds; exit code 1 where one is broken")
       ->type_name("LIMITS");
   verb->add_option("--report", a.report, "write a self-contained HTML page")->type_name("FILE.html");
   verb->add_flag("--sweep", a.sweep,
@@ -93,8 +85,8 @@ void finish(AccuracyArguments& a, const Texts& texts) {
   constexpr double kFewestSamples = 16, kMostSamples = 1e8;
   const double samples = std::round(a.duration_s * a.rate_hz);
   if (!(samples >= kFewestSamples && samples <= kMostSamples)) {
-    throw std::invalid_argument(fmt::format("{:g} s at {:g} Hz are {:.3g} samples; a record has 16 to 1e8",
-                                            a.duration_s, a.rate_hz, samples));
+    throw std::invalid_argument(
+        fmt::format("{:g} s at {:g} Hz are {:.3g} samples; a record has 16 to 1e8", a.duration_s, a.rate_hz, samples));
   }
   if (!texts.records.empty()) {
     constexpr std::uint64_t kMostRecords = 10'000'000;
@@ -116,17 +108,15 @@ void finish(AccuracyArguments& a, const Texts& texts) {
 }
 
 CLI::App* add_paper(CLI::App& app, PaperArguments& a, Texts& texts) {
-  auto* verb = app.add_subcommand(
-      "paper",
-      "The tables and figures of Nunes et al. beside ours, and why they differ: gyro noise,\n"
-      "the first stage flown in closed loop on each gyro, and what could have made its\n"
-      "distances.\n\n"
-      "  gyrobudget paper --report paper.html\n"
-      "  gyrobudget paper --seed 7 --json\n");
-  verb->add_option("--seed", texts.seed, "of the random numbers; printed into every output")
-      ->capture_default_str();
-  verb->add_option("--report", a.report, "write a self-contained HTML page with the figures")
-      ->type_name("FILE.html");
+  auto* verb =
+      app.add_subcommand("paper",
+                         "The tables and figures of Nunes et al. beside ours, and why they differ: gyro noise,\n"
+                         "the first stage flown in closed loop on each gyro, and what could have made its\n"
+                         "distances.\n\n"
+                         "  gyrobudget paper --report paper.html\n"
+                         "  gyrobudget paper --seed 7 --json\n");
+  verb->add_option("--seed", texts.seed, "of the random numbers; printed into every output")->capture_default_str();
+  verb->add_option("--report", a.report, "write a self-contained HTML page with the figures")->type_name("FILE.html");
   add_common(*verb, a.common);
   return verb;
 }

@@ -2,9 +2,9 @@
 // paper: tables and figures of the source paper beside ours.
 #include "gyrobudget/app/report/paper.h"
 
+#include "gyrobudget/app/paper/study.h"
 #include "gyrobudget/app/text/output.h"
 
-#include "gyrobudget/app/paper/study.h"
 #include "paths.h"
 #include "terminal.h"
 #include "verbs.h"

@@ -27,22 +27,21 @@ bool same_file(const std::string& a, const std::string& b) {
 // Before hours of work, not after: the folder must be there, and an option is not a name.
 void check_name(const Output& output) {
   if (output.path.size() > 1 && output.path.front() == '-') {
-    throw std::invalid_argument(fmt::format("{0} {1}: {1} looks like an option; a file of that name is ./{1}",
-                                            output.option, output.path));
+    throw std::invalid_argument(
+        fmt::format("{0} {1}: {1} looks like an option; a file of that name is ./{1}", output.option, output.path));
   }
   std::error_code ignored;
   const fs::path folder = fs::path(output.path).parent_path();
   if (folder.empty() || fs::is_directory(folder, ignored)) return;
   throw text::OutputError(fmt::format("{} {}: found no folder {}; make it, or name a file in one that is there",
-                                    output.option, output.path, folder.string()));
+                                      output.option, output.path, folder.string()));
 }
 
 void check_picture(const Output& output) {
   const std::string ending = fs::path(output.path).extension().string();
   constexpr std::array kFormats{".svg", ".png", ".pdf"};
   if (std::ranges::find(kFormats, ending) == kFormats.end()) {
-    throw std::invalid_argument(
-        fmt::format("{} {}: a picture ends in .svg, .png or .pdf", output.option, output.path));
+    throw std::invalid_argument(fmt::format("{} {}: a picture ends in .svg, .png or .pdf", output.option, output.path));
   }
 }
 
@@ -53,8 +52,7 @@ void check_outputs(const std::string& input, const std::vector<Output>& outputs)
     const Output& output = outputs[i];
     if (output.path.empty()) continue;
     if (output.path == "-") {
-      throw std::invalid_argument(
-          fmt::format("{} -: standard output holds the result; name a file", output.option));
+      throw std::invalid_argument(fmt::format("{} -: standard output holds the result; name a file", output.option));
     }
     check_name(output);
     if (same_file(output.path, input)) {

@@ -2,8 +2,8 @@
 // plan: sensor file -> how long to record for an accuracy, or what accuracy a length buys.
 #include "gyrobudget/app/report/plan.h"
 
-#include "gyrobudget/estimation/fit/information.h"
 #include "gyrobudget/app/sensor_file/sensor_file.h"
+#include "gyrobudget/estimation/fit/information.h"
 
 #include <fmt/format.h>
 
@@ -26,10 +26,9 @@ std::vector<noise::Process> random_terms(const noise::SensorModel& sensor) {
     if (sensor.gyro[t] > 0) list.push_back(noise::with_coefficient(noise::unit_process(t), sensor.gyro[t]));
   }
   if (list.empty()) {
-    throw text::InputError(
-        fmt::format("{}: the gyro has no noise coefficient above zero; plan needs the expected arw, "
-                    "bias_instability and rrw",
-                    sensor.name));
+    throw text::InputError(fmt::format(
+        "{}: the gyro has no noise coefficient above zero; plan needs the expected arw, bias_instability and rrw",
+        sensor.name));
   }
   return list;
 }
@@ -54,9 +53,8 @@ int run(const PlanArguments& a) {
 
   constexpr double kFewestSamples = 16, kMostSamples = 1e15;
   if (a.duration_s && !(*a.duration_s >= kFewestSamples * dt && *a.duration_s <= kMostSamples * dt)) {
-    throw std::invalid_argument(
-        fmt::format("--duration {:g} s at {:g} Hz: a record of 16 to 1e15 samples is expected", *a.duration_s,
-                    a.rate_hz));
+    throw std::invalid_argument(fmt::format("--duration {:g} s at {:g} Hz: a record of 16 to 1e15 samples is expected",
+                                            *a.duration_s, a.rate_hz));
   }
   if (a.duration_s) {
     plan.rows.push_back(row_for(terms, *a.duration_s, dt));
@@ -70,15 +68,14 @@ int run(const PlanArguments& a) {
     for (const auto& t : plan.terms) wishes.push_back({t.term, kDefaultAccuracy});
   }
   for (const auto& wish : wishes) {
-    const auto at = std::find_if(plan.terms.begin(), plan.terms.end(),
-                                 [&](const auto& t) { return t.term == wish.term; });
+    const auto at =
+        std::find_if(plan.terms.begin(), plan.terms.end(), [&](const auto& t) { return t.term == wish.term; });
     if (at == plan.terms.end()) {
-      throw std::invalid_argument(fmt::format("--want {}: {} has no such term above zero",
-                                              static_cast<char>(wish.term), sensor.name));
+      throw std::invalid_argument(
+          fmt::format("--want {}: {} has no such term above zero", static_cast<char>(wish.term), sensor.name));
     }
     const auto index = static_cast<std::size_t>(at - plan.terms.begin());
-    plan.answers.push_back(
-        {wish.term, wish.relative_std, fit::duration_for(terms, index, wish.relative_std, dt)});
+    plan.answers.push_back({wish.term, wish.relative_std, fit::duration_for(terms, index, wish.relative_std, dt)});
   }
   print(a.common.json ? report::plan_json(plan) : report::plan_table(plan));
   return exit_done;

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "prepared.h"
 
-#include "gyrobudget/noise/sensor.h"
 #include "gyrobudget/app/report/words.h"
+#include "gyrobudget/noise/sensor.h"
 
 #include <fmt/format.h>
 
@@ -34,15 +34,12 @@ std::string describe_outliers(const report::Findings& found, const allan::Axis& 
   const auto& worst = *std::max_element(found.outliers.begin(), found.outliers.end(),
                                         [](const auto& a, const auto& b) { return a.sigmas < b.sigmas; });
   return fmt::format(
-      "{} of {} samples lie further from their surroundings than noise would put any (at {}), the worst at "
-      "{:.6g} s "
-      "by {} ({:.3g} sigma). {}",
+      "{} of {} samples lie further from their surroundings than noise would put any (at {}), the worst at {:.6g} s by {} ({:.3g} sigma). {}",
       found.outliers.size(), axis.rate.size(), times(at), static_cast<double>(worst.index) * dt,
       noise::quantity_text(worst.distance, noise::datasheet_unit(axis.signal), 3), worst.sigmas,
       found.outliers_masked || !in_use
           ? "They are masked: neither curve nor fit holds them."
-          : "They are in curve and fit: find what knocked, and leave the samples "
-            "out with --mask outliers.");
+          : "They are in curve and fit: find what knocked, and leave the samples out with --mask outliers.");
 }
 
 std::string describe_steps(const report::Findings& found, const allan::Axis& axis, double dt) {
@@ -52,11 +49,11 @@ std::string describe_steps(const report::Findings& found, const allan::Axis& axi
                         noise::quantity_text(step.size, noise::datasheet_unit(axis.signal), 3),
                         static_cast<double>(step.index) * dt);
   }
-  return fmt::format("The mean jumps by {}. {}", text,
-                     found.steps_masked
-                         ? "The longest part without a jump is used."
-                         : "Curve and fit hold the jump, mostly as rate random walk: --mask steps uses "
-                           "the longest part without one.");
+  return fmt::format(
+      "The mean jumps by {}. {}", text,
+      found.steps_masked
+          ? "The longest part without a jump is used."
+          : "Curve and fit hold the jump, mostly as rate random walk: --mask steps uses the longest part without one.");
 }
 
 std::string describe_departure(const report::Findings& found, const allan::Axis& axis) {
@@ -65,26 +62,21 @@ std::string describe_departure(const report::Findings& found, const allan::Axis&
   const std::string chance = fmt::format("noise would do that with p = {:.1g}", departure.p_value);
   if (departure.kind == allan::Departure::Kind::trend) {
     return fmt::format(
-        "The record drifts by {} along a straight line ({}). Where the ramp is not fitted it counts as rate "
-        "random "
-        "walk: --terms N,B,K,R fits it.",
+        "The record drifts by {} along a straight line ({}). Where the ramp is not fitted it counts as rate random walk: --terms N,B,K,R fits it.",
         size, chance);
   }
   return fmt::format(
-      "The record begins with a warm-up of {} that fades with a time constant of about {:.3g} s ({}). {}",
-      size, departure.time_constant_s, chance,
-      found.warm_up_masked ? "Its first five time constants are masked."
-                           : "Curve and fit hold it, mostly as rate random walk: --mask warm-up leaves "
-                             "out five time constants.");
+      "The record begins with a warm-up of {} that fades with a time constant of about {:.3g} s ({}). {}", size,
+      departure.time_constant_s, chance,
+      found.warm_up_masked
+          ? "Its first five time constants are masked."
+          : "Curve and fit hold it, mostly as rate random walk: --mask warm-up leaves out five time constants.");
 }
 
 std::string describe_fainter(std::span<const allan::SpectralLine> lines) {
   const auto [low, high] = std::ranges::minmax(lines, {}, &allan::SpectralLine::frequency_hz);
   return fmt::format(
-      "{} fainter lines lie between {:.3g} and {:.3g} Hz (up to {:.0f} times the spectrum beside them). So "
-      "many "
-      "are rather a spectrum with structure, as of a sensor that moves: look at it with gyrobudget allan "
-      "--psd welch --report.",
+      "{} fainter lines lie between {:.3g} and {:.3g} Hz (up to {:.0f} times the spectrum beside them). So many are rather a spectrum with structure, as of a sensor that moves: look at it with gyrobudget allan --psd welch --report.",
       lines.size(), low.frequency_hz, high.frequency_hz,
       std::ranges::max(lines, {}, &allan::SpectralLine::ratio).ratio);
 }
@@ -94,9 +86,8 @@ void drop_modelled_line(std::vector<allan::SpectralLine>& lines, const fit::Resu
   const auto* line = report::find(fit, noise::Term::sinusoid);
   if (line == nullptr || !line->fitted || line->status != fit::Status::identified) return;
   const double width = 4 / duration_s;  // resolution of the averaged spectrum is coarser than a bin
-  std::erase_if(lines, [&](const auto& l) {
-    return std::abs(l.frequency_hz - line->shape) < width + 0.02 * line->shape;
-  });
+  std::erase_if(lines,
+                [&](const auto& l) { return std::abs(l.frequency_hz - line->shape) < width + 0.02 * line->shape; });
 }
 
 }  // namespace
@@ -107,8 +98,7 @@ Prepared::Prepared(const allan::Axis& axis, double dt, const CalibrateArguments&
 }
 
 std::span<const double> Prepared::part_of(std::span<const double> whole) const {
-  return whole.subspan(static_cast<std::size_t>(findings_.first),
-                       static_cast<std::size_t>(findings_.samples));
+  return whole.subspan(static_cast<std::size_t>(findings_.first), static_cast<std::size_t>(findings_.samples));
 }
 
 std::span<const double> Prepared::without_outliers() const {
@@ -125,8 +115,7 @@ void Prepared::keep_longest_without_step() {
   const std::int64_t end = findings_.first + findings_.samples;
   std::int64_t begin = findings_.first, first = begin, count = 0;
   for (std::size_t i = 0; i <= findings_.steps.size(); ++i) {
-    const std::int64_t next =
-        i < findings_.steps.size() ? std::clamp(findings_.steps[i].index, begin, end) : end;
+    const std::int64_t next = i < findings_.steps.size() ? std::clamp(findings_.steps[i].index, begin, end) : end;
     if (next - begin > count) first = begin, count = next - begin;
     begin = next;
   }
@@ -148,15 +137,14 @@ void Prepared::look_for_outliers_and_steps() {
   keep(0, samples);
   // A knock moves means too: it is no step.
   const bool knocks = !findings_.outliers.empty() && !findings_.outliers_masked;
-  findings_.steps = knocks ? allan::find_steps(allan::Series(without_outliers(), dt_, fill_))
-                           : allan::find_steps(*record_);
+  findings_.steps =
+      knocks ? allan::find_steps(allan::Series(without_outliers(), dt_, fill_)) : allan::find_steps(*record_);
   if (masking_.steps && !findings_.steps.empty()) keep_longest_without_step();
 }
 
 bool Prepared::look_for_departure(std::span<const noise::Process> fitted) {
   std::optional<allan::Series> clean;
-  if (!findings_.outliers.empty() && !findings_.outliers_masked)
-    clean.emplace(without_outliers(), dt_, fill_);
+  if (!findings_.outliers.empty() && !findings_.outliers_masked) clean.emplace(without_outliers(), dt_, fill_);
   auto departure = allan::find_departure(clean ? *clean : *record_, fitted);
   if (!departure) return false;
   if (departure->kind == allan::Departure::Kind::step) {
@@ -188,9 +176,9 @@ std::vector<std::string> describe(const report::Findings& found, const allan::Ax
   std::vector<std::string> text;
   const bool part = found.samples < static_cast<std::int64_t>(axis.rate.size());
   if (part) {
-    text.push_back(fmt::format(
-        "Curve and fit are of the samples from {:.6g} s to {:.6g} s; the others are masked.",
-        static_cast<double>(found.first) * dt, static_cast<double>(found.first + found.samples) * dt));
+    text.push_back(fmt::format("Curve and fit are of the samples from {:.6g} s to {:.6g} s; the others are masked.",
+                               static_cast<double>(found.first) * dt,
+                               static_cast<double>(found.first + found.samples) * dt));
   }
   if (!found.outliers.empty()) text.push_back(describe_outliers(found, axis, dt));
   if (!found.steps.empty()) text.push_back(describe_steps(found, axis, dt));
@@ -200,11 +188,9 @@ std::vector<std::string> describe(const report::Findings& found, const allan::Ax
   for (std::size_t i = 0; i < found.lines.size() && i < kNamed; ++i) {
     const auto& line = found.lines[i];
     text.push_back(fmt::format(
-        "A spectral line at {:.3g} Hz (amplitude about {}, {:.0f} times the spectrum beside it) is in the "
-        "record but not "
-        "in the model. It shifts the deviation at taus up to its period, {:.3g} s.",
-        line.frequency_hz, noise::quantity_text(line.amplitude, noise::datasheet_unit(axis.signal), 3),
-        line.ratio, 1 / line.frequency_hz));
+        "A spectral line at {:.3g} Hz (amplitude about {}, {:.0f} times the spectrum beside it) is in the record but not in the model. It shifts the deviation at taus up to its period, {:.3g} s.",
+        line.frequency_hz, noise::quantity_text(line.amplitude, noise::datasheet_unit(axis.signal), 3), line.ratio,
+        1 / line.frequency_hz));
   }
   if (found.lines.size() > kNamed) text.push_back(describe_fainter(std::span(found.lines).subspan(kNamed)));
   return text;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "runs.h"
 
-#include "gyrobudget/estimation/fit/combine.h"
-#include "gyrobudget/app/text/error.h"
 #include "gyrobudget/app/report/words.h"
+#include "gyrobudget/app/text/error.h"
+#include "gyrobudget/estimation/fit/combine.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -24,10 +24,9 @@ constexpr std::int64_t kFewestSamples = 16;  // 4 octaves: three terms and one t
 
 report::LogResult calibrate_record(const allan::Record& record, const CalibrateArguments& a) {
   if (record.samples < kFewestSamples) {
-    throw text::InputError(
-        fmt::format("{}: found {} samples, expected at least {}; a datasheet needs hours of record "
-                    "(gyrobudget plan tells how many)",
-                    record.source, record.samples, kFewestSamples));
+    throw text::InputError(fmt::format(
+        "{}: found {} samples, expected at least {}; a datasheet needs hours of record (gyrobudget plan tells how many)",
+        record.source, record.samples, kFewestSamples));
   }
   report::LogResult result = describe_record(record, a.common);
   Covariances covariances;
@@ -58,18 +57,16 @@ std::vector<allan::Axis> matched(allan::Record& record, const report::LogResult&
     record.axes.erase(at);
   }
   if (record.axes.empty() && axes.size() == first.axes.size()) return axes;
-  throw text::InputError(
-      fmt::format("{}: found the columns {}, expected {} as in {}; records of one sensor type have the same "
-                  "columns, in units of the same kinds (choose them with --column)",
-                  record.source, found, listing(first.axes), first.source));
+  throw text::InputError(fmt::format(
+      "{}: found the columns {}, expected {} as in {}; records of one sensor type have the same columns, in units of the same kinds (choose them with --column)",
+      record.source, found, listing(first.axes), first.source));
 }
 
 void check_rate(const allan::Record& record, const report::LogResult& first) {
   if (std::abs(record.rate_hz / first.rate_hz - 1) <= log::kRateTolerance) return;
-  throw text::InputError(
-      fmt::format("{}: found a rate of {:.6g} Hz, expected the {:.6g} Hz of {}; quantization and "
-                  "filters depend on the rate, so records of other rates are not combined",
-                  record.source, record.rate_hz, first.rate_hz, first.source));
+  throw text::InputError(fmt::format(
+      "{}: found a rate of {:.6g} Hz, expected the {:.6g} Hz of {}; quantization and filters depend on the rate, so records of other rates are not combined",
+      record.source, record.rate_hz, first.rate_hz, first.source));
 }
 
 report::CombinedAxis combined(const std::vector<report::LogResult>& runs, std::size_t axis) {
@@ -106,8 +103,7 @@ report::RunsResult calibrate_runs(const CalibrateArguments& a) {
     }
     result.runs.push_back(calibrate_record(record, a));
   }
-  for (std::size_t i = 0; i < result.runs.front().axes.size(); ++i)
-    result.combined.push_back(combined(result.runs, i));
+  for (std::size_t i = 0; i < result.runs.front().axes.size(); ++i) result.combined.push_back(combined(result.runs, i));
   return result;
 }
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "sensor_output.h"
 
-#include "gyrobudget/app/text/output.h"
-#include "gyrobudget/app/sensor_file/sensor_file.h"
 #include "gyrobudget/app/report/words.h"
+#include "gyrobudget/app/sensor_file/sensor_file.h"
+#include "gyrobudget/app/text/output.h"
 
 #include <fmt/format.h>
 
@@ -51,8 +51,7 @@ void add(noise::ErrorModel& model, const fit::Coefficient& c) {
 
 // From sums of squares over `count` axes to their mean.
 void scale_down(noise::ErrorModel& model, int count, noise::Signal signal) {
-  for (const Term t :
-       {Term::quantization, Term::white, Term::flicker, Term::rate_random_walk, Term::rate_ramp}) {
+  for (const Term t : {Term::quantization, Term::white, Term::flicker, Term::rate_random_walk, Term::rate_ramp}) {
     model[t] = rounded(model[t] / std::sqrt(count), signal, t);
   }
   for (auto& g : model.gauss_markov) {
@@ -96,10 +95,10 @@ std::string provenance(const report::LogResult& result) {
     for (const auto& c : axis.fit->coefficients) {
       if (!c.fitted || c.status == fit::Status::identified) continue;
       const auto unit = noise::datasheet_unit(axis.signal, c.term);
-      text += fmt::format(
-          "  {} is not resolved: {} is the fitted value, at most {} (95 %); a cautious budget takes that\n",
-          noise::key(axis.signal, c.term), noise::quantity_text(c.value, unit, 3),
-          noise::quantity_text(c.upper, unit, 3));
+      text +=
+          fmt::format("  {} is not resolved: {} is the fitted value, at most {} (95 %); a cautious budget takes that\n",
+                      noise::key(axis.signal, c.term), noise::quantity_text(c.value, unit, 3),
+                      noise::quantity_text(c.upper, unit, 3));
     }
   }
   return text;
@@ -129,9 +128,8 @@ std::string provenance(const report::RunsResult& result) {
   for (const auto& axis : result.combined) {
     for (const auto& c : axis.coefficients) {
       const auto t = report::combined_text(axis.signal, c);
-      text += fmt::format("{}: {} {}, {} (95 %), spread between records {} {}; {}\n",
-                          report::printable(axis.name), noise::key(axis.signal, c.term), t.value, t.interval,
-                          t.spread, t.unit, t.agreement);
+      text += fmt::format("{}: {} {}, {} (95 %), spread between records {} {}; {}\n", report::printable(axis.name),
+                          noise::key(axis.signal, c.term), t.value, t.interval, t.spread, t.unit, t.agreement);
     }
   }
   return text + "Gauss-Markov processes and sinusoids are left out: they are not combined.\n";
@@ -146,8 +144,7 @@ noise::SensorModel sensor_of(const Result& result, const std::string& name) {
   return sensor;
 }
 
-void write(const noise::SensorModel& sensor, const std::string& comment, double rate_hz,
-           const CalibrateArguments& a) {
+void write(const noise::SensorModel& sensor, const std::string& comment, double rate_hz, const CalibrateArguments& a) {
   if (!a.output.empty()) text::write_file(a.output, sensor_file::sensor_yaml(sensor, comment));
   if (!a.kalibr.empty()) text::write_file(a.kalibr, sensor_file::kalibr_yaml(sensor, rate_hz));
   for (const auto& path : {a.output, a.kalibr}) {
@@ -157,8 +154,7 @@ void write(const noise::SensorModel& sensor, const std::string& comment, double 
 
 template <class Axes>
 void require_inertial(const Axes& axes) {
-  if (std::any_of(axes.begin(), axes.end(),
-                  [](const auto& a) { return a.signal != noise::Signal::dimensionless; }))
+  if (std::any_of(axes.begin(), axes.end(), [](const auto& a) { return a.signal != noise::Signal::dimensionless; }))
     return;
   throw std::invalid_argument("-o and --kalibr describe gyros and accelerometers; this log has neither");
 }
@@ -170,15 +166,13 @@ void say_nothing_is_written(const CalibrateArguments& a) {
 }  // namespace
 
 bool has_answer(const report::AxisResult& axis) {
-  const bool described =
-      axis.fit->verdict != fit::Verdict::not_described || !report::has_p_value(axis.fit->method);
+  const bool described = axis.fit->verdict != fit::Verdict::not_described || !report::has_p_value(axis.fit->method);
   return described && axis.fit->converged && !holds_no_answer(*axis.fit);
 }
 
 bool every_axis_has_answer(const report::RunsResult& result) {
   for (std::size_t i = 0; i < result.combined.size(); ++i) {
-    if (std::none_of(result.runs.begin(), result.runs.end(),
-                     [=](const auto& run) { return has_answer(run.axes[i]); }))
+    if (std::none_of(result.runs.begin(), result.runs.end(), [=](const auto& run) { return has_answer(run.axes[i]); }))
       return false;
   }
   return true;
@@ -189,8 +183,7 @@ void write_sensor_files(const report::LogResult& result, const CalibrateArgument
   require_inertial(result.axes);
   if (std::none_of(result.axes.begin(), result.axes.end(), [](const auto& axis) { return has_answer(axis); }))
     return say_nothing_is_written(a);
-  write(sensor_of(result, a.name.empty() ? log_name(result.source) : a.name), provenance(result),
-        result.rate_hz, a);
+  write(sensor_of(result, a.name.empty() ? log_name(result.source) : a.name), provenance(result), result.rate_hz, a);
 }
 
 void write_sensor_files(const report::RunsResult& result, const CalibrateArguments& a) {

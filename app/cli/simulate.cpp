@@ -39,8 +39,7 @@ std::uint64_t stream_of(const std::string& axis, bool accelerometer) {
 }
 
 noise::Model jerath(const SimulateArguments& a, const noise::ErrorModel& errors, double dt) {
-  noise::Jerath model{
-      .arw = errors.white, .bias_instability = errors.bias_instability, .rrw = errors.rate_random_walk};
+  noise::Jerath model{.arw = errors.white, .bias_instability = errors.bias_instability, .rrw = errors.rate_random_walk};
   if (a.taps) model.taps = *a.taps;
   return model.model(dt);
 }
@@ -119,8 +118,7 @@ constexpr const char* kStreamingModels = "--model gauss-markov, 1, 2 and 3 make 
 double spectral_bytes(const std::vector<Channel>& list, std::uint64_t samples) {
   constexpr double kTransform = 11;  // numbers a sample while 1/f noise is made, see RecordGenerator
   const bool flicker = std::ranges::any_of(list, [](const Channel& c) {
-    return std::ranges::any_of(c.model.processes,
-                               [](const auto& p) { return noise::term(p) == Term::flicker; });
+    return std::ranges::any_of(c.model.processes, [](const auto& p) { return noise::term(p) == Term::flicker; });
   });
   const double numbers = static_cast<double>(list.size()) + (flicker ? kTransform : 0);
   return numbers * sizeof(double) * static_cast<double>(samples);
@@ -132,17 +130,15 @@ void require_whole_record(const SimulateArguments& a, const std::vector<Channel>
         fmt::format("--duration endless: --model spectral makes whole records; {}", kStreamingModels));
   }
   if (a.skipped > 0) {
-    throw std::invalid_argument(fmt::format(
-        "--skip: --model spectral makes whole records and cannot start later; {}", kStreamingModels));
+    throw std::invalid_argument(
+        fmt::format("--skip: --model spectral makes whole records and cannot start later; {}", kStreamingModels));
   }
   constexpr double kGigabyte = 1e9;
   const double needed = spectral_bytes(list, sample_count(a));
-  const double present =
-      static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
+  const double present = static_cast<double>(sysconf(_SC_PHYS_PAGES)) * static_cast<double>(sysconf(_SC_PAGESIZE));
   if (needed <= present) return;
   throw std::invalid_argument(fmt::format(
-      "{:.3g} samples of {} columns by --model spectral need {:.3g} GB of memory, this machine has "
-      "{:.3g} GB; {}",
+      "{:.3g} samples of {} columns by --model spectral need {:.3g} GB of memory, this machine has {:.3g} GB; {}",
       a.duration_s * a.rate_hz, list.size(), needed / kGigabyte, present / kGigabyte, kStreamingModels));
 }
 
@@ -150,9 +146,9 @@ void write_whole(const SimulateArguments& a, const std::vector<Channel>& list, c
   require_whole_record(a, list);
   std::vector<log::LogColumn> columns;
   for (const Channel& c : list) {
-    columns.push_back({c.column.name, c.column.unit,
-                       noise::generate_record(c.model.processes, static_cast<std::int64_t>(sample_count(a)),
-                                              1 / a.rate_hz, c.key)});
+    columns.push_back(
+        {c.column.name, c.column.unit,
+         noise::generate_record(c.model.processes, static_cast<std::int64_t>(sample_count(a)), 1 / a.rate_hz, c.key)});
   }
   log::write_log(a.output, columns, a.rate_hz, head.comment, head.format);
 }
@@ -181,8 +177,8 @@ void write_stream(const SimulateArguments& a, const std::vector<Channel>& list, 
 
 std::string comment(const SimulateArguments& a, const noise::SensorModel& sensor) {
   const std::string length = std::isinf(a.duration_s) ? "endless" : fmt::format("{} s", a.duration_s);
-  return fmt::format("gyrobudget simulate: sensor {}, model {}, seed {}, {} Hz, {}{}", sensor.name,
-                     a.model_name, a.seed, a.rate_hz, length,
+  return fmt::format("gyrobudget simulate: sensor {}, model {}, seed {}, {} Hz, {}{}", sensor.name, a.model_name,
+                     a.seed, a.rate_hz, length,
                      a.skipped > 0 ? fmt::format(", without the first {} samples", a.skipped) : "");
 }
 
@@ -192,8 +188,8 @@ std::string how_to_read(const SimulateArguments& a, const log::LogHead& head) {
   for (const auto& c : head.columns) {
     columns += fmt::format("{}{} ({})", columns.empty() ? "" : ", ", c.name, c.unit);
   }
-  return fmt::format("each sample is {}; read it with --format {} --rate {} --unit {}{}", columns,
-                     log::name(a.format), a.rate_hz, head.columns.front().unit,
+  return fmt::format("each sample is {}; read it with --format {} --rate {} --unit {}{}", columns, log::name(a.format),
+                     a.rate_hz, head.columns.front().unit,
                      a.format == log::Format::npy || head.columns.size() == 1
                          ? ""
                          : fmt::format(" --columns {}", head.columns.size()));
@@ -213,9 +209,9 @@ int run(const SimulateArguments& a) {
   } else {
     write_stream(a, list, head);
   }
-  say(a.common, fmt::format("simulated {} samples of {} axes at {} Hz ({} model, seed {}){}",
-                            sample_count(a) - a.skipped, list.size(), a.rate_hz, a.model_name, a.seed,
-                            a.output == "-" ? "" : " into " + a.output));
+  say(a.common,
+      fmt::format("simulated {} samples of {} axes at {} Hz ({} model, seed {}){}", sample_count(a) - a.skipped,
+                  list.size(), a.rate_hz, a.model_name, a.seed, a.output == "-" ? "" : " into " + a.output));
   if (a.format != log::Format::csv) say(a.common, how_to_read(a, head));
   return exit_done;
 }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // simulate --trajectory: sensor file and trajectory -> log of a whole IMU, and the truth.
 #include "gyrobudget/app/files/fixes_file.h"
-#include "gyrobudget/app/log/log_writer.h"
-#include "gyrobudget/app/text/output.h"
 #include "gyrobudget/app/files/scene_file.h"
-#include "gyrobudget/app/sensor_file/sensor_file.h"
 #include "gyrobudget/app/files/trajectory_file.h"
+#include "gyrobudget/app/log/log_writer.h"
+#include "gyrobudget/app/sensor_file/sensor_file.h"
+#include "gyrobudget/app/text/output.h"
 #include "gyrobudget/estimation/navigation/simulated_fixes.h"
 #include "gyrobudget/noise/imu.h"
 
@@ -42,15 +42,13 @@ double flown(const SimulateArguments& a, const earth::Trajectory& trajectory) {
 std::uint64_t interval_count(const SimulateArguments& a, const earth::Trajectory& trajectory) {
   const std::uint64_t count = files::whole_intervals(flown(a, trajectory), a.rate_hz);
   if (count > a.skipped) return count;
-  throw std::invalid_argument(fmt::format("{} s at {} Hz are {} samples, of which --skip leaves none",
-                                          flown(a, trajectory), a.rate_hz, count));
+  throw std::invalid_argument(
+      fmt::format("{} s at {} Hz are {} samples, of which --skip leaves none", flown(a, trajectory), a.rate_hz, count));
 }
 
 std::string comment(const SimulateArguments& a, const noise::SensorModel& sensor) {
   return fmt::format(
-      "gyrobudget simulate: sensor {}, trajectory {}, seed {}, run {}, {} Hz, {}; each row is {} the "
-      "interval "
-      "that ends at its time",
+      "gyrobudget simulate: sensor {}, trajectory {}, seed {}, run {}, {} Hz, {}; each row is {} the interval that ends at its time",
       sensor.name, a.flight->trajectory, a.seed, a.flight->run, a.rate_hz,
       a.flight->vibration == 0 ? std::string("no vibration")
                                : "vibration " + noise::quantity_text(a.flight->vibration, "g") + " rms",
@@ -59,8 +57,7 @@ std::string comment(const SimulateArguments& a, const noise::SensorModel& sensor
 
 log::LogHead log_head(const SimulateArguments& a, const noise::SensorModel& sensor) {
   log::LogHead head{{}, a.rate_hz, comment(a, sensor), a.skipped + 1, a.format};
-  for (const char* axis : {"x", "y", "z"})
-    head.columns.push_back({fmt::format("gyro_{}", axis), gyro_unit(a)});
+  for (const char* axis : {"x", "y", "z"}) head.columns.push_back({fmt::format("gyro_{}", axis), gyro_unit(a)});
   for (const char* axis : {"x", "y", "z"}) {
     head.columns.push_back({fmt::format("accel_{}", axis), increments(a) ? "m/s" : "m/s^2"});
   }
@@ -69,8 +66,7 @@ log::LogHead log_head(const SimulateArguments& a, const noise::SensorModel& sens
 
 /// What an IMU at `r` from the trajectory's point [m, body axes] senses more, w' x r + w x (w x r), over an interval:
 /// the first in closed form, the second by Simpson's rule.
-Eigen::Vector3d of_lever_arm(const earth::Trajectory& trajectory, const Eigen::Vector3d& r, double from,
-                             double to) {
+Eigen::Vector3d of_lever_arm(const earth::Trajectory& trajectory, const Eigen::Vector3d& r, double from, double to) {
   const auto rate = [&](double t) -> Eigen::Vector3d { return trajectory.at(t).w_ib_b; };
   const Eigen::Vector3d start = rate(from), middle = rate((from + to) / 2), end = rate(to);
   const auto inwards = [&](const Eigen::Vector3d& w) -> Eigen::Vector3d { return w.cross(w.cross(r)); };
@@ -78,16 +74,15 @@ Eigen::Vector3d of_lever_arm(const earth::Trajectory& trajectory, const Eigen::V
 }
 
 /// What an ideal IMU delivers over `count` intervals from the one numbered `first` on.
-std::vector<noise::ImuReading> truth(const earth::Trajectory& trajectory, const Eigen::Vector3d& imu_at,
-                                     double rate_hz, std::uint64_t first, std::size_t count) {
+std::vector<noise::ImuReading> truth(const earth::Trajectory& trajectory, const Eigen::Vector3d& imu_at, double rate_hz,
+                                     std::uint64_t first, std::size_t count) {
   std::vector<noise::ImuReading> result(count);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     const auto time = [&](std::uint64_t k) {
       return std::min(static_cast<double>(k) / rate_hz, trajectory.duration());
     };
     earth::ImuIncrement ideal = trajectory.increment(time(first + i), time(first + i + 1));
-    if (!imu_at.isZero(0))
-      ideal.velocity += of_lever_arm(trajectory, imu_at, time(first + i), time(first + i + 1));
+    if (!imu_at.isZero(0)) ideal.velocity += of_lever_arm(trajectory, imu_at, time(first + i), time(first + i + 1));
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
       result[i].angle[static_cast<std::size_t>(axis)] = ideal.angle[axis];
       result[i].velocity[static_cast<std::size_t>(axis)] = ideal.velocity[axis];
@@ -140,22 +135,19 @@ class Feed {
   std::uint64_t at_ = 0;
 };
 
-void say_what_is_special(const SimulateArguments& a, const noise::SensorModel& sensor,
-                         const noise::Imu& imu) {
+void say_what_is_special(const SimulateArguments& a, const noise::SensorModel& sensor, const noise::Imu& imu) {
   const auto say_saturated = [&](const char* triad, const std::array<std::uint64_t, 3>& counts) {
     if (counts == std::array<std::uint64_t, 3>{}) return;
-    say(a.common, fmt::format("note: {} out of range in {}, {} and {} samples of x, y and z", triad,
-                              counts[0], counts[1], counts[2]));
+    say(a.common, fmt::format("note: {} out of range in {}, {} and {} samples of x, y and z", triad, counts[0],
+                              counts[1], counts[2]));
   };
   say_saturated("gyro", imu.gyro_saturated());
   say_saturated("accelerometer", imu.accelerometer_saturated());
   if (sensor.lever_arm != std::array<double, 3>{}) {
     say(a.common,
-        "note: the trajectory and --truth are of the centre of mass; the IMU is at minus its lever_arm from "
-        "there");
+        "note: the trajectory and --truth are of the centre of mass; the IMU is at minus its lever_arm from there");
   }
-  if (!sensor.accelerometer)
-    say(a.common, "note: the sensor file has no accelerometer; an ideal one is written");
+  if (!sensor.accelerometer) say(a.common, "note: the sensor file has no accelerometer; an ideal one is written");
 }
 
 bool is_scene(const std::string& text) { return text.ends_with(".yaml") || text.ends_with(".yml"); }
@@ -211,19 +203,19 @@ int run_flight(const SimulateArguments& a) {
   Feed feed(a, trajectory, sensor, imu);
   feed.skip(a.skipped);
   log::write_log(a.output, log_head(a, sensor), count - a.skipped,
-                [&](std::span<const std::span<double>> columns) { feed.fill(columns); });
+                 [&](std::span<const std::span<double>> columns) { feed.fill(columns); });
   if (!a.flight->truth.empty()) {
     files::write_trajectory(a.flight->truth, trajectory,
-                         {.rate_hz = a.rate_hz,
-                          .attitude = a.flight->attitude,
-                          .comment = "gyrobudget simulate: truth of trajectory " + a.flight->trajectory,
-                          .duration = flown(a, trajectory)});
+                            {.rate_hz = a.rate_hz,
+                             .attitude = a.flight->attitude,
+                             .comment = "gyrobudget simulate: truth of trajectory " + a.flight->trajectory,
+                             .duration = flown(a, trajectory)});
   }
   write_fixes(a, trajectory);
   say_what_is_special(a, sensor, imu);
-  say(a.common, fmt::format("simulated {} samples of an IMU at {} Hz along {} (seed {}, run {}){}",
-                            count - a.skipped, a.rate_hz, a.flight->trajectory, a.seed, a.flight->run,
-                            a.output == "-" ? "" : " into " + a.output));
+  say(a.common,
+      fmt::format("simulated {} samples of an IMU at {} Hz along {} (seed {}, run {}){}", count - a.skipped, a.rate_hz,
+                  a.flight->trajectory, a.seed, a.flight->run, a.output == "-" ? "" : " into " + a.output));
   return exit_done;
 }
 

@@ -32,10 +32,7 @@ std::string efficiency_note(std::int64_t overlap) {
   // Of the degrees of freedom of white noise, in percent; statistics.h.
   const double loss = overlap >= 4 ? 125.0 / static_cast<double>(overlap * overlap) : overlap == 2 ? 27 : 56;
   return fmt::format(
-      "read as a stream: octaves only, terms begin every m/{0} samples above m = {0}; that costs white noise "
-      "{1:.2g} % of the degrees of freedom, flicker and random walk less, quantization more; they stand in "
-      "the "
-      "table",
+      "read as a stream: octaves only, terms begin every m/{0} samples above m = {0}; that costs white noise {1:.2g} % of the degrees of freedom, flicker and random walk less, quantization more; they stand in the table",
       overlap, loss);
 }
 
@@ -101,8 +98,7 @@ class Display {
  public:
   void update(const Streamed& log) {
     if (log.samples() < 2 || !due(log.samples())) return;
-    print(terminal_ ? "\x1b[H\x1b[2J" + report::allan_table(log.result())
-                    : report::allan_table(log.result()) + '\n');
+    print(terminal_ ? "\x1b[H\x1b[2J" + report::allan_table(log.result()) : report::allan_table(log.result()) + '\n');
     shown_ = log.samples();
   }
   /// The table of the whole, unless it is the last that was shown.

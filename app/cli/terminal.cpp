@@ -49,8 +49,8 @@ void Progress::update(double done, double of) {
   const double part = std::clamp(done / of, 0.0, 1.0);
   const int full = static_cast<int>(part * kWidth);
   const double spent = std::chrono::duration<double>(now - start_).count();
-  fmt::print(stderr, "\r[{:#<{}}{:.<{}}] {:.0f} % of the {}, {} left \x1b[K", "", full, "", kWidth - full,
-             100 * part, of_what_, part > 0 ? rough_duration(spent * (1 - part) / part) : "some time");
+  fmt::print(stderr, "\r[{:#<{}}{:.<{}}] {:.0f} % of the {}, {} left \x1b[K", "", full, "", kWidth - full, 100 * part,
+             of_what_, part > 0 ? rough_duration(spent * (1 - part) / part) : "some time");
   std::fflush(stderr);
 }
 

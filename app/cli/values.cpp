@@ -71,10 +71,9 @@ const std::map<std::string, Term> kTermNames{
 
 Term term_named(const std::string& option, const std::string& name) {
   if (const auto at = kTermNames.find(name); at != kTermNames.end()) return at->second;
-  throw std::invalid_argument(
-      fmt::format("{}: no term '{}'; there are Q (quantization), N (arw), B (bias_instability), K (rrw), "
-                  "R (rate_ramp), G (gauss_markov) and S (sinusoid)",
-                  option, name));
+  throw std::invalid_argument(fmt::format(
+      "{}: no term '{}'; there are Q (quantization), N (arw), B (bias_instability), K (rrw), R (rate_ramp), G (gauss_markov) and S (sinusoid)",
+      option, name));
 }
 
 }  // namespace
@@ -108,8 +107,7 @@ ShapedTerms shaped_terms(const std::string& text) {
       asked.frequency_hz = rate("--terms", parts[1]);
     } else {
       throw std::invalid_argument(fmt::format(
-          "--terms {}: only G takes a correlation time, as in G=120s, and S a frequency, as in S=0.05Hz",
-          item));
+          "--terms {}: only G takes a correlation time, as in G=120s, and S a frequency, as in S=0.05Hz", item));
     }
   }
   return asked;
@@ -118,8 +116,7 @@ ShapedTerms shaped_terms(const std::string& text) {
 // "B=10%"
 PlanArguments::Wish wish(const std::string& text) {
   const auto parts = split(text, '=');
-  if (parts.size() != 2)
-    throw std::invalid_argument(fmt::format("--want '{}': write TERM=ACCURACY, e.g. B=10%", text));
+  if (parts.size() != 2) throw std::invalid_argument(fmt::format("--want '{}': write TERM=ACCURACY, e.g. B=10%", text));
   const double accuracy = quantity("--want", parts[1], noise::dimension::kNumber);
   const Term term = term_named("--want", parts[0]);
   if (term == Term::gauss_markov || term == Term::sinusoid)
@@ -141,10 +138,8 @@ std::vector<allan::Estimator> estimators(const std::string& text) {
     const auto estimator = allan::estimator_named(name);
     if (!estimator) {
       std::string known;
-      for (const auto e : allan::kEstimators)
-        known += fmt::format("{}{}", known.empty() ? "" : ", ", allan::name(e));
-      throw std::invalid_argument(
-          fmt::format("--estimator: no estimator '{}'; there are {}, or all", name, known));
+      for (const auto e : allan::kEstimators) known += fmt::format("{}{}", known.empty() ? "" : ", ", allan::name(e));
+      throw std::invalid_argument(fmt::format("--estimator: no estimator '{}'; there are {}, or all", name, known));
     }
     if (std::ranges::find(list, *estimator) == list.end()) list.push_back(*estimator);
   }
@@ -160,8 +155,8 @@ std::int64_t overlap(const std::string& text) {
     const std::uint64_t parts = whole_number("--stride", text.substr(2));
     if (parts >= 1 && parts <= kMost) return static_cast<std::int64_t>(parts);
   }
-  throw std::invalid_argument(fmt::format(
-      "--stride {}: must be 1 (a term at every sample), m, or m/N with N from 1 to {}", text, kMost));
+  throw std::invalid_argument(
+      fmt::format("--stride {}: must be 1 (a term at every sample), m, or m/N with N from 1 to {}", text, kMost));
 }
 
 // "9h", or "1000" samples
@@ -184,8 +179,8 @@ BudgetArguments::Limit limit(const std::string& text) {
   const std::string component = trimmed(parts[0]);
   if (parts.size() != 2 || std::find(names.begin(), names.end(), component) == names.end())
     throw std::invalid_argument(
-        fmt::format("--limit '{}': write COMPONENT < LENGTH, e.g. 'crossrange < 10 m'; components are {}",
-                    text, fmt::join(names, ", ")));
+        fmt::format("--limit '{}': write COMPONENT < LENGTH, e.g. 'crossrange < 10 m'; components are {}", text,
+                    fmt::join(names, ", ")));
   const double metres = quantity("--limit", trimmed(parts[1]), noise::dimension::kLength);
   return {text, component, positive("--limit", metres, text)};
 }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Scenes: the aids.
-#include "scene_columns.h"
-#include "scene_yaml.h"
-
 #include <fmt/format.h>
 
 #include <array>
 #include <functional>
 #include <utility>
+
+#include "scene_columns.h"
+#include "scene_yaml.h"
 
 namespace gyrobudget::inline v0::files {
 namespace {
@@ -69,9 +69,10 @@ class AidsReader {
       }
       yaml_.section(value, where, keys);
       if (device.measures.empty())
-        yaml_.fail_here(value, fmt::format("{}: found nothing that it measures, expected position, velocity, "
-                                           "height, attitude or rest",
-                                           where));
+        yaml_.fail_here(
+            value,
+            fmt::format("{}: found nothing that it measures, expected position, velocity, height, attitude or rest",
+                        where));
       for (const auto& [kind, v] : device.measures) add_aid(device, kind, v);
     });
   }
@@ -100,10 +101,10 @@ class AidsReader {
     std::vector<Span> result;
     for (const Node& pair : node) {
       if (!pair.IsSequence() || pair.size() != 2) refuse(pair);
-      const Span span{yaml_.time(key, pair[0], sensor_file::Sign::any), yaml_.time(key, pair[1], sensor_file::Sign::any)};
+      const Span span{yaml_.time(key, pair[0], sensor_file::Sign::any),
+                      yaml_.time(key, pair[1], sensor_file::Sign::any)};
       if (span.to < span.from)
-        yaml_.fail_here(
-            pair, fmt::format("{}: ends at {:g} s, before it begins at {:g} s", key, span.to, span.from));
+        yaml_.fail_here(pair, fmt::format("{}: ends at {:g} s, before it begins at {:g} s", key, span.to, span.from));
       result.push_back(span);
     }
     return result;
@@ -111,10 +112,8 @@ class AidsReader {
 
   [[nodiscard]] Vector3d lever_arm(const Node& v) const {
     if (!v.IsSequence())
-      yaml_.fail_here(v,
-                      fmt::format("lever_arm: found {}, expected [forward, right, down] as in [0.2 m, 0 m, "
-                                  "-1 m]",
-                                  sensor_file::YamlReader::kind(v)));
+      yaml_.fail_here(v, fmt::format("lever_arm: found {}, expected [forward, right, down] as in [0.2 m, 0 m, -1 m]",
+                                     sensor_file::YamlReader::kind(v)));
     return yaml_.triple("lever_arm", v, kLength, sensor_file::Sign::any);
   }
 
@@ -140,8 +139,7 @@ class AidsReader {
     } else {
       read_sigma(node);
     }
-    if (!sigma)
-      yaml_.fail_here(node, fmt::format("aids.{}: found no \"sigma:\", expected its white noise", aid.name));
+    if (!sigma) yaml_.fail_here(node, fmt::format("aids.{}: found no \"sigma:\", expected its white noise", aid.name));
     AidSource source = device.source;
     if (kind == Aid::Kind::rest) source = {};
     scene_.scenario.aids.push_back(std::move(aid));
@@ -160,8 +158,7 @@ class AidsReader {
                       aid.correlation_time = yaml_.time("time", v, sensor_file::Sign::above_zero);
                       both[1] = true;
                     }}});
-    if (!both[0] || !both[1])
-      yaml_.fail_here(node, "correlated: expected both, as in {sigma: 1 m, time: 5 min}");
+    if (!both[0] || !both[1]) yaml_.fail_here(node, "correlated: expected both, as in {sigma: 1 m, time: 5 min}");
   }
 
   const SceneYaml& yaml_;
@@ -170,8 +167,6 @@ class AidsReader {
 
 }  // namespace
 
-void read_aids(const SceneYaml& yaml, const Node& node, SceneFile& scene) {
-  AidsReader(yaml, scene).read(node);
-}
+void read_aids(const SceneYaml& yaml, const Node& node, SceneFile& scene) { AidsReader(yaml, scene).read(node); }
 
 }  // namespace gyrobudget::inline v0::files

@@ -37,8 +37,8 @@ std::string cells(Aid::Kind kind, const Fix& fix) {
   switch (kind) {
     case Aid::Kind::position: {
       const earth::Geodetic at = earth::to_geodetic(fix.value);
-      return fmt::format(",{:.11f},{:.11f},{:.6f}", at.latitude / earth::kDegree,
-                         at.longitude / earth::kDegree, at.height);
+      return fmt::format(",{:.11f},{:.11f},{:.6f}", at.latitude / earth::kDegree, at.longitude / earth::kDegree,
+                         at.height);
     }
     case Aid::Kind::velocity:
       return fmt::format(",{:.9g},{:.9g},{:.9g}", fix.value[0], fix.value[1], fix.value[2]);

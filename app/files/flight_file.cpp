@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "flight_file.h"
 
+#include "gyrobudget/app/log/log_writer.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/frames.h"
-#include "gyrobudget/app/log/log_writer.h"
 
 #include <fmt/format.h>
 
@@ -28,8 +28,7 @@ class Columns {
     if (next_ == all_.size()) all_.push_back({name, unit, {}});
     all_[next_++].values.push_back(value);
   }
-  void add(const std::string& name, std::initializer_list<const char*> parts, const char* unit,
-           const Vector3d& v) {
+  void add(const std::string& name, std::initializer_list<const char*> parts, const char* unit, const Vector3d& v) {
     Eigen::Index i = 0;
     for (const char* part : parts) add(name + part, unit, v[i++]);
   }

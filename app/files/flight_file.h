@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/vehicle/flight/fly.h"
 #include "gyrobudget/app/text/error.h"
+#include "gyrobudget/vehicle/flight/fly.h"
 
 #include <string>
 
@@ -20,7 +20,7 @@ namespace gyrobudget::inline v0::files {
 ///
 /// read_trajectory() reads it as a trajectory.
 /// @throws OutputError; std::invalid_argument for a record of fewer than 2 points.
-void write_flight(const std::string& path, const flight::FlightRecord&, const earth::Geodetic& site,
-                  double azimuth, const std::string& comment);
+void write_flight(const std::string& path, const flight::FlightRecord&, const earth::Geodetic& site, double azimuth,
+                  const std::string& comment);
 
 }  // namespace gyrobudget::inline v0::files

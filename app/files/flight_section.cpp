@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-#include "scene_yaml.h"
 #include "gyrobudget/app/text/text.h"
 
 #include <fmt/format.h>
@@ -8,6 +7,8 @@
 #include <cmath>
 #include <stdexcept>
 #include <utility>
+
+#include "scene_yaml.h"
 
 namespace gyrobudget::inline v0::files {
 namespace {
@@ -22,16 +23,14 @@ class FlightReader {
   explicit FlightReader(const SceneYaml& yaml) : yaml_(yaml) {}
 
   FlightSource read(const Node& node) {
-    if (!node["vehicle"])
-      yaml_.fail_here(node, "flight: found no \"vehicle:\", expected the path of a vehicle file");
+    if (!node["vehicle"]) yaml_.fail_here(node, "flight: found no \"vehicle:\", expected the path of a vehicle file");
     read_vehicle_key(node["vehicle"]);  // others refer to it
     if (const Node bending = node["bending"]) read_bending(bending);
     yaml_.section(
         node, "flight",
         {{"vehicle", [](const Node&) {}},
          {"bending", [](const Node&) {}},
-         {"pitch",
-          [&](const Node& v) { control().pitch = table("pitch", v, dimension::kTime, dimension::kAngle); }},
+         {"pitch", [&](const Node& v) { control().pitch = table("pitch", v, dimension::kTime, dimension::kAngle); }},
          {"control", [&](const Node& v) { read_control(v); }},
          {"guidance", [&](const Node& v) { read_guidance(v); }},
          {"atmosphere", [&](const Node& v) { flight().world.atmosphere = yaml_.flag("atmosphere", v); }},
@@ -52,12 +51,14 @@ class FlightReader {
   // --- Values ---
 
   [[nodiscard]] sensor_file::YamlKey positive(const char* key, double& value, const Dimension& d) const {
-    return {key,
-            [this, key, d, &value](const Node& v) { value = yaml_.quantity(key, v, d, sensor_file::Sign::above_zero); }};
+    return {key, [this, key, d, &value](const Node& v) {
+              value = yaml_.quantity(key, v, d, sensor_file::Sign::above_zero);
+            }};
   }
   [[nodiscard]] sensor_file::YamlKey not_negative(const char* key, double& value, const Dimension& d) const {
-    return {key,
-            [this, key, d, &value](const Node& v) { value = yaml_.quantity(key, v, d, sensor_file::Sign::not_negative); }};
+    return {key, [this, key, d, &value](const Node& v) {
+              value = yaml_.quantity(key, v, d, sensor_file::Sign::not_negative);
+            }};
   }
   [[nodiscard]] sensor_file::YamlKey any(const char* key, double& value, const Dimension& d) const {
     return {key, [this, key, d, &value](const Node& v) { value = yaml_.quantity(key, v, d, sensor_file::Sign::any); }};
@@ -72,7 +73,7 @@ class FlightReader {
 
   /// [[8 s, 90 deg], [83 s, 50 deg]]: straight between.
   [[nodiscard]] flight::LookupTable table(std::string_view key, const Node& node, const Dimension& x,
-                            const Dimension& y) const {
+                                          const Dimension& y) const {
     if (!node.IsSequence()) return yaml_.quantity(key, node, y, sensor_file::Sign::any);
     std::vector<flight::LookupTable::Point> points;
     for (const Node& point : node) {
@@ -133,8 +134,7 @@ class FlightReader {
                    positive("rate", rate, dimension::kFrequency)});
     constexpr double kFastest = 1e5;  // [Hz]
     if (rate > kFastest)
-      yaml_.fail_here(
-          node, fmt::format("control: found a rate of {:g} Hz, expected at most {:g} Hz", rate, kFastest));
+      yaml_.fail_here(node, fmt::format("control: found a rate of {:g} Hz, expected at most {:g} Hz", rate, kFastest));
     flight().period = 1 / rate;
   }
 
@@ -156,8 +156,7 @@ class FlightReader {
   [[nodiscard]] flight::LookupTable mode(const Node& node) {
     if (const auto& bending = flight().vehicle.bending) return bending->frequency;
     if (!node["frequency"])
-      yaml_.fail_here(node,
-                      "notch: the vehicle has no bending mode; give the notch a frequency, or write none");
+      yaml_.fail_here(node, "notch: the vehicle has no bending mode; give the notch a frequency, or write none");
     return 1;
   }
   void add_notch() {
@@ -182,47 +181,41 @@ class FlightReader {
 
   void read_wind(const Node& node) {
     flight::Wind& wind = flight().world.wind;
-    yaml_.section(node, "wind",
-                  {any("east", wind.steady.x(), dimension::kVelocity),
-                   any("north", wind.steady.y(), dimension::kVelocity),
-                   {"shear_east",
-                    [&](const Node& v) {
-                      wind.east = table("shear_east", v, dimension::kLength, dimension::kVelocity);
-                    }},
-                   {"shear_north",
-                    [&](const Node& v) {
-                      wind.north = table("shear_north", v, dimension::kLength, dimension::kVelocity);
-                    }},
-                   {"gust", [&](const Node& v) { read_gust(v, wind.gust); }}});
+    yaml_.section(
+        node, "wind",
+        {any("east", wind.steady.x(), dimension::kVelocity),
+         any("north", wind.steady.y(), dimension::kVelocity),
+         {"shear_east",
+          [&](const Node& v) { wind.east = table("shear_east", v, dimension::kLength, dimension::kVelocity); }},
+         {"shear_north",
+          [&](const Node& v) { wind.north = table("shear_north", v, dimension::kLength, dimension::kVelocity); }},
+         {"gust", [&](const Node& v) { read_gust(v, wind.gust); }}});
   }
 
   void read_gust(const Node& node, flight::Gust& gust) const {
     yaml_.section(
         node, "gust",
-        {any("height", gust.height, dimension::kLength),
-         positive("half_width", gust.half_width, dimension::kLength),
+        {any("height", gust.height, dimension::kLength), positive("half_width", gust.half_width, dimension::kLength),
          any("east", gust.peak.x(), dimension::kVelocity), any("north", gust.peak.y(), dimension::kVelocity),
          any("up", gust.peak.z(), dimension::kVelocity)});
     if (!(gust.half_width > 0))
-      yaml_.fail_here(node,
-                      "gust: found no \"half_width:\", expected one, as in {height: 9 km, half_width: 300 m, "
-                      "north: 9 m/s}");
+      yaml_.fail_here(
+          node, "gust: found no \"half_width:\", expected one, as in {height: 9 km, half_width: 300 m, north: 9 m/s}");
   }
 
   void read_dispersion(const Node& node) {
     flight::Dispersion& d = result_.dispersion;
-    yaml_.section(node, "dispersion",
-                  {not_negative("impulse", d.impulse, dimension::kNumber),
-                   not_negative("burn_time", d.burn_time, dimension::kNumber),
-                   not_negative("mass", d.mass, dimension::kNumber),
-                   not_negative("inertia", d.inertia, dimension::kNumber),
-                   not_negative("axial_drag", d.axial_drag, dimension::kNumber),
-                   not_negative("normal_force", d.normal_force, dimension::kNumber),
-                   not_negative("pressure_ahead", d.pressure_ahead, dimension::kLength),
-                   not_negative("centre_of_mass", d.centre_of_mass, dimension::kLength),
-                   not_negative("thrust_misalignment", d.thrust_misalignment, dimension::kAngle),
-                   not_negative("wind", d.wind, dimension::kVelocity),
-                   not_negative("gust", d.gust, dimension::kNumber)});
+    yaml_.section(
+        node, "dispersion",
+        {not_negative("impulse", d.impulse, dimension::kNumber),
+         not_negative("burn_time", d.burn_time, dimension::kNumber), not_negative("mass", d.mass, dimension::kNumber),
+         not_negative("inertia", d.inertia, dimension::kNumber),
+         not_negative("axial_drag", d.axial_drag, dimension::kNumber),
+         not_negative("normal_force", d.normal_force, dimension::kNumber),
+         not_negative("pressure_ahead", d.pressure_ahead, dimension::kLength),
+         not_negative("centre_of_mass", d.centre_of_mass, dimension::kLength),
+         not_negative("thrust_misalignment", d.thrust_misalignment, dimension::kAngle),
+         not_negative("wind", d.wind, dimension::kVelocity), not_negative("gust", d.gust, dimension::kNumber)});
     try {
       d.check(flight().vehicle);
     } catch (const std::invalid_argument& error) {
@@ -260,9 +253,8 @@ class FlightReader {
                    any("yaw", f.nozzle_stuck_offset.y(), dimension::kAngle)});
     const double limit = flight().vehicle.actuator.deflection_limit;
     if (f.nozzle_stuck_offset.cwiseAbs().maxCoeff() > limit)
-      yaml_.fail_here(node,
-                      fmt::format("nozzle_stuck: expected an offset within the nozzle's limit of {:.4g} deg",
-                                  limit / earth::kDegree));
+      yaml_.fail_here(node, fmt::format("nozzle_stuck: expected an offset within the nozzle's limit of {:.4g} deg",
+                                        limit / earth::kDegree));
   }
 
   void read_dead_gyro(const Node& node, flight::NavigatorFaults& n) const {
@@ -290,8 +282,8 @@ class FlightReader {
                       constexpr double kFinest = 1e-5;  // [s]: 83 s take a minute
                       i.step = yaml_.quantity("step", v, dimension::kTime, sensor_file::Sign::above_zero);
                       if (i.step < kFinest)
-                        yaml_.fail_here(
-                            v, fmt::format("step: found {:g} s, expected at least {:g} s", i.step, kFinest));
+                        yaml_.fail_here(v,
+                                        fmt::format("step: found {:g} s, expected at least {:g} s", i.step, kFinest));
                     }},
                    {"tolerance", [&](const Node& v) {
                       i.tolerance = yaml_.number("tolerance", v);

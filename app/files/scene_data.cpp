@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: MIT
 // The logs of a scene: IMU samples and fixes of aids, by the names of their columns.
-#include "gyrobudget/vehicle/earth/attitude.h"
-#include "gyrobudget/vehicle/earth/ellipsoid.h"
 #include "gyrobudget/app/log/named_columns.h"
 #include "gyrobudget/app/text/number.h"
-#include "scene_columns.h"
-#include "scene_file.h"
 #include "gyrobudget/app/text/text.h"
+#include "gyrobudget/vehicle/earth/attitude.h"
+#include "gyrobudget/vehicle/earth/ellipsoid.h"
 
 #include <fmt/format.h>
 
@@ -15,6 +13,9 @@
 #include <limits>
 #include <span>
 #include <utility>
+
+#include "scene_columns.h"
+#include "scene_file.h"
 
 namespace gyrobudget::inline v0::files {
 namespace {
@@ -27,8 +28,8 @@ namespace dimension = noise::dimension;
 constexpr std::size_t kChunk = std::size_t{1} << 20;
 
 constexpr std::array<log::Wanted, 3> kGyro{{{"gyro_x", {"w_rs_s_x", "gyrox"}, dimension::kAngularRate},
-                                       {"gyro_y", {"w_rs_s_y", "gyroy"}, dimension::kAngularRate},
-                                       {"gyro_z", {"w_rs_s_z", "gyroz"}, dimension::kAngularRate}}};
+                                            {"gyro_y", {"w_rs_s_y", "gyroy"}, dimension::kAngularRate},
+                                            {"gyro_z", {"w_rs_s_z", "gyroz"}, dimension::kAngularRate}}};
 constexpr std::array<log::Wanted, 3> kAccelerometer{
     {{"accel_x", {"a_rs_s_x", "accelerometer_x"}, dimension::kSpecificForce},
      {"accel_y", {"a_rs_s_y", "accelerometer_y"}, dimension::kSpecificForce},
@@ -41,8 +42,7 @@ constexpr log::Wanted kHeading{"heading", {"yaw", "yaw"}, dimension::kAngle};
 constexpr log::Wanted kYawCcw{"yaw_ccw", {"yaw_ccw", "yaw_ccw"}, dimension::kAngle};
 
 std::string hint(std::string_view example, std::string_view names) {
-  return fmt::format("expected a header with {}, or their columns in the scene, as in columns: {{{}}}", names,
-                     example);
+  return fmt::format("expected a header with {}, or their columns in the scene, as in columns: {{{}}}", names, example);
 }
 
 /// A text file, its layout and the numbers of chosen columns.
@@ -88,8 +88,8 @@ bool add_triad(const File& file, const log::NamedColumns& columns, std::span<con
     if (&w == wanted.data()) first = which;
     if (which != first)
       text::fail(file.name(), fmt::format("column {} is {}, {} is not: expected three rates or three increments",
-                                    text::quoted(column.name), which == 0 ? "a rate" : "an increment",
-                                    text::quoted(choice.data.back().name)));
+                                          text::quoted(column.name), which == 0 ? "a rate" : "an increment",
+                                          text::quoted(choice.data.back().name)));
     choice.data.push_back(column);
   }
   return first == 1;
@@ -171,9 +171,9 @@ Plan plan_of(Aid::Kind kind, const log::NamedColumns& columns) {
   const std::string names = "heading (deg), pitch (deg), roll (deg) or q_w, q_x, q_y, q_z, and time (s)";
   if (columns.find(log::kQuaternionColumns.front()))
     return {{log::kQuaternionColumns.begin(), log::kQuaternionColumns.end()}, names};
-  const log::Wanted& yaw = columns.find(kYawCcw)            ? kYawCcw
-                      : columns.find(log::kEulerColumns[0]) ? log::kEulerColumns[0]
-                                                       : kHeading;
+  const log::Wanted& yaw = columns.find(kYawCcw)                 ? kYawCcw
+                           : columns.find(log::kEulerColumns[0]) ? log::kEulerColumns[0]
+                                                                 : kHeading;
   return {{yaw, log::kEulerColumns[1], log::kEulerColumns[2]}, names};
 }
 
@@ -197,8 +197,7 @@ Fix fix_of(Aid::Kind kind, const File& file, std::size_t row, const Plan& plan, 
   switch (kind) {
     case Aid::Kind::position:
       if (std::abs(at(0)) > 90 * earth::kDegree)
-        file.fail_row(row,
-                      fmt::format("found a latitude of {} deg, expected -90 to 90", at(0) / earth::kDegree));
+        file.fail_row(row, fmt::format("found a latitude of {} deg, expected -90 to 90", at(0) / earth::kDegree));
       fix.value = earth::to_ecef({at(0), at(1), at(2)});
       break;
     case Aid::Kind::height:
@@ -214,8 +213,7 @@ Fix fix_of(Aid::Kind kind, const File& file, std::size_t row, const Plan& plan, 
 }
 
 // The fixes of one aid; `optional` ones may have no columns.
-std::vector<Fix> read_fixes(const Aid& aid, const AidSource& source, bool optional,
-                            std::vector<std::string>& notes) {
+std::vector<Fix> read_fixes(const Aid& aid, const AidSource& source, bool optional, std::vector<std::string>& notes) {
   const File file(source.path);
   const std::string expected = hint(kAidExample, plan_of(aid.kind, file.columns(source.columns, {})).names);
   const log::NamedColumns columns = file.columns(source.columns, expected);
@@ -250,10 +248,9 @@ std::vector<std::string> names_of(std::initializer_list<std::span<const log::Wan
 
 void note_imu(const ImuSource& source, const navigation::ImuLog& imu, std::vector<std::string>& notes) {
   if (imu.gaps == 0) return;
-  notes.push_back(
-      fmt::format("{}: {} gap{} of {:.3g} s in all, the longest {:.3g} s, bridged by straight rates; the "
-                  "sigmas do not know of it",
-                  source.path, imu.gaps, imu.gaps == 1 ? "" : "s", imu.bridged_seconds, imu.longest_gap));
+  notes.push_back(fmt::format(
+      "{}: {} gap{} of {:.3g} s in all, the longest {:.3g} s, bridged by straight rates; the sigmas do not know of it",
+      source.path, imu.gaps, imu.gaps == 1 ? "" : "s", imu.bridged_seconds, imu.longest_gap));
 }
 
 }  // namespace
@@ -290,8 +287,7 @@ SceneData read_recording(const SceneFile& scene) {
     if (!recorded && aid.kind != Aid::Kind::rest)
       throw text::InputError(fmt::format("aids.{}: there is no \"file:\" with its fixes", aid.name));
     data.recording.fixes.push_back(
-        recorded ? read_fixes(aid, scene.aids[i], aid.name.starts_with("reference."), data.notes)
-                 : std::vector<Fix>{});
+        recorded ? read_fixes(aid, scene.aids[i], aid.name.starts_with("reference."), data.notes) : std::vector<Fix>{});
   }
   return data;
 }

@@ -2,13 +2,9 @@
 // Scenes: the keys of the test card.
 #include "scene_file.h"
 
-#include "gyrobudget/vehicle/earth/site.h"
-#include "scene_columns.h"
-#include "scene_yaml.h"
 #include "gyrobudget/app/sensor_file/sensor_file.h"
 #include "gyrobudget/app/text/text.h"
-#include "trajectory_file.h"
-#include "trajectory_spec.h"
+#include "gyrobudget/vehicle/earth/site.h"
 
 #include <fmt/format.h>
 
@@ -16,6 +12,11 @@
 #include <cmath>
 #include <stdexcept>
 #include <utility>
+
+#include "scene_columns.h"
+#include "scene_yaml.h"
+#include "trajectory_file.h"
+#include "trajectory_spec.h"
 
 namespace gyrobudget::inline v0::files {
 namespace {
@@ -73,8 +74,8 @@ class SceneReader {
          {"solution", [&](const Node& v) { read_solution(v); }},
          {"reference", [&](const Node& v) { read_reference(v); }}});
     if (!result_.imu && result_.trajectory.empty() && !result_.flight)
-      yaml_.fail_here(
-          root, "found none of \"imu:\", \"trajectory:\" and \"flight:\", expected one of them: what moves");
+      yaml_.fail_here(root,
+                      "found none of \"imu:\", \"trajectory:\" and \"flight:\", expected one of them: what moves");
     if (result_.flight) finish_flight(root["flight"]);
     if (result_.imu && !root["alignment"])
       yaml_.fail_here(root, "found no \"alignment:\", expected one: where navigation starts from");
@@ -94,15 +95,15 @@ class SceneReader {
           [&](const Node& v) {
             latitude = yaml_.quantity("latitude", v, dimension::kAngle, sensor_file::Sign::any);
             if (std::abs(*latitude) > 90 * earth::kDegree)
-              yaml_.fail_here(
-                  v, fmt::format("latitude: found {}, expected -90 to 90 deg", text::quoted(v.Scalar())));
+              yaml_.fail_here(v, fmt::format("latitude: found {}, expected -90 to 90 deg", text::quoted(v.Scalar())));
           }},
          {"longitude",
-          [&](const Node& v) { longitude = yaml_.quantity("longitude", v, dimension::kAngle, sensor_file::Sign::any); }},
+          [&](const Node& v) {
+            longitude = yaml_.quantity("longitude", v, dimension::kAngle, sensor_file::Sign::any);
+          }},
          {"height", [&](const Node& v) { height = yaml_.quantity("height", v, kLength, sensor_file::Sign::any); }}});
     if (!latitude || !longitude || !height)
-      yaml_.fail_here(
-          node, fmt::format("{}: expected latitude, longitude and height, found not all of them", where));
+      yaml_.fail_here(node, fmt::format("{}: expected latitude, longitude and height, found not all of them", where));
     return {*latitude, *longitude, *height};
   }
 
@@ -143,9 +144,8 @@ class SceneReader {
                     }},
                    {"stamp",
                     [&](const Node& v) {
-                      imu.stamp = yaml_.one_of("stamp", v, {"end", "start"}) == 0
-                                      ? navigation::StampAt::end
-                                      : navigation::StampAt::start;
+                      imu.stamp = yaml_.one_of("stamp", v, {"end", "start"}) == 0 ? navigation::StampAt::end
+                                                                                  : navigation::StampAt::start;
                     }},
                    {"samples", [&](const Node& v) {
                       imu.instants = yaml_.one_of("samples", v, {"mean", "instant"}) == 1;
@@ -157,9 +157,11 @@ class SceneReader {
   // [y, x, -z]: a turn of the axes, no mirror.
   void read_axes(const Node& node, ImuSource& imu) const {
     const auto refuse = [&](const std::string& found) {
-      yaml_.fail_here(node, fmt::format("axes: found {}, expected the log's axes that point forward, right, "
-                                        "down, as in [x, y, z] or [y, x, -z]",
-                                        found));
+      yaml_.fail_here(
+          node,
+          fmt::format(
+              "axes: found {}, expected the log's axes that point forward, right, down, as in [x, y, z] or [y, x, -z]",
+              found));
     };
     if (!node.IsSequence() || node.size() != 3) refuse(sensor_file::YamlReader::kind(node));
     Eigen::Matrix3d turn = Eigen::Matrix3d::Zero();
@@ -183,8 +185,8 @@ class SceneReader {
       yaml_.fail_here(node, "found no site, expected \"site:\" in the scene: where the flight begins");
     constexpr double kLongest = 3600;  // [s] of one stage
     if (std::isfinite(scenario().until) && scenario().until > kLongest)
-      yaml_.fail_here(yaml_.root()["until"], fmt::format("until: a flight lasts at most {:g} s, found {:g} s",
-                                                         kLongest, scenario().until));
+      yaml_.fail_here(yaml_.root()["until"],
+                      fmt::format("until: a flight lasts at most {:g} s, found {:g} s", kLongest, scenario().until));
     place_flight(*result_.flight, scenario());
   }
 
@@ -232,15 +234,13 @@ class SceneReader {
   void read_states(const Node& node) {
     auto& states = scenario().states;
     const auto use = [this](std::string_view key, const Node& v) {
-      constexpr std::array kUses{navigation::Use::estimated, navigation::Use::considered,
-                                 navigation::Use::left_out};
+      constexpr std::array kUses{navigation::Use::estimated, navigation::Use::considered, navigation::Use::left_out};
       return kUses.at(yaml_.one_of(key, v, {"estimated", "considered", "left_out"}));
     };
     constexpr int kMostFlickerStates = 6;
     yaml_.section(
         node, "states",
-        {{"flicker",
-          [&](const Node& v) { states.flicker_states = yaml_.whole("flicker", v, 0, kMostFlickerStates); }},
+        {{"flicker", [&](const Node& v) { states.flicker_states = yaml_.whole("flicker", v, 0, kMostFlickerStates); }},
          {"tolerance",
           [&](const Node& v) {
             states.tolerance = yaml_.quantity("tolerance", v, dimension::kNumber, sensor_file::Sign::above_zero);
@@ -274,10 +274,9 @@ class SceneReader {
       if (aid.name == name) return {i};
       if (aid.kind == kind) devices.push_back(aid.name.substr(0, aid.name.rfind('.')));
     }
-    yaml_.fail_here(node,
-                    fmt::format("{}: {} is no aid that measures {}{}; {}", key, text::quoted(node.Scalar()),
-                                navigation::name(kind), text::suggestion(node.Scalar(), devices),
-                                devices.empty() ? "there is none" : "there are " + text::listing(devices)));
+    yaml_.fail_here(node, fmt::format("{}: {} is no aid that measures {}{}; {}", key, text::quoted(node.Scalar()),
+                                      navigation::name(kind), text::suggestion(node.Scalar(), devices),
+                                      devices.empty() ? "there is none" : "there are " + text::listing(devices)));
   }
 
   void read_alignment(const Node& node) {
@@ -308,8 +307,7 @@ class SceneReader {
          {"heading_sigma", [&](const Node& v) { a.heading_sigma = sigma("heading_sigma", v); }}});
     if (!self && (duration || heading))
       yaml_.fail_here(node, "alignment: duration and heading belong to \"attitude: self\"");
-    if (heading && !a.heading_sigma)
-      yaml_.fail_here(node, "alignment: a heading needs its heading_sigma beside it");
+    if (heading && !a.heading_sigma) yaml_.fail_here(node, "alignment: a heading needs its heading_sigma beside it");
     if (self) {
       navigation::SelfAlignment with;
       with.duration = duration.value_or(with.duration);
@@ -319,9 +317,8 @@ class SceneReader {
     if (!recorded_) return;  // a trajectory knows its start; what has no sigma is exact
     if (!node["position"]) position_from_site(node);
     if (!node["attitude"])
-      yaml_.fail_here(node,
-                      "alignment: found no \"attitude:\", expected self, the name of an aid, or {heading, "
-                      "pitch, roll}");
+      yaml_.fail_here(
+          node, "alignment: found no \"attitude:\", expected self, the name of an aid, or {heading, pitch, roll}");
     check_sigmas(node);
   }
 
@@ -330,10 +327,8 @@ class SceneReader {
     const auto& a = scenario().alignment;
     const auto need = [&](bool there, bool needed, const char* what, const char* example) {
       if (needed && !there)
-        yaml_.fail_here(node,
-                        fmt::format("alignment: found no \"{0}:\", expected how well it is known, as in "
-                                    "{0}: {1}",
-                                    what, example));
+        yaml_.fail_here(node, fmt::format("alignment: found no \"{0}:\", expected how well it is known, as in {0}: {1}",
+                                          what, example));
     };
     const auto is_given = [](const auto& v) { return !std::holds_alternative<FromAid>(v); };
     need(a.position_sigma.has_value(), is_given(a.position), "position_sigma", "5 m");
@@ -372,8 +367,8 @@ class SceneReader {
     Vector3d v = Vector3d::Zero();
     const auto component = [&](const char* key, Eigen::Index i) {
       return sensor_file::YamlKey{key, [this, key, i, &v](const Node& value) {
-                       v[i] = yaml_.quantity(key, value, dimension::kVelocity, sensor_file::Sign::any);
-                     }};
+                                    v[i] = yaml_.quantity(key, value, dimension::kVelocity, sensor_file::Sign::any);
+                                  }};
     };
     yaml_.section(node, "velocity", {component("north", 0), component("east", 1), component("down", 2)});
     velocity = v;
@@ -390,8 +385,8 @@ class SceneReader {
     earth::Euler euler;
     const auto angle = [&](const char* key, double& value) {
       return sensor_file::YamlKey{key, [this, key, &value](const Node& v) {
-                       value = yaml_.quantity(key, v, dimension::kAngle, sensor_file::Sign::any);
-                     }};
+                                    value = yaml_.quantity(key, v, dimension::kAngle, sensor_file::Sign::any);
+                                  }};
     };
     yaml_.section(node, "attitude",
                   {angle("heading", euler.yaw), angle("pitch", euler.pitch), angle("roll", euler.roll)});
@@ -403,8 +398,8 @@ class SceneReader {
 
   void read_filter(const Node& node) {
     auto& filter = scenario().filter;
-    constexpr std::array kForms{navigation::Form::automatic, navigation::Form::plain,
-                                navigation::Form::joseph, navigation::Form::square_root};
+    constexpr std::array kForms{navigation::Form::automatic, navigation::Form::plain, navigation::Form::joseph,
+                                navigation::Form::square_root};
     yaml_.section(
         node, "filter",
         {{"form",
@@ -415,8 +410,8 @@ class SceneReader {
           [&](const Node& v) {
             filter.gate_false_alarm = yaml_.number("gate", v);
             if (!(filter.gate_false_alarm >= 0 && filter.gate_false_alarm < 1))
-              yaml_.fail_here(v, fmt::format("gate: found {}, expected a share from 0 to below 1",
-                                             text::quoted(v.Scalar())));
+              yaml_.fail_here(
+                  v, fmt::format("gate: found {}, expected a share from 0 to below 1", text::quoted(v.Scalar())));
           }},
          {"covariance_interval",
           [&](const Node& v) {
@@ -463,18 +458,18 @@ class SceneReader {
         if (compared && devices.back() == node.Scalar()) reference.push_back(i);
       }
       if (reference.empty())
-        yaml_.fail_here(node, fmt::format("reference: {} is no aid that measures position, velocity or "
-                                          "attitude{}; a file goes below it: {{file: truth.csv}}",
-                                          text::quoted(node.Scalar()), text::suggestion(node.Scalar(), devices)));
+        yaml_.fail_here(
+            node,
+            fmt::format(
+                "reference: {} is no aid that measures position, velocity or attitude{}; a file goes below it: {{file: truth.csv}}",
+                text::quoted(node.Scalar()), text::suggestion(node.Scalar(), devices)));
       return;
     }
     AidSource source;
-    yaml_.section(
-        node, "reference",
-        {{"file", [&](const Node& v) { source.path = yaml_.data_path("file", v); }},
-         {"columns", [&](const Node& v) { source.columns = yaml_.columns(v, aid_column_names()); }}});
-    if (source.path.empty())
-      yaml_.fail_here(node, "reference: found no \"file:\", expected the path of a CSV");
+    yaml_.section(node, "reference",
+                  {{"file", [&](const Node& v) { source.path = yaml_.data_path("file", v); }},
+                   {"columns", [&](const Node& v) { source.columns = yaml_.columns(v, aid_column_names()); }}});
+    if (source.path.empty()) yaml_.fail_here(node, "reference: found no \"file:\", expected the path of a CSV");
     for (const Aid::Kind kind : kCompared) {
       Aid aid;
       aid.kind = kind;
@@ -506,15 +501,14 @@ void change_sensor(SceneFile& scene, const std::string& path) {
 
 earth::Trajectory planned_trajectory(const SceneFile& scene) {
   if (!scene.flight && scene.trajectory.empty())
-    throw text::InputError(
-        fmt::format("{}: found neither a trajectory nor a flight, expected 'trajectory: ascent', the path of "
-                    "a CSV, or 'flight: {{vehicle: vlm1.yaml}}'",
-                    scene.path));
+    throw text::InputError(fmt::format(
+        "{}: found neither a trajectory nor a flight, expected 'trajectory: ascent', the path of a CSV, or 'flight: {{vehicle: vlm1.yaml}}'",
+        scene.path));
   if (!scene.flight) return read_trajectory(scene.trajectory);
   const flight::FlightRecord nominal = fly_nominal(scene.flight->plan);
   if (!flight::makes_a_trajectory(nominal))
     throw text::InputError(fmt::format("{}: the flight of {} is too short for a trajectory: it {}", scene.path,
-                                 scene.flight->vehicle.path, nominal.account));
+                                       scene.flight->vehicle.path, nominal.account));
   return trajectory(nominal);
 }
 

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "gyrobudget/app/text/error.h"
+#include "gyrobudget/estimation/navigation/recording.h"
+#include "gyrobudget/estimation/navigation/scenario.h"
 #include "gyrobudget/vehicle/earth/trajectory.h"
 #include "gyrobudget/vehicle/flight/dispersion.h"
 #include "gyrobudget/vehicle/flight/plan.h"
-#include "gyrobudget/app/text/error.h"
-#include "vehicle_file.h"
-#include "gyrobudget/estimation/navigation/recording.h"
-#include "gyrobudget/estimation/navigation/scenario.h"
 
 #include <array>
 #include <map>
@@ -15,6 +14,8 @@
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "vehicle_file.h"
 
 namespace gyrobudget::inline v0::files {
 

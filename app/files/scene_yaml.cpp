@@ -32,8 +32,7 @@ Vector3d SceneYaml::triple(std::string_view key, const Node& value, const noise:
   if (!value.IsSequence()) return Vector3d::Constant(quantity(key, value, d, sign));
   if (value.size() != 3)
     fail_here(value, fmt::format("{}: found a list of {}, expected one value or three", key, value.size()));
-  return {quantity(key, value[0], d, sign), quantity(key, value[1], d, sign),
-          quantity(key, value[2], d, sign)};
+  return {quantity(key, value[0], d, sign), quantity(key, value[1], d, sign), quantity(key, value[2], d, sign)};
 }
 
 std::string SceneYaml::path(std::string_view key, const Node& value) const {
@@ -43,8 +42,7 @@ std::string SceneYaml::data_path(std::string_view key, const Node& value) const 
   return path_from(data_folder_, text(key, value));
 }
 
-std::map<std::string, std::string> SceneYaml::columns(const Node& node,
-                                                      const std::vector<std::string>& known) const {
+std::map<std::string, std::string> SceneYaml::columns(const Node& node, const std::vector<std::string>& known) const {
   std::map<std::string, std::string> result;
   for_each(node, "columns", [&](const Node& key, const Node& value) {
     if (std::ranges::find(known, key.Scalar()) == known.end()) fail_unknown_key(key, "columns", known);

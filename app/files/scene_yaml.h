@@ -2,7 +2,6 @@
 // Inside io: a scene's YAML, with what its sections share.
 #pragma once
 
-#include "scene_file.h"
 #include "gyrobudget/app/sensor_file/yaml_reader.h"
 
 #include <filesystem>
@@ -11,6 +10,7 @@
 #include <string_view>
 #include <vector>
 
+#include "scene_file.h"
 #include <Eigen/Core>
 
 namespace gyrobudget::inline v0::files {

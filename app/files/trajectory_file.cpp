@@ -1,19 +1,18 @@
 // SPDX-License-Identifier: MIT
 #include "trajectory_file.h"
 
-#include "gyrobudget/vehicle/earth/attitude.h"
-#include "gyrobudget/vehicle/earth/frames.h"
-#include "gyrobudget/vehicle/earth/sampled.h"
+#include "gyrobudget/app/log/bytes.h"
 #include "gyrobudget/app/log/columns.h"
 #include "gyrobudget/app/log/layout.h"
 #include "gyrobudget/app/log/log_writer.h"
 #include "gyrobudget/app/log/named_columns.h"
-#include "gyrobudget/app/text/number.h"
-#include "gyrobudget/app/log/bytes.h"
 #include "gyrobudget/app/log/table.h"
+#include "gyrobudget/app/text/number.h"
 #include "gyrobudget/app/text/text.h"
-#include "trajectory_spec.h"
 #include "gyrobudget/noise/units.h"
+#include "gyrobudget/vehicle/earth/attitude.h"
+#include "gyrobudget/vehicle/earth/frames.h"
+#include "gyrobudget/vehicle/earth/sampled.h"
 
 #include <fmt/format.h>
 
@@ -25,6 +24,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "trajectory_spec.h"
+
 namespace gyrobudget::inline v0::files {
 namespace {
 
@@ -35,8 +36,7 @@ using Eigen::Quaterniond;
 constexpr std::size_t kNumbers = 1 + log::kPlaceColumns.size();  // before those of the attitude
 
 constexpr const char* kExpected =
-    "expected a header with time (s), latitude (deg), longitude (deg), height (m), and q_w, q_x, q_y, q_z or "
-    "yaw (deg), pitch (deg), roll (deg)";
+    "expected a header with time (s), latitude (deg), longitude (deg), height (m), and q_w, q_x, q_y, q_z or yaw (deg), pitch (deg), roll (deg)";
 
 /// Times so far from 0 that a double of them would blur what a spline sees are read as whole nanoseconds.
 bool is_far(const log::Layout& layout, const log::DataColumn& time) {
@@ -88,9 +88,7 @@ class Samples {
   }
 
  private:
-  [[nodiscard]] double number(std::size_t column, std::size_t row) const {
-    return table_.numbers[column][row];
-  }
+  [[nodiscard]] double number(std::size_t column, std::size_t row) const { return table_.numbers[column][row]; }
   [[noreturn]] void fail_row(std::size_t row, const std::string& message) const {
     text::fail_at(source_.name(), reader_.line_of_row(row), 1, message);
   }
@@ -122,21 +120,20 @@ class Samples {
   [[nodiscard]] earth::Geodetic position(std::size_t row) const {
     const earth::Geodetic place{number(1, row), number(2, row), number(3, row)};
     if (std::abs(place.latitude) > 90 * earth::kDegree) {
-      fail_row(row, fmt::format("found a latitude of {} deg, expected one from -90 to 90",
-                                place.latitude / earth::kDegree));
+      fail_row(row,
+               fmt::format("found a latitude of {} deg, expected one from -90 to 90", place.latitude / earth::kDegree));
     }
     return place;
   }
 
   [[nodiscard]] Quaterniond attitude(std::size_t row) const {
     const auto at = [&](std::size_t i) { return number(kNumbers + i, row); };
-    if (choice_.data.size() == kNumbers + log::kEulerColumns.size())
-      return earth::from_euler({at(0), at(1), at(2)});
+    if (choice_.data.size() == kNumbers + log::kEulerColumns.size()) return earth::from_euler({at(0), at(1), at(2)});
     const Quaterniond q(at(0), at(1), at(2), at(3));
     constexpr double kTolerance = 0.01;
     if (!(std::abs(q.norm() - 1) <= kTolerance)) {
-      fail_row(row, fmt::format("found a quaternion of length {:.6g}, expected 1 (w first: q_w,q_x,q_y,q_z)",
-                                q.norm()));
+      fail_row(row,
+               fmt::format("found a quaternion of length {:.6g}, expected 1 (w first: q_w,q_x,q_y,q_z)", q.norm()));
     }
     return q.normalized();
   }
@@ -201,7 +198,7 @@ earth::Trajectory read_trajectory(const std::string& name_or_path) {
     const auto words = trajectory_words();
     const std::string word = name_or_path.substr(0, name_or_path.find(':'));
     text::fail(name_or_path, fmt::format("found no such file, and no trajectory of that name{}; there are {}",
-                                   text::suggestion(word, words), text::listing(words)));
+                                         text::suggestion(word, words), text::listing(words)));
   }
   return read_file(name_or_path);
 }
@@ -211,19 +208,18 @@ std::uint64_t whole_intervals(double duration, double rate_hz) {
   return static_cast<std::uint64_t>(std::floor(duration * rate_hz + kRounding));
 }
 
-void write_trajectory(const std::string& path, const earth::Trajectory& trajectory,
-                      const TruthOptions& options) {
+void write_trajectory(const std::string& path, const earth::Trajectory& trajectory, const TruthOptions& options) {
   const log::LogHead head = truth_head(options);
   const double duration = std::min(options.duration, trajectory.duration());
   std::uint64_t sample = 0;
   log::write_log(path, head, whole_intervals(duration, head.rate_hz) + 1,
-            [&](std::span<const std::span<double>> columns) {
-              for (std::size_t i = 0; i < columns.front().size(); ++i, ++sample) {
-                const double t = std::min(static_cast<double>(sample) / head.rate_hz, trajectory.duration());
-                const auto row = truth_row(trajectory.at(t), options.attitude);
-                for (std::size_t c = 0; c < columns.size(); ++c) columns[c][i] = row[c];
-              }
-            });
+                 [&](std::span<const std::span<double>> columns) {
+                   for (std::size_t i = 0; i < columns.front().size(); ++i, ++sample) {
+                     const double t = std::min(static_cast<double>(sample) / head.rate_hz, trajectory.duration());
+                     const auto row = truth_row(trajectory.at(t), options.attitude);
+                     for (std::size_t c = 0; c < columns.size(); ++c) columns[c][i] = row[c];
+                   }
+                 });
 }
 
 }  // namespace gyrobudget::inline v0::files

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/vehicle/earth/trajectory.h"
 #include "gyrobudget/app/text/error.h"
+#include "gyrobudget/vehicle/earth/trajectory.h"
 
 #include <cstdint>
 #include <limits>

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "trajectory_spec.h"
 
-#include "gyrobudget/vehicle/earth/paths.h"
 #include "gyrobudget/app/text/number.h"
 #include "gyrobudget/app/text/text.h"
-#include "trajectory_file.h"
 #include "gyrobudget/noise/units.h"
+#include "gyrobudget/vehicle/earth/paths.h"
 
 #include <fmt/format.h>
 
@@ -14,6 +13,8 @@
 #include <stdexcept>
 #include <string_view>
 #include <utility>
+
+#include "trajectory_file.h"
 
 namespace gyrobudget::inline v0::files {
 namespace {
@@ -33,9 +34,7 @@ struct Keys {
   earth::Geodetic* place = nullptr;
   bool site_sets_height = true;
 
-  void add(std::string name, std::string_view unit, double& value) {
-    list.push_back({std::move(name), unit, &value});
-  }
+  void add(std::string name, std::string_view unit, double& value) { list.push_back({std::move(name), unit, &value}); }
   void add_place(earth::Geodetic& position) {
     place = &position;
     add("latitude", "deg", position.latitude);
@@ -154,8 +153,7 @@ double number(const Key& key, std::string_view text) {
   try {
     return noise::parse_quantity(text, noise::parse_unit(key.unit).dimension);
   } catch (const std::invalid_argument& error) {
-    throw std::invalid_argument(
-        fmt::format("{}: {}; a plain number is in {}", key.name, error.what(), key.unit));
+    throw std::invalid_argument(fmt::format("{}: {}; a plain number is in {}", key.name, error.what(), key.unit));
   }
 }
 

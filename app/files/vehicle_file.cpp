@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "vehicle_file.h"
 
+#include "gyrobudget/app/sensor_file/yaml_reader.h"
 #include "gyrobudget/app/text/number.h"
 #include "gyrobudget/app/text/text.h"
-#include "gyrobudget/app/sensor_file/yaml_reader.h"
 
 #include <fmt/format.h>
 
@@ -20,8 +20,8 @@ namespace {
 
 using flight::Actuator;
 using flight::Bending;
-using flight::Origin;
 using flight::LookupTable;
+using flight::Origin;
 using flight::Vehicle;
 using noise::Dimension;
 using YAML::Node;
@@ -39,16 +39,14 @@ struct Over {
   std::string_view name;
   double highest;  ///< the lowest is 0
 };
-constexpr Over kBurn{"a burn fraction", 1}, kPropellant{"a propellant fraction", 1},
-    kMach{"a Mach number", 1000};
+constexpr Over kBurn{"a burn fraction", 1}, kPropellant{"a propellant fraction", 1}, kMach{"a Mach number", 1000};
 
 struct Entry {
   std::string_view key;  ///< actuator.frequency is frequency below actuator
   Member member;
   Dimension dimension;
   sensor_file::Sign sign;
-  std::string_view
-      left_out;  ///< what leaving it out means; empty: it is needed, of bending where there is any
+  std::string_view left_out;  ///< what leaving it out means; empty: it is needed, of bending where there is any
   Over over{};
 };
 constexpr std::string_view kBending = "bending";
@@ -58,8 +56,8 @@ constexpr std::array kEntries{
     Entry{"propellant", &Vehicle::propellant, dimension::kMass, sensor_file::Sign::not_negative, ""},
     Entry{"burn_time", &Vehicle::burn_time, dimension::kTime, sensor_file::Sign::above_zero, ""},
     Entry{"specific_impulse", &Vehicle::specific_impulse, dimension::kTime, sensor_file::Sign::not_negative, ""},
-    Entry{"thrust_shape", &Vehicle::thrust_shape, dimension::kNumber, sensor_file::Sign::not_negative, "constant thrust",
-          kBurn},
+    Entry{"thrust_shape", &Vehicle::thrust_shape, dimension::kNumber, sensor_file::Sign::not_negative,
+          "constant thrust", kBurn},
     Entry{"exit_area", &Vehicle::exit_area, dimension::kArea, sensor_file::Sign::not_negative, "no back-pressure"},
     Entry{"reference_area", &Vehicle::reference_area, dimension::kArea, sensor_file::Sign::not_negative,
           "no aerodynamic forces"},
@@ -69,7 +67,8 @@ constexpr std::array kEntries{
           "centre of pressure at the centre of mass"},
     Entry{"centre_of_mass", &Vehicle::centre_of_mass, dimension::kLength, sensor_file::Sign::any, "", kPropellant},
     Entry{"roll_inertia", &Vehicle::roll_inertia, dimension::kInertia, sensor_file::Sign::above_zero, "", kPropellant},
-    Entry{"pitch_inertia", &Vehicle::pitch_inertia, dimension::kInertia, sensor_file::Sign::above_zero, "", kPropellant},
+    Entry{"pitch_inertia", &Vehicle::pitch_inertia, dimension::kInertia, sensor_file::Sign::above_zero, "",
+          kPropellant},
     Entry{"yaw_inertia", &Vehicle::yaw_inertia, dimension::kInertia, sensor_file::Sign::above_zero, "as pitch_inertia",
           kPropellant},
     Entry{"imu_station", &Vehicle::imu_station, dimension::kLength, sensor_file::Sign::any,
@@ -136,7 +135,7 @@ class VehicleReader : private sensor_file::YamlReader {
   VehicleFile read() {
     if (const Node base = root()["based_on"]) read_base(base);  // this file's numbers go over it
     std::vector<sensor_file::YamlKey> keys{{"name", [&](const Node& v) { vehicle().name = text("name", v); }},
-                              {"based_on", [](const Node&) {}}};
+                                           {"based_on", [](const Node&) {}}};
     for (const Entry& entry : kEntries) add_key(keys, entry);
     section(root(), "a vehicle", keys);
     complete();
@@ -157,9 +156,11 @@ class VehicleReader : private sensor_file::YamlReader {
   void read_base(const Node& node) {
     constexpr int kDeepest = 8;
     if (depth_ == kDeepest)
-      fail_here(node, fmt::format("based_on: found more than {} files that are each based on the next, "
-                                  "expected fewer; do they go round in a circle?",
-                                  kDeepest));
+      fail_here(
+          node,
+          fmt::format(
+              "based_on: found more than {} files that are each based on the next, expected fewer; do they go round in a circle?",
+              kDeepest));
     const std::string path = (folder_ / text("based_on", node)).lexically_normal().string();
     try {
       result_ = VehicleReader(path, depth_ + 1).read();
@@ -200,9 +201,9 @@ class VehicleReader : private sensor_file::YamlReader {
   [[nodiscard]] Stated read_stated(std::string_view where, const Node& map) const {
     for (const auto& entry : map) {
       if (entry.first.IsScalar() && entry.second.IsNull())
-        fail_here(entry.first, fmt::format("{}: found {} without a value; a reason with a comma or colon "
-                                           "needs quotes around it",
-                                           where, text::quoted(entry.first.Scalar())));
+        fail_here(entry.first,
+                  fmt::format("{}: found {} without a value; a reason with a comma or colon needs quotes around it",
+                              where, text::quoted(entry.first.Scalar())));
     }
     const Node origin = map["origin"], reason = map["reason"];
     if (origin && !reason)
@@ -250,9 +251,9 @@ class VehicleReader : private sensor_file::YamlReader {
     keys.push_back({"value", [&](const Node& v) { written = read_value(entry, scalar(entry, v), out); }});
     section(node, entry.key, keys);
     if (written.empty())
-      fail_here(node, fmt::format("{}: found no \"value:\", expected one, as in {{value: {}, origin: ..., "
-                                  "reason: ...}}",
-                                  entry.key, example(entry)));
+      fail_here(node,
+                fmt::format("{}: found no \"value:\", expected one, as in {{value: {}, origin: ..., reason: ...}}",
+                            entry.key, example(entry)));
     return written;
   }
 
@@ -268,15 +269,14 @@ class VehicleReader : private sensor_file::YamlReader {
       std::vector<sensor_file::YamlKey> keys = stated_keys();
       keys.push_back({"value", [&](const Node& v) { take(scalar(entry, v)); }});
       keys.push_back({"points", [&](const Node& v) { take(list(entry, v)); }});
-      keys.push_back(
-          {"interpolation", [&](const Node& v) {
-             smooth = one_of(fmt::format("{}, interpolation", entry.key), v, {"linear", "smooth"}) == 1;
-           }});
+      keys.push_back({"interpolation", [&](const Node& v) {
+                        smooth = one_of(fmt::format("{}, interpolation", entry.key), v, {"linear", "smooth"}) == 1;
+                      }});
       section(node, entry.key, keys);
       if (points.empty())
-        fail_here(node, fmt::format("{}: found neither \"points:\" nor \"value:\", expected one of them, as "
-                                    "in points: {}",
-                                    entry.key, example_points(entry)));
+        fail_here(node,
+                  fmt::format("{}: found neither \"points:\" nor \"value:\", expected one of them, as in points: {}",
+                              entry.key, example_points(entry)));
     } else {
       take(node);
     }
@@ -291,7 +291,7 @@ class VehicleReader : private sensor_file::YamlReader {
 
   /// Points, or one value for all abscissae.
   [[nodiscard]] std::vector<flight::LookupTable::Point> read_points(const Entry& entry, const Node& node,
-                                                      std::string& written) const {
+                                                                    std::string& written) const {
     if (!node.IsSequence()) {
       const double value = quantity_of(entry, node);
       written = node.Scalar();
@@ -300,28 +300,27 @@ class VehicleReader : private sensor_file::YamlReader {
     std::vector<flight::LookupTable::Point> points;
     for (const Node& point : node) {
       if (!point.IsSequence() || point.size() != 2)
-        fail_here(point,
-                  fmt::format("{}: found {}, expected points {}, as in {}", entry.key,
-                              point.IsSequence() ? fmt::format("a list of {}", point.size()) : kind(point),
-                              fmt::format("of {} and value", entry.over.name), example_points(entry)));
+        fail_here(point, fmt::format("{}: found {}, expected points {}, as in {}", entry.key,
+                                     point.IsSequence() ? fmt::format("a list of {}", point.size()) : kind(point),
+                                     fmt::format("of {} and value", entry.over.name), example_points(entry)));
       const double x = abscissa(entry, point[0]);
       if (!points.empty() && !(x > points.back().first))
-        fail_here(point[0], fmt::format("{}: found {} behind {}, expected abscissae that ascend", entry.key,
-                                        x, points.back().first));
+        fail_here(point[0], fmt::format("{}: found {} behind {}, expected abscissae that ascend", entry.key, x,
+                                        points.back().first));
       points.emplace_back(x, quantity_of(entry, point[1]));
       written += fmt::format("{}{}: {}", written.empty() ? "" : ", ", point[0].Scalar(), point[1].Scalar());
     }
     if (points.empty())
-      fail_here(node, fmt::format("{}: found an empty list, expected points as in {}", entry.key,
-                                  example_points(entry)));
+      fail_here(node,
+                fmt::format("{}: found an empty list, expected points as in {}", entry.key, example_points(entry)));
     return points;
   }
 
   [[nodiscard]] double abscissa(const Entry& entry, const Node& node) const {
     const double x = number(entry.key, node);
     if (x >= 0 && x <= entry.over.highest) return x;
-    fail_here(node, fmt::format("{}: found {}, expected {} from 0 to {}", entry.key,
-                                text::quoted(node.Scalar()), entry.over.name, entry.over.highest));
+    fail_here(node, fmt::format("{}: found {}, expected {} from 0 to {}", entry.key, text::quoted(node.Scalar()),
+                                entry.over.name, entry.over.highest));
   }
 
   /// With its unit; where it has no dimension also without.
@@ -336,8 +335,7 @@ class VehicleReader : private sensor_file::YamlReader {
 
   [[nodiscard]] const Node& scalar(const Entry& entry, const Node& node) const {
     if (!node.IsScalar())
-      fail_here(node, fmt::format("{}, value: found {}, expected one like {}", entry.key, kind(node),
-                                  example(entry)));
+      fail_here(node, fmt::format("{}, value: found {}, expected one like {}", entry.key, kind(node), example(entry)));
     return node;
   }
   [[nodiscard]] const Node& list(const Entry& entry, const Node& node) const {
@@ -380,8 +378,7 @@ class VehicleReader : private sensor_file::YamlReader {
     std::vector<std::string> missing;
     const Entry* first = nullptr;
     for (const Entry& entry : kEntries) {
-      const bool needed =
-          entry.left_out.empty() && (group_of(entry.key) != kBending || result_.vehicle.bending);
+      const bool needed = entry.left_out.empty() && (group_of(entry.key) != kBending || result_.vehicle.bending);
       if (!needed || given(entry.key)) continue;
       if (!first) first = &entry;
       missing.emplace_back(entry.key);
@@ -394,9 +391,8 @@ class VehicleReader : private sensor_file::YamlReader {
     }
     for (const std::string_view key : {"axial_drag", "normal_force_slope"}) {
       if (given(key) && !given("reference_area"))
-        fail_here(place(key), fmt::format("{}: found no \"reference_area:\", expected one, to which the "
-                                          "coefficient refers",
-                                          key));
+        fail_here(place(key),
+                  fmt::format("{}: found no \"reference_area:\", expected one, to which the coefficient refers", key));
     }
   }
 
@@ -410,8 +406,7 @@ class VehicleReader : private sensor_file::YamlReader {
   void list_omissions() {
     result_.left_out.clear();
     for (const Entry& entry : kEntries) {
-      if (!given(entry.key) && !entry.left_out.empty())
-        result_.left_out.push_back({entry.key, entry.left_out});
+      if (!given(entry.key) && !entry.left_out.empty()) result_.left_out.push_back({entry.key, entry.left_out});
     }
     if (!vehicle().bending) result_.left_out.push_back({kBending, "rigid"});
   }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/vehicle/flight/vehicle.h"
 #include "gyrobudget/app/text/error.h"
+#include "gyrobudget/vehicle/flight/vehicle.h"
 
 #include <optional>
 #include <string>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "binary.h"
 
-#include "layout.h"
 #include "gyrobudget/app/text/text.h"
 
 #include <fmt/format.h>
@@ -14,6 +13,8 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+
+#include "layout.h"
 
 namespace gyrobudget::inline v0::log {
 namespace {
@@ -70,7 +71,7 @@ class HeaderParser {
  private:
   [[noreturn]] void wrong(std::string_view expected) const {
     text::fail(name_, fmt::format("its header holds {} at byte {}, expected {}; write the array with numpy.save",
-                            at_ < text_.size() ? text::quoted(text_.substr(at_)) : "nothing", at_, expected));
+                                  at_ < text_.size() ? text::quoted(text_.substr(at_)) : "nothing", at_, expected));
   }
   char peek() {
     while (at_ < text_.size() && (text::is_blank(text_[at_]) || text_[at_] == '\n')) ++at_;
@@ -87,9 +88,9 @@ class HeaderParser {
   std::string_view string() {
     const char quote = peek();
     if (quote == '[') {
-      text::fail(name_,
-           "holds records of several fields, expected numbers (dtype <f4 or <f8); save the columns as "
-           "one array: numpy.save(file, numpy.column_stack([a['x'], a['y']]))");
+      text::fail(
+          name_,
+          "holds records of several fields, expected numbers (dtype <f4 or <f8); save the columns as one array: numpy.save(file, numpy.column_stack([a['x'], a['y']]))");
     }
     if (quote != '\'' && quote != '"') wrong("text in quotes");
     const std::size_t end = text_.find(quote, at_ + 1);
@@ -130,9 +131,10 @@ bool is_double(std::string_view name, std::string_view descr) {
   if (descr == "<f8") return true;
   if (descr == "<f4") return false;
   const bool big_endian = descr == ">f8" || descr == ">f4";
-  text::fail(name, fmt::format("holds {} (dtype {}), expected little-endian numbers of dtype <f4 or <f8; save "
-                         "array.astype('<f8')",
-                         big_endian ? "big-endian numbers" : "other than real numbers", text::quoted(descr)));
+  text::fail(
+      name,
+      fmt::format("holds {} (dtype {}), expected little-endian numbers of dtype <f4 or <f8; save array.astype('<f8')",
+                  big_endian ? "big-endian numbers" : "other than real numbers", text::quoted(descr)));
 }
 
 }  // namespace
@@ -165,21 +167,21 @@ Format format_of(std::string_view path) {
 
 std::size_t npy_header_bytes(std::string_view name, std::string_view head) {
   if (!head.starts_with(kMagic.substr(0, head.size())) || head.empty()) {
-    text::fail(name,
-         fmt::format("begins with {}, expected the mark of a .npy, \\x93NUMPY; raw numbers are read with "
-                     "--format f32 or f64, text with --format csv",
-                     text::quoted(head.substr(0, kMagic.size()))));
+    text::fail(
+        name,
+        fmt::format(
+            "begins with {}, expected the mark of a .npy, \\x93NUMPY; raw numbers are read with --format f32 or f64, text with --format csv",
+            text::quoted(head.substr(0, kMagic.size()))));
   }
   const auto cut = [&]() {
     text::fail(name,
-         fmt::format("ends after {} bytes, inside the header of a .npy; it is a damaged copy: copy it again",
-                     head.size()));
+               fmt::format("ends after {} bytes, inside the header of a .npy; it is a damaged copy: copy it again",
+                           head.size()));
   };
   if (head.size() < kShortPrefix) cut();
   const int version = head[kMagic.size()];
   if (version < 1 || version > 3) {
-    text::fail(name,
-         fmt::format("is a .npy of version {}, expected 1 to 3; save it again with numpy.save", version));
+    text::fail(name, fmt::format("is a .npy of version {}, expected 1 to 3; save it again with numpy.save", version));
   }
   if (version == 1) return kShortPrefix + little_endian(head.substr(kMagic.size() + 2, 2));
   if (head.size() < kLongPrefix) cut();
@@ -190,36 +192,36 @@ BinaryLayout read_npy_header(std::string_view name, std::string_view bytes) {
   const std::size_t size = npy_header_bytes(name, bytes);
   if (bytes.size() < size) {
     text::fail(name, fmt::format("ends after {} bytes, inside a header of {}; it is a damaged copy: copy it again",
-                           bytes.size(), size));
+                                 bytes.size(), size));
   }
   const std::size_t prefix = bytes[kMagic.size()] == 1 ? kShortPrefix : kLongPrefix;
   const auto header = HeaderParser(name, bytes.substr(prefix, size - prefix)).read();
   const auto& shape = header.shape;
   if (shape.empty() || shape.size() > 2) {
-    text::fail(name, fmt::format("holds an array of {} dimensions, expected 1 (samples) or 2 (samples x columns); "
-                           "save array.reshape(len(array), -1)",
-                           shape.size()));
+    text::fail(
+        name,
+        fmt::format(
+            "holds an array of {} dimensions, expected 1 (samples) or 2 (samples x columns); save array.reshape(len(array), -1)",
+            shape.size()));
   }
   if (header.fortran_order && shape.size() == 2 && shape[1] != 1) {
-    text::fail(name,
-         "holds an array in Fortran order, expected C order (sample after sample); save "
-         "numpy.ascontiguousarray(array)");
+    text::fail(
+        name,
+        "holds an array in Fortran order, expected C order (sample after sample); save numpy.ascontiguousarray(array)");
   }
   BinaryLayout layout{is_double(name, header.descr), size, shape.size() == 2 ? shape[1] : 1, shape[0]};
   constexpr std::int64_t kMostColumns = 1 << 16;
   if (layout.columns < 1 || layout.columns > kMostColumns) {
     text::fail(name, fmt::format("holds {} columns, expected 1 to {}; its rows are samples: save array.T",
-                           layout.columns, kMostColumns));
+                                 layout.columns, kMostColumns));
   }
   constexpr std::int64_t kMostRows = std::numeric_limits<std::int64_t>::max() / 16 / kMostColumns;
-  if (*layout.rows > kMostRows)
-    text::fail(name, fmt::format("cannot hold {} samples; it is damaged", *layout.rows));
+  if (*layout.rows > kMostRows) text::fail(name, fmt::format("cannot hold {} samples; it is damaged", *layout.rows));
   return layout;
 }
 
 std::string npy_header(std::uint64_t rows, std::size_t columns, bool is_double) {
-  const std::string shape =
-      columns == 1 ? fmt::format("({},)", rows) : fmt::format("({}, {})", rows, columns);
+  const std::string shape = columns == 1 ? fmt::format("({},)", rows) : fmt::format("({}, {})", rows, columns);
   std::string text =
       fmt::format("{{'descr': '<f{}', 'fortran_order': False, 'shape': {}, }}", is_double ? 8 : 4, shape);
   constexpr std::size_t kAlignment = 64;
@@ -231,13 +233,12 @@ std::string npy_header(std::uint64_t rows, std::size_t columns, bool is_double) 
   return header + text;
 }
 
-BinaryLayout binary_layout(std::string_view name, std::string_view bytes, Format format,
-                           std::int64_t columns) {
+BinaryLayout binary_layout(std::string_view name, std::string_view bytes, Format format, std::int64_t columns) {
   if (format == Format::npy) {
     BinaryLayout layout = read_npy_header(name, bytes);
     if (columns != 1 && columns != layout.columns) {
       text::fail(name, fmt::format("holds {} columns, but --columns says {}; leave it out: the header knows",
-                             layout.columns, columns));
+                                   layout.columns, columns));
     }
     return layout;
   }
@@ -250,7 +251,7 @@ Choice choose_binary_columns(const std::string& name, const BinaryLayout& layout
   if (!options.rate_hz) text::fail(name, "is binary and has no time, expected the sample rate: --rate HZ");
   if (!options.unit) {
     text::fail(name, fmt::format("is binary and has no units, expected that of its numbers: --unit {}",
-                           options.input == Input::rate ? "deg/s" : "rad"));
+                                 options.input == Input::rate ? "deg/s" : "rad"));
   }
   Layout text;
   text.columns = static_cast<std::size_t>(layout.columns);
@@ -292,18 +293,19 @@ std::int64_t count_rows(std::string_view name, const BinaryLayout& layout, std::
   if (layout.rows) {
     const std::uint64_t expected = static_cast<std::uint64_t>(*layout.rows) * row;
     if (bytes == expected) return *layout.rows;
-    text::fail(name,
-         fmt::format("holds {} bytes behind its header, expected {} ({} x {} numbers of {} bytes); it is "
-                     "{}: copy it again",
-                     bytes, expected, *layout.rows, layout.columns, layout.width(),
-                     bytes < expected ? "truncated" : "not one array, or damaged"));
+    text::fail(
+        name,
+        fmt::format(
+            "holds {} bytes behind its header, expected {} ({} x {} numbers of {} bytes); it is {}: copy it again",
+            bytes, expected, *layout.rows, layout.columns, layout.width(),
+            bytes < expected ? "truncated" : "not one array, or damaged"));
   }
   if (bytes % row == 0) return static_cast<std::int64_t>(bytes / row);
-  text::fail(name,
-       fmt::format("holds {} bytes, expected a multiple of {} ({} of {} bytes a sample); check --format "
-                   "and --columns, or whether the copy is whole",
-                   bytes, row, layout.columns == 1 ? "one number" : fmt::format("{} numbers", layout.columns),
-                   layout.width()));
+  text::fail(
+      name,
+      fmt::format(
+          "holds {} bytes, expected a multiple of {} ({} of {} bytes a sample); check --format and --columns, or whether the copy is whole",
+          bytes, row, layout.columns == 1 ? "one number" : fmt::format("{} numbers", layout.columns), layout.width()));
 }
 
 }  // namespace gyrobudget::inline v0::log

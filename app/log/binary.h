@@ -2,10 +2,6 @@
 // Inside io: logs without text.
 #pragma once
 
-#include "columns.h"
-#include "format.h"
-#include "log.h"
-
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -13,6 +9,10 @@
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "columns.h"
+#include "format.h"
+#include "log.h"
 
 namespace gyrobudget::inline v0::log {
 
@@ -40,8 +40,7 @@ struct BinaryLayout {
 [[nodiscard]] std::string npy_header(std::uint64_t rows, std::size_t columns, bool is_double);
 
 /// The layout of a binary log from its first bytes: the header, or what the options say.
-[[nodiscard]] BinaryLayout binary_layout(std::string_view name, std::string_view bytes, Format,
-                                         std::int64_t columns);
+[[nodiscard]] BinaryLayout binary_layout(std::string_view name, std::string_view bytes, Format, std::int64_t columns);
 
 /// Chooses columns by number; LogOptions::unit is that of all of them.
 /// @throws InputError for a missing rate or unit, or a column that does not exist.
@@ -49,8 +48,7 @@ struct BinaryLayout {
 
 /// Turns whole rows into numbers, column by column, times their to_si; what is not finite becomes NaN.
 /// @param columns one for each chosen column, as long as there are rows.
-void decode(std::string_view rows, const BinaryLayout&, const Choice&,
-            std::span<const std::span<double>> columns);
+void decode(std::string_view rows, const BinaryLayout&, const Choice&, std::span<const std::span<double>> columns);
 
 /// @throws InputError where the bytes behind the header are not the rows that they should be.
 [[nodiscard]] std::int64_t count_rows(std::string_view name, const BinaryLayout&, std::uint64_t bytes);

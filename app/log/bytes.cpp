@@ -73,8 +73,7 @@ class Inflater {
  private:
   int step(std::string_view& bytes, Pages& text) {
     const std::size_t offered = std::min(bytes.size(), kBlock);
-    stream_.next_in =
-        reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));  // zlib's interface; only read
+    stream_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));  // zlib's interface; only read
     stream_.avail_in = static_cast<uInt>(offered);
     stream_.next_out = reinterpret_cast<Bytef*>(text.room(kBlock));
     stream_.avail_out = static_cast<uInt>(kBlock);
@@ -82,12 +81,11 @@ class Inflater {
     if (status == Z_MEM_ERROR) throw std::bad_alloc();
     if (status != Z_OK && status != Z_STREAM_END && status != Z_BUF_ERROR) {
       text::fail(name_, fmt::format("the gzip data are damaged after {} bytes of text ({}); fetch the file again",
-                              text.text().size(), stream_.msg ? stream_.msg : "check sum"));
+                                    text.text().size(), stream_.msg ? stream_.msg : "check sum"));
     }
     text.grow(kBlock - stream_.avail_out);
     bytes.remove_prefix(offered - stream_.avail_in);
-    if (status == Z_BUF_ERROR && bytes.empty())
-      fail_truncated(text.text().size());  // it wants more than there is
+    if (status == Z_BUF_ERROR && bytes.empty()) fail_truncated(text.text().size());  // it wants more than there is
     return status;
   }
 
@@ -99,11 +97,11 @@ class Inflater {
   }
 
   [[noreturn]] void fail_truncated(std::size_t size) const {
-    text::fail(name_,
-         fmt::format(
-             "the gzip data stop in the middle, after {} bytes of text; fetch the file again, or rescue "
-             "its whole lines with zcat | head -n -1",
-             size));
+    text::fail(
+        name_,
+        fmt::format(
+            "the gzip data stop in the middle, after {} bytes of text; fetch the file again, or rescue its whole lines with zcat | head -n -1",
+            size));
   }
 
   std::string_view name_;
@@ -139,9 +137,9 @@ Pages Pages::map_file(int descriptor, std::size_t size) {
 char* Pages::room(std::size_t bytes) {
   if (capacity_ - size_ >= bytes) return data_ + size_;
   const std::size_t wanted = std::max(2 * capacity_, capacity_ + bytes);
-  void* data = capacity_ == 0 ? ::mmap(nullptr, wanted, PROT_READ | PROT_WRITE,
-                                       MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0)
-                              : ::mremap(data_, capacity_, wanted, MREMAP_MAYMOVE);
+  void* data = capacity_ == 0
+                   ? ::mmap(nullptr, wanted, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0)
+                   : ::mremap(data_, capacity_, wanted, MREMAP_MAYMOVE);
   if (data == MAP_FAILED) throw std::bad_alloc();
   data_ = static_cast<char*>(data);
   capacity_ = wanted;
@@ -205,8 +203,7 @@ void fail_long_line(std::string_view name, std::int64_t line, std::string_view s
   text::fail_at(
       name, line, 1,
       fmt::format(
-          "found a line of more than {} bytes that starts with {}, expected one sample per line; put each "
-          "sample on a line of its own (tr -s ' ' '\\n')",
+          "found a line of more than {} bytes that starts with {}, expected one sample per line; put each sample on a line of its own (tr -s ' ' '\\n')",
           kLongestLine, text::quoted(start)));
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "columns.h"
 
-#include "names.h"
 #include "gyrobudget/app/text/number.h"
 
 #include <fmt/format.h>
@@ -10,6 +9,8 @@
 #include <cmath>
 #include <optional>
 #include <stdexcept>
+
+#include "names.h"
 
 namespace gyrobudget::inline v0::log {
 namespace {
@@ -148,8 +149,7 @@ class Chooser {
         })) {
       return loose;
     }
-    if (wanted.empty() || wanted.size() > 6 ||
-        wanted.find_first_not_of("0123456789") != std::string_view::npos) {
+    if (wanted.empty() || wanted.size() > 6 || wanted.find_first_not_of("0123456789") != std::string_view::npos) {
       return std::nullopt;
     }
     const auto number = static_cast<std::size_t>(std::stoul(std::string(wanted)));
@@ -160,20 +160,16 @@ class Chooser {
     std::vector<std::string> names;
     names.reserve(columns_.size());
     for (const Column& c : columns_) names.push_back(c.name);
-    const std::string numbers = columns_.size() == 1
-                                    ? "there is column 1"
-                                    : fmt::format("there are columns 1 to {}", columns_.size());
+    const std::string numbers =
+        columns_.size() == 1 ? "there is column 1" : fmt::format("there are columns 1 to {}", columns_.size());
     constexpr std::size_t kListed = 20;
-    std::vector<std::string> listed(names.begin(),
-                                    names.begin() + std::ptrdiff_t(std::min(names.size(), kListed)));
+    std::vector<std::string> listed(names.begin(), names.begin() + std::ptrdiff_t(std::min(names.size(), kListed)));
     if (names.size() > kListed) listed.emplace_back("more");
-    text::fail(source_, fmt::format("has no column {}{}; {}{}", text::quoted(wanted), text::suggestion(wanted, names), numbers,
-                              layout_.headings.empty() ? "" : ": " + text::listing(listed)));
+    text::fail(source_, fmt::format("has no column {}{}; {}{}", text::quoted(wanted), text::suggestion(wanted, names),
+                                    numbers, layout_.headings.empty() ? "" : ": " + text::listing(listed)));
   }
 
-  bool is_requested(const Column& c) const {
-    return std::ranges::find(requested_, c.index) != requested_.end();
-  }
+  bool is_requested(const Column& c) const { return std::ranges::find(requested_, c.index) != requested_.end(); }
   bool is_time(const Column& c) const {
     return std::ranges::any_of(choice_.stamps, [&](const StampColumn& s) { return s.index == c.index; });
   }
@@ -220,13 +216,11 @@ class Chooser {
       text::fail_at(
           source_, layout_.body_line, 1,
           fmt::format(
-              "found {} in the time {}, expected a number; write the time as seconds or as nanoseconds, or "
-              "give --rate HZ",
+              "found {} in the time {}, expected a number; write the time as seconds or as nanoseconds, or give --rate HZ",
               found, described(c)));
     }
     choice_.notes.push_back(
-        fmt::format("the time {} holds text ({}) and is not used: gaps cannot be seen, the rate is "
-                    "that of --rate",
+        fmt::format("the time {} holds text ({}) and is not used: gaps cannot be seen, the rate is that of --rate",
                     described(c), found));
   }
 
@@ -250,16 +244,15 @@ class Chooser {
       constexpr std::int64_t kSecond = 1'000'000'000, kMicro = 1'000;
       if (coarse != kSecond || fine > kMicro) continue;
       choice_.stamps.push_back({other.index, part->ns_per_unit});
-      choice_.notes.push_back(
-          fmt::format("the time is the sum of {} and {}", described(c), described(other)));
+      choice_.notes.push_back(fmt::format("the time is the sum of {} and {}", described(c), described(other)));
       return;
     }
   }
 
   void use_time(const Column& c, std::int64_t ns_per_unit) {
     if (ns_per_unit < 1) {
-      fail_at_heading(c, fmt::format("found the unit {} of time, expected one of a nanosecond or more",
-                                     text::quoted(c.unit_text)));
+      fail_at_heading(
+          c, fmt::format("found the unit {} of time, expected one of a nanosecond or more", text::quoted(c.unit_text)));
     }
     choice_.stamps = {{c.index, ns_per_unit}};
     choice_.time_name = described(c);
@@ -274,9 +267,8 @@ class Chooser {
       const bool must_be_time = requested_.empty() && options_.input != Input::angle;
       if (const auto unit = agreeing_unit(*c, must_be_time)) {
         use_time(*c, *unit);
-        choice_.notes.push_back(
-            fmt::format("{} rises evenly and agrees with --rate in {}: it is read as time", described(*c),
-                        unit_name(*unit)));
+        choice_.notes.push_back(fmt::format("{} rises evenly and agrees with --rate in {}: it is read as time",
+                                            described(*c), unit_name(*unit)));
         return;
       }
     }
@@ -304,8 +296,7 @@ class Chooser {
     constexpr std::size_t kFewest = 2;
     if (steps.size() < kFewest || steps.front() < 0) return false;
     const double median = steps[steps.size() / 2];
-    const auto near =
-        std::ranges::count_if(steps, [&](double s) { return std::abs(s - median) < median / 2; });
+    const auto near = std::ranges::count_if(steps, [&](double s) { return std::abs(s - median) < median / 2; });
     constexpr double kMost = 0.9;
     return median > 0 && static_cast<double>(near) >= kMost * static_cast<double>(steps.size());
   }
@@ -332,18 +323,20 @@ class Chooser {
     }
     if (!must) return std::nullopt;
     if (step <= 0)
-      fail_at_heading(
-          c, fmt::format("the time {} does not rise in the first rows; expected rising time", described(c)));
+      fail_at_heading(c,
+                      fmt::format("the time {} does not rise in the first rows; expected rising time", described(c)));
     if (!options_.rate_hz) {
       fail_at_heading(
-          c, fmt::format("the time {} has no unit: its step of {:.4g} is {}; write the unit into the header, "
-                         "as in \"time (s)\", or give --rate HZ",
-                         described(c), step, text::listing(choices, "or")));
+          c,
+          fmt::format(
+              "the time {} has no unit: its step of {:.4g} is {}; write the unit into the header, as in \"time (s)\", or give --rate HZ",
+              described(c), step, text::listing(choices, "or")));
     }
     fail_at_heading(
-        c, fmt::format("{} rises like a time by {:.4g} a row, which is {}, but --rate is {:g} Hz; correct "
-                       "--rate, or choose the data columns with --column",
-                       described(c), step, text::listing(choices, "or"), *options_.rate_hz));
+        c,
+        fmt::format(
+            "{} rises like a time by {:.4g} a row, which is {}, but --rate is {:g} Hz; correct --rate, or choose the data columns with --column",
+            described(c), step, text::listing(choices, "or"), *options_.rate_hz));
   }
 
   // --- Data ---
@@ -365,15 +358,13 @@ class Chooser {
     if (!c.unit && !given_unit_) return {{}, "no unit", true};
     const Unit unit = c.unit ? *c.unit : *given_unit_;
     if (!requested) {
-      if (const std::string_view reason = reason_against(c, unit); !reason.empty())
-        return refused(std::string(reason));
+      if (const std::string_view reason = reason_against(c, unit); !reason.empty()) return refused(std::string(reason));
     }
     const auto signal = signal_of(options_.input, unit.dimension);
     if (signal) return {DataColumn{c.index, c.name, *signal, options_.scale * unit.to_si}, {}, false};
-    return refused(
-        fmt::format("the unit {} is not that of {}{}", text::quoted(c.unit ? c.unit_text : *options_.unit),
-                    options_.input == Input::rate ? "a rate or an acceleration" : "an angle or a velocity",
-                    fitting_input(unit.dimension)));
+    return refused(fmt::format("the unit {} is not that of {}{}", text::quoted(c.unit ? c.unit_text : *options_.unit),
+                               options_.input == Input::rate ? "a rate or an acceleration" : "an angle or a velocity",
+                               fitting_input(unit.dimension)));
   }
 
   /// Why a column that nobody asked for by name should not be taken.
@@ -395,8 +386,8 @@ class Chooser {
     if (verdict.unit_missing) fail_missing_unit(c);
     if (!verdict.data) fail_at_heading(c, fmt::format("{}: {}", described(c), verdict.reason));
     if (!c.unit && !means_counts(c.unit_text)) {
-      choice_.notes.push_back(fmt::format("{}: the unit {} is not understood, --unit {} is used",
-                                          described(c), text::quoted(c.unit_text), *options_.unit));
+      choice_.notes.push_back(fmt::format("{}: the unit {} is not understood, --unit {} is used", described(c),
+                                          text::quoted(c.unit_text), *options_.unit));
     }
     choice_.data.push_back(*std::move(verdict.data));
   }
@@ -448,9 +439,8 @@ class Chooser {
 
   [[noreturn]] void fail_missing_unit(const Column& c) const {
     const std::string_view usual = options_.input == Input::rate ? "deg/s" : "rad";
-    std::string message =
-        fmt::format("{} has no unit, expected one in the header, as in \"{} ({})\", or --unit {}",
-                    described(c), layout_.headings.empty() ? "gyro_x" : c.name, usual, usual);
+    std::string message = fmt::format("{} has no unit, expected one in the header, as in \"{} ({})\", or --unit {}",
+                                      described(c), layout_.headings.empty() ? "gyro_x" : c.name, usual, usual);
     if (const std::string_view hint = unit_hint(c.name); !hint.empty()) {
       const auto unit = noise::parse_unit(hint);
       message += fmt::format("; if its name stands for {}, give --unit {}", hint, hint);
@@ -458,32 +448,28 @@ class Chooser {
     } else if (!c.unit_text.empty()) {
       message += "; counts need --scale (units per count) and --unit";
     }
-    if (choice_.stamps.empty() && !options_.rate_hz)
-      message += "; there is no time column either: give --rate HZ too";
+    if (choice_.stamps.empty() && !options_.rate_hz) message += "; there is no time column either: give --rate HZ too";
     fail_at_heading(c, message);
   }
 
   [[noreturn]] void fail_without_data(const std::vector<LeftOut>& left_out) const {
     const std::int64_t line = layout_.heading_line != 0 ? layout_.heading_line : layout_.body_line;
     if (left_out.empty()) {
-      text::fail_at(source_, line, 1,
-              "holds time and no data column, expected a gyro or an accelerometer beside it");
+      text::fail_at(source_, line, 1, "holds time and no data column, expected a gyro or an accelerometer beside it");
     }
     std::vector<std::string> found;
     for (const LeftOut& l : left_out) found.push_back(text(l));
     text::fail_at(
         source_, line, 1,
-        fmt::format(
-            "found no data column among {}, expected one with {}; choose it with --column and give --unit",
-            text::listing(found), expected_units(options_.input)));
+        fmt::format("found no data column among {}, expected one with {}; choose it with --column and give --unit",
+                    text::listing(found), expected_units(options_.input)));
   }
 
   void make_names_differ() {
     for (std::size_t i = 1; i < choice_.data.size(); ++i) {
       DataColumn& c = choice_.data[i];
       const auto end = choice_.data.begin() + static_cast<std::ptrdiff_t>(i);
-      const bool taken =
-          std::any_of(choice_.data.begin(), end, [&](const DataColumn& d) { return d.name == c.name; });
+      const bool taken = std::any_of(choice_.data.begin(), end, [&](const DataColumn& d) { return d.name == c.name; });
       if (taken) c.name += fmt::format(" (column {})", c.index + 1);
     }
   }

@@ -2,13 +2,13 @@
 // Inside io: which columns of a log are time and which are data, and in what units.
 #pragma once
 
-#include "layout.h"
-#include "log.h"
-
 #include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
+
+#include "layout.h"
+#include "log.h"
 
 namespace gyrobudget::inline v0::log {
 

@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "curve_table.h"
 
-#include "columns.h"
-#include "layout.h"
-#include "bytes.h"
-#include "table.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,12 +8,16 @@
 #include <stdexcept>
 #include <utility>
 
+#include "bytes.h"
+#include "columns.h"
+#include "layout.h"
+#include "table.h"
+
 namespace gyrobudget::inline v0::log {
 namespace {
 
 constexpr std::size_t kChunk = std::size_t{1} << 20;
-constexpr std::array kSignals{noise::Signal::angular_rate, noise::Signal::specific_force,
-                              noise::Signal::dimensionless};
+constexpr std::array kSignals{noise::Signal::angular_rate, noise::Signal::specific_force, noise::Signal::dimensionless};
 
 std::optional<noise::Unit> unit_of(const Heading& heading) {
   if (heading.unit.empty()) return std::nullopt;
@@ -33,10 +32,8 @@ std::optional<DataColumn> tau_column(const Layout& layout) {
   for (std::size_t i = 0; i < layout.headings.size(); ++i) {
     const Heading& heading = layout.headings[i];
     const auto unit = unit_of(heading);
-    if (unit && unit->dimension == noise::dimension::kTime)
-      return DataColumn{i, heading.name, {}, unit->to_si};
-    if (!unit && (heading.name == "tau" || heading.name == "tau_s"))
-      return DataColumn{i, heading.name, {}, 1};
+    if (unit && unit->dimension == noise::dimension::kTime) return DataColumn{i, heading.name, {}, unit->to_si};
+    if (!unit && (heading.name == "tau" || heading.name == "tau_s")) return DataColumn{i, heading.name, {}, 1};
   }
   return std::nullopt;
 }
@@ -53,19 +50,18 @@ bool is_wanted(const Heading& heading, std::size_t index, const CurveOptions& op
   });
 }
 
-std::optional<DataColumn> deviation_column(const std::string& source, const Heading& heading,
-                                           std::size_t index, const CurveOptions& options) {
+std::optional<DataColumn> deviation_column(const std::string& source, const Heading& heading, std::size_t index,
+                                           const CurveOptions& options) {
   auto unit = unit_of(heading);
   if (!is_wanted(heading, index, options, unit.has_value())) return std::nullopt;
   if (!unit && options.unit) unit = noise::parse_unit(*options.unit);
   if (!unit) {
-    throw text::InputError(fmt::format(
-        "{}: column '{}' has no unit, expected one in the header, as in \"{} (deg/h)\", or --unit", source,
-        heading.name, heading.name));
+    throw text::InputError(
+        fmt::format("{}: column '{}' has no unit, expected one in the header, as in \"{} (deg/h)\", or --unit", source,
+                    heading.name, heading.name));
   }
   for (const auto signal : kSignals) {
-    if (noise::dimension_of(signal) == unit->dimension)
-      return DataColumn{index, heading.name, signal, unit->to_si};
+    if (noise::dimension_of(signal) == unit->dimension) return DataColumn{index, heading.name, signal, unit->to_si};
   }
   return std::nullopt;  // another quantity: a count, an index
 }
@@ -73,10 +69,9 @@ std::optional<DataColumn> deviation_column(const std::string& source, const Head
 Choice choose(const std::string& source, const Layout& layout, const CurveOptions& options) {
   const auto tau = tau_column(layout);
   if (!tau) {
-    throw text::InputError(
-        fmt::format("{}: found no column of averaging times, expected a header with one named tau or with a "
-                    "unit of time, as in \"tau (s),adev (deg/h)\"",
-                    source));
+    throw text::InputError(fmt::format(
+        "{}: found no column of averaging times, expected a header with one named tau or with a unit of time, as in \"tau (s),adev (deg/h)\"",
+        source));
   }
   Choice choice;
   choice.data.push_back(*tau);
@@ -86,10 +81,9 @@ Choice choose(const std::string& source, const Layout& layout, const CurveOption
       choice.data.push_back(std::move(*column));
   }
   if (choice.data.size() == 1) {
-    throw text::InputError(
-        fmt::format("{}: found no column of deviations, expected one with a unit in the header, as in "
-                    "\"adev (deg/h)\", or --unit, or --column",
-                    source));
+    throw text::InputError(fmt::format(
+        "{}: found no column of deviations, expected one with a unit in the header, as in \"adev (deg/h)\", or --unit, or --column",
+        source));
   }
   return choice;
 }

@@ -23,10 +23,9 @@ struct CurveTable {
 };
 
 struct CurveOptions {
-  std::string path;                 ///< "-" is standard input
-  std::optional<std::string> unit;  ///< of the deviation columns without one in the header
-  std::vector<std::string>
-      columns;  ///< names or numbers (from 1); empty: every column with a unit but limits
+  std::string path;                  ///< "-" is standard input
+  std::optional<std::string> unit;   ///< of the deviation columns without one in the header
+  std::vector<std::string> columns;  ///< names or numbers (from 1); empty: every column with a unit but limits
 };
 
 /// Reads a table with one column of averaging times, named tau or with a unit of time in its header (`tau (s)`; a bare

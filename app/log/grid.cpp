@@ -16,9 +16,8 @@ namespace gyrobudget::inline v0::log {
 namespace {
 
 constexpr double kNanosecond = 1e-9;
-constexpr std::int64_t kCentury =
-    3'155'760'000'000'000'000;      // [ns] the longest log; keeps sums within 64 bits
-constexpr double kSameRate = 1e-6;  // rates this near are one rate, written with other digits
+constexpr std::int64_t kCentury = 3'155'760'000'000'000'000;  // [ns] the longest log; keeps sums within 64 bits
+constexpr double kSameRate = 1e-6;                            // rates this near are one rate, written with other digits
 
 double hertz(double interval_ns) { return 1 / (interval_ns * kNanosecond); }
 
@@ -36,8 +35,7 @@ struct Steps {
 
 class Scan {
  public:
-  Scan(const std::vector<std::int64_t>& stamps, const TimeColumn& column)
-      : stamps_(stamps), column_(column) {}
+  Scan(const std::vector<std::int64_t>& stamps, const TimeColumn& column) : stamps_(stamps), column_(column) {}
 
   Steps run() {
     count_stamps();
@@ -54,16 +52,15 @@ class Scan {
     steps_.stamps = stamps_.size() - steps_.missing;
     if (steps_.stamps >= 2) return;
     text::fail(column_.source,
-         fmt::format("the time {} holds fewer than two stamps; correct it, or remove it and give --rate HZ",
-                     column_.name));
+               fmt::format("the time {} holds fewer than two stamps; correct it, or remove it and give --rate HZ",
+                           column_.name));
   }
 
   /// Calls see(row, step) for each stamp but the first.
   template <class See>
   void walk(See see) {
     std::optional<std::int64_t> first;
-    std::int64_t before =
-        0;  // since the first, as all that follows: within a century, so that nothing overflows
+    std::int64_t before = 0;  // since the first, as all that follows: within a century, so that nothing overflows
     for (std::size_t row = 0; row < stamps_.size(); ++row) {
       if (stamps_[row] == text::kNoStamp) continue;
       if (!first) {
@@ -88,10 +85,11 @@ class Scan {
   }
 
   [[noreturn]] void fail_at_row(std::size_t row, const std::string& what) const {
-    text::fail_at(column_.source, column_.line_of_row(row), 1,
-            fmt::format("the time {} {}, expected rising time; cut the log here (allan --segments GAP does), "
-                        "or put its rows in order",
-                        column_.name, what));
+    text::fail_at(
+        column_.source, column_.line_of_row(row), 1,
+        fmt::format(
+            "the time {} {}, expected rising time; cut the log here (allan --segments GAP does), or put its rows in order",
+            column_.name, what));
   }
 
   void check_repeated() {
@@ -100,8 +98,7 @@ class Scan {
     text::fail_at(
         column_.source, column_.line_of_row(steps_.first_repeated), 1,
         fmt::format(
-            "the time {} repeats the stamp of the row before it, as {} of {} rows do, expected rising time; "
-            "write the time with more digits, or remove the column and give --rate HZ",
+            "the time {} repeats the stamp of the row before it, as {} of {} rows do, expected rising time; write the time with more digits, or remove the column and give --rate HZ",
             column_.name, steps_.repeated, steps_.stamps));
   }
 
@@ -237,9 +234,8 @@ std::optional<Track> follow_even(const std::vector<std::int64_t>& stamps) {
   constexpr std::size_t kBlock = std::size_t{1} << 16;
   const std::size_t blocks = (stamps.size() + kBlock - 1) / kBlock;
   const auto for_blocks = [&](auto visit) {
-    tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t b) {
-      visit(b, b * kBlock, std::min((b + 1) * kBlock, stamps.size()));
-    });
+    tbb::parallel_for(std::size_t{0}, blocks,
+                      [&](std::size_t b) { visit(b, b * kBlock, std::min((b + 1) * kBlock, stamps.size())); });
   };
 
   std::vector<std::pair<std::int64_t, std::int64_t>> extremes(blocks);
@@ -260,14 +256,12 @@ std::optional<Track> follow_even(const std::vector<std::int64_t>& stamps) {
   const bool missing =
       stamps.front() == text::kNoStamp || stamps.back() == text::kNoStamp;  // others make a step below zero
   std::int64_t span = 0;
-  if (missing || least <= 0 || __builtin_sub_overflow(stamps.back(), stamps.front(), &span) ||
-      span > kCentury) {
+  if (missing || least <= 0 || __builtin_sub_overflow(stamps.back(), stamps.front(), &span) || span > kCentury) {
     return std::nullopt;
   }
   const auto n = static_cast<double>(stamps.size());
   const double interval = static_cast<double>(span) / (n - 1);
-  if (static_cast<double>(least) < 0.5 * interval || static_cast<double>(most) > 1.5 * interval)
-    return std::nullopt;
+  if (static_cast<double>(least) < 0.5 * interval || static_cast<double>(most) > 1.5 * interval) return std::nullopt;
 
   struct Sums {
     double r = 0, kr = 0;
@@ -298,15 +292,14 @@ std::optional<Track> follow_even(const std::vector<std::int64_t>& stamps) {
 
 // --- The rate --------------------------------------------------------------------------------------------------------
 
-bool agrees(double interval_ns, double rate_hz) {
-  return std::abs(hertz(interval_ns) / rate_hz - 1) <= kRateTolerance;
-}
+bool agrees(double interval_ns, double rate_hz) { return std::abs(hertz(interval_ns) / rate_hz - 1) <= kRateTolerance; }
 
 [[noreturn]] void fail_contradiction(const TimeColumn& column, double interval_ns, double rate_hz) {
-  text::fail(column.source, fmt::format("the time {} says {:.6g} Hz, but --rate says {:.6g} Hz, more than {:g} % "
-                                  "apart; leave --rate out, or "
-                                  "correct it or the unit of time",
-                                  column.name, hertz(interval_ns), rate_hz, 100 * kRateTolerance));
+  text::fail(
+      column.source,
+      fmt::format(
+          "the time {} says {:.6g} Hz, but --rate says {:.6g} Hz, more than {:g} % apart; leave --rate out, or correct it or the unit of time",
+          column.name, hertz(interval_ns), rate_hz, 100 * kRateTolerance));
 }
 
 /// The interval to start from. A given rate decides what coarse or bursting stamps leave open.
@@ -324,12 +317,10 @@ void check_density(const Track& track, std::size_t rows, const std::vector<std::
   text::fail_at(
       column.source, column.line_of_row(row), 1,
       fmt::format(
-          "{:.0f} of {} samples are missing, the most ({}) before the stamp of this row, expected at most "
-          "half; cut the log here (allan --segments GAP does){}",
+          "{:.0f} of {} samples are missing, the most ({}) before the stamp of this row, expected at most half; cut the log here (allan --segments GAP does){}",
           missing, track.points, track.longest_gap,
-          track.gaps > static_cast<std::int64_t>(stamps.size()) / 4
-              ? ", or give --rate if the stamps are coarse"
-              : ""));
+          track.gaps > static_cast<std::int64_t>(stamps.size()) / 4 ? ", or give --rate if the stamps are coarse"
+                                                                    : ""));
 }
 
 void check_jitter(const Track& track, const TimeColumn& column) {
@@ -337,30 +328,25 @@ void check_jitter(const Track& track, const TimeColumn& column) {
   text::fail(
       column.source,
       fmt::format(
-          "the time {} is uneven by {:.0f} % (rms) of the sample interval, expected at most "
-          "{:g} %; if the samples themselves are even, take the time column away and give --rate HZ; if not, "
-          "average them over even intervals: --resample HZ",
+          "the time {} is uneven by {:.0f} % (rms) of the sample interval, expected at most {:g} %; if the samples themselves are even, take the time column away and give --rate HZ; if not, average them over even intervals: --resample HZ",
           column.name, 100 * track.jitter.rms(), 100 * kLargestJitter));
 }
 
-std::string plural(std::int64_t n, std::string_view one) {
-  return fmt::format("{} {}{}", n, one, n == 1 ? "" : "s");
-}
+std::string plural(std::int64_t n, std::string_view one) { return fmt::format("{} {}{}", n, one, n == 1 ? "" : "s"); }
 
-std::vector<std::string> notes_on(const Track& track, const Steps& steps, double rate,
-                                  std::optional<double> given, const TimeColumn& column) {
+std::vector<std::string> notes_on(const Track& track, const Steps& steps, double rate, std::optional<double> given,
+                                  const TimeColumn& column) {
   std::vector<std::string> notes;
   const double measured = hertz(track.interval);
   notes.push_back(fmt::format("rate {:.6g} Hz from the time {}", rate, column.name));
   if (given && rate != *given)
-    notes.back() += fmt::format(", not {:.6g} Hz: they differ by {:.2g} %", *given,
-                                100 * std::abs(measured / *given - 1));
+    notes.back() +=
+        fmt::format(", not {:.6g} Hz: they differ by {:.2g} %", *given, 100 * std::abs(measured / *given - 1));
   constexpr double kWorthSaying = 0.01;
   if (track.jitter.largest > kWorthSaying) {
-    notes.push_back(
-        fmt::format("the stamps jitter by {:.2g} % (rms), at most {:.2g} %, of the sample interval; the "
-                    "samples are taken as even",
-                    100 * track.jitter.rms(), 100 * track.jitter.largest));
+    notes.push_back(fmt::format(
+        "the stamps jitter by {:.2g} % (rms), at most {:.2g} %, of the sample interval; the samples are taken as even",
+        100 * track.jitter.rms(), 100 * track.jitter.largest));
   }
   const std::int64_t missing = track.points - static_cast<std::int64_t>(steps.stamps - steps.repeated);
   if (track.gaps > 0) {
@@ -374,14 +360,13 @@ std::vector<std::string> notes_on(const Track& track, const Steps& steps, double
                                 column.line_of_row(steps.first_repeated)));
   }
   if (steps.missing > 0) {
-    notes.push_back(fmt::format("{} without a time stamp left out",
-                                plural(static_cast<std::int64_t>(steps.missing), "row")));
+    notes.push_back(
+        fmt::format("{} without a time stamp left out", plural(static_cast<std::int64_t>(steps.missing), "row")));
   }
   return notes;
 }
 
-Grid described(const Track& track, const Steps& steps, std::optional<double> rate_hz,
-               const TimeColumn& column) {
+Grid described(const Track& track, const Steps& steps, std::optional<double> rate_hz, const TimeColumn& column) {
   const double measured = hertz(track.interval);
   const double rate = rate_hz && std::abs(measured / *rate_hz - 1) <= kSameRate ? *rate_hz : measured;
   return {rate, track.points, {}, notes_on(track, steps, rate, rate_hz, column)};
@@ -389,8 +374,7 @@ Grid described(const Track& track, const Steps& steps, std::optional<double> rat
 
 }  // namespace
 
-Grid make_grid(const std::vector<std::int64_t>& stamps, std::optional<double> rate_hz,
-               const TimeColumn& column) {
+Grid make_grid(const std::vector<std::int64_t>& stamps, std::optional<double> rate_hz, const TimeColumn& column) {
   if (const auto even = follow_even(stamps); even && (!rate_hz || agrees(even->interval, *rate_hz))) {
     check_jitter(*even, column);
     return described(*even, {.stamps = stamps.size()}, rate_hz, column);
@@ -412,8 +396,7 @@ Grid make_grid(const std::vector<std::int64_t>& stamps, std::optional<double> ra
   check_density(track, rows, stamps, column);
   if (rate_hz && !agrees(track.interval, *rate_hz)) fail_contradiction(column, track.interval, *rate_hz);
   Grid grid = described(track, steps, rate_hz, column);
-  if (grid.points != static_cast<std::int64_t>(rows) || rows != stamps.size())
-    grid.places = std::move(places);
+  if (grid.points != static_cast<std::int64_t>(rows) || rows != stamps.size()) grid.places = std::move(places);
   return grid;
 }
 

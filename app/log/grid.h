@@ -2,13 +2,13 @@
 // Inside io: from time stamps to a uniform grid.
 #pragma once
 
-#include "log.h"
-
 #include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "log.h"
 
 namespace gyrobudget::inline v0::log {
 
@@ -37,8 +37,7 @@ struct TimeColumn {
 /// not. The rate is the least-squares slope of the stamps over the grid points; a given rate within 1e-6 of it is
 /// taken instead.
 /// @throws InputError for time that goes back, hardly rises, is too uneven or full of gaps, or contradicts the rate.
-[[nodiscard]] Grid make_grid(const std::vector<std::int64_t>& stamps, std::optional<double> rate_hz,
-                             const TimeColumn&);
+[[nodiscard]] Grid make_grid(const std::vector<std::int64_t>& stamps, std::optional<double> rate_hz, const TimeColumn&);
 
 /// The values of the rows on the grid; NaN where there is none.
 void put_on_grid(const Grid&, std::vector<double>& values);

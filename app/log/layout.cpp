@@ -158,16 +158,14 @@ Dialect find_dialect(const Bytes& source, const NumberedLine& above, std::vector
     text::fail_at(
         source.name(), rows[0].number, 1,
         fmt::format(
-            "found {}, where the commas may be decimal marks or part the columns; write decimal points, "
-            "part the columns by semicolons, or name the columns in a header line, as in \"gyro_x (deg/s)\"",
+            "found {}, where the commas may be decimal marks or part the columns; write decimal points, part the columns by semicolons, or name the columns in a header line, as in \"gyro_x (deg/s)\"",
             text::quoted(rows[0].text)));
   }
   if (best_score.clean_rows == 0 && commas_stand_in_quotes(rows[0].text)) {
     text::fail_at(
         source.name(), rows[0].number, 1,
         fmt::format(
-            "found {}, decimal commas in quotes between commas; write decimal points, or part the columns "
-            "by semicolons and leave the quotes out",
+            "found {}, decimal commas in quotes between commas; write decimal points, or part the columns by semicolons and leave the quotes out",
             text::quoted(rows[0].text)));
   }
   return best;
@@ -190,8 +188,7 @@ std::size_t opening_bracket(std::string_view text) {
 
 Heading heading(std::string_view cell, std::int64_t column) {
   std::string_view text = text::trim(cell);
-  if (text.size() >= 2 && text.front() == '"' && text.back() == '"')
-    text = text::trim(text.substr(1, text.size() - 2));
+  if (text.size() >= 2 && text.front() == '"' && text.back() == '"') text = text::trim(text.substr(1, text.size() - 2));
   Heading result{text::to_utf8(text), {}, column};
   const std::size_t open = opening_bracket(text);
   if (open == 0 || open == std::string_view::npos) return result;
@@ -219,9 +216,8 @@ std::vector<Heading> headings(const NumberedLine& line, char delimiter) {
 bool reads_like_names(const std::vector<Heading>& candidates) {
   return std::ranges::any_of(candidates, [](const Heading& h) {
     const std::string name = text::lower(h.name);
-    return !h.unit.empty() || name.find('_') != std::string::npos || name == "t" ||
-           name.starts_with("time") || name.starts_with("gyr") || name.starts_with("acc") || name == "gx" ||
-           name == "wx" || name == "ax";
+    return !h.unit.empty() || name.find('_') != std::string::npos || name == "t" || name.starts_with("time") ||
+           name.starts_with("gyr") || name.starts_with("acc") || name == "gx" || name == "wx" || name == "ax";
   });
 }
 
@@ -248,22 +244,19 @@ void count_columns(const Bytes& source, Layout& layout) {
   layout.columns = layout.sample[0].size();
   const std::size_t named = layout.headings.size();
   const bool surplus = std::ranges::all_of(layout.sample, ends_with_delimiter);
-  if (surplus && (named == 0 || named + 1 == layout.columns || layout.headings.back().name.empty()))
-    --layout.columns;
+  if (surplus && (named == 0 || named + 1 == layout.columns || layout.headings.back().name.empty())) --layout.columns;
   if (named == layout.columns + 1 && layout.headings.back().name.empty()) layout.headings.pop_back();
   if (layout.columns > kMostColumns) {
     text::fail_at(
         source.name(), layout.body_line, 1,
         fmt::format(
-            "found {} or more numbers in one line, expected at most {}; put each sample on a line of its own "
-            "(tr -s ' ' '\\n')",
+            "found {} or more numbers in one line, expected at most {}; put each sample on a line of its own (tr -s ' ' '\\n')",
             layout.columns, kMostColumns));
   }
   if (named != 0 && layout.headings.size() != layout.columns) {
-    text::fail_at(
-        source.name(), layout.body_line, 1,
-        fmt::format("found {} cells under a header of {} names; give each column one name{}", layout.columns,
-                    named, layout.dialect.delimiter == ' ' ? ", without blanks in it" : ""));
+    text::fail_at(source.name(), layout.body_line, 1,
+                  fmt::format("found {} cells under a header of {} names; give each column one name{}", layout.columns,
+                              named, layout.dialect.delimiter == ' ' ? ", without blanks in it" : ""));
   }
 }
 
@@ -321,8 +314,8 @@ Layout read_layout(const Bytes& source) {
     }
     if (lines.empty()) {
       text::fail(source.name(),
-           fmt::format("holds a header (line {}) but no samples under it; check how it was written",
-                       layout.heading_line));
+                 fmt::format("holds a header (line {}) but no samples under it; check how it was written",
+                             layout.heading_line));
     }
   }
   layout.body = lines[0].begin;

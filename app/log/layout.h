@@ -2,13 +2,13 @@
 // Inside io: how the text of a log is laid out, found from its first lines.
 #pragma once
 
-#include "bytes.h"
-
 #include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "bytes.h"
 
 namespace gyrobudget::inline v0::log {
 

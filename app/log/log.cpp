@@ -1,15 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "log.h"
 
-#include "binary.h"
-#include "columns.h"
-#include "grid.h"
-#include "layout.h"
-#include "resample.h"
-#include "segments.h"
-#include "bytes.h"
-#include "table.h"
-
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -23,13 +14,21 @@
 #include <stdexcept>
 #include <utility>
 
+#include "binary.h"
+#include "bytes.h"
+#include "columns.h"
+#include "grid.h"
+#include "layout.h"
+#include "resample.h"
+#include "segments.h"
+#include "table.h"
+
 namespace gyrobudget::inline v0::log {
 namespace {
 
 void check(const LogOptions& options) {
   if (options.rate_hz && !(std::isfinite(*options.rate_hz) && *options.rate_hz > 0)) {
-    throw std::invalid_argument(
-        fmt::format("rate_hz is {} Hz; it must be above 0 and finite", *options.rate_hz));
+    throw std::invalid_argument(fmt::format("rate_hz is {} Hz; it must be above 0 and finite", *options.rate_hz));
   }
   if (!std::isfinite(options.scale) || options.scale == 0) {
     throw std::invalid_argument(fmt::format("scale is {}; it must be finite and not 0", options.scale));
@@ -39,8 +38,7 @@ void check(const LogOptions& options) {
         fmt::format("resample_hz is {} Hz; it must be above 0 and finite", *options.resample_hz));
   }
   if (options.file_columns < 1) {
-    throw std::invalid_argument(
-        fmt::format("file_columns is {}; it must be at least 1", options.file_columns));
+    throw std::invalid_argument(fmt::format("file_columns is {}; it must be at least 1", options.file_columns));
   }
 }
 
@@ -50,8 +48,8 @@ std::int64_t fewest_rows(Input input) { return input == Input::angle ? 3 : 2; }
 void check_length(const std::string& source, std::int64_t found, Input input, std::string_view what,
                   std::string_view where) {
   if (found >= fewest_rows(input)) return;
-  text::fail(source, fmt::format("holds {} {}{}{}, expected at least {}; record longer: a datasheet needs hours",
-                           found, what, found == 1 ? "" : "s", where, fewest_rows(input)));
+  text::fail(source, fmt::format("holds {} {}{}{}, expected at least {}; record longer: a datasheet needs hours", found,
+                                 what, found == 1 ? "" : "s", where, fewest_rows(input)));
 }
 
 std::int64_t count_numbers(const std::vector<double>& values) {
@@ -145,8 +143,8 @@ struct Raw {
 
 using LineOfRow = std::function<std::int64_t(std::size_t)>;
 
-void place_on_grid(Piece& piece, std::vector<std::int64_t> stamps, const Raw& raw,
-                   const LineOfRow& line_of_row, const LogOptions& options) {
+void place_on_grid(Piece& piece, std::vector<std::int64_t> stamps, const Raw& raw, const LineOfRow& line_of_row,
+                   const LogOptions& options) {
   piece.line = line_of_row(piece.rows.first);
   if (stamps.empty()) {
     piece.grid = {*options.rate_hz, static_cast<std::int64_t>(piece.rows.rows), {}, {}};
@@ -155,8 +153,7 @@ void place_on_grid(Piece& piece, std::vector<std::int64_t> stamps, const Raw& ra
   const TimeColumn column{raw.source, raw.choice.time_name,
                           [&](std::size_t row) { return line_of_row(piece.rows.first + row); }};
   if (options.resample_hz) {
-    const Resampler& by =
-        piece.resampler.emplace(std::move(stamps), *options.resample_hz, options.input, column);
+    const Resampler& by = piece.resampler.emplace(std::move(stamps), *options.resample_hz, options.input, column);
     piece.grid = {by.rate_hz(), by.cells(), {}, {by.note()}};
     return;
   }
@@ -171,16 +168,15 @@ std::string length_text(double seconds) {
 Stretches cut_or_fail(const Raw& raw, const LogOptions& options, double longest_gap_s) {
   Stretches cuts = cut(raw.table, options.rate_hz.value_or(1), longest_gap_s);
   if (!cuts.kept.empty()) return cuts;
-  text::fail(raw.source,
-       fmt::format(
-           "no segment without a gap above {:g} s has {} rows (the longest has {}); give --segments a gap "
-           "longer than the sample interval and the short gaps that may stay",
-           longest_gap_s, kFewestRows, cuts.longest_rows));
+  text::fail(
+      raw.source,
+      fmt::format(
+          "no segment without a gap above {:g} s has {} rows (the longest has {}); give --segments a gap longer than the sample interval and the short gaps that may stay",
+          longest_gap_s, kFewestRows, cuts.longest_rows));
 }
 
 /// The pieces of the table, each on its grid: the whole, or what is left between long gaps.
-void arrange(Raw& raw, const LineOfRow& line_of_row, const LogOptions& options,
-             std::optional<double> longest_gap_s) {
+void arrange(Raw& raw, const LineOfRow& line_of_row, const LogOptions& options, std::optional<double> longest_gap_s) {
   if (options.resample_hz && raw.choice.stamps.empty())
     text::fail(raw.source, "has no time column, which resampling needs; leave out --resample");
   if (!longest_gap_s) {
@@ -232,8 +228,7 @@ Raw read_binary(const LogOptions& options, Format format, std::optional<double> 
   raw.table.rows = static_cast<std::size_t>(rows);
   raw.table.complete = false;
   raw.table.numbers.assign(raw.choice.data.size(), std::vector<double>(raw.table.rows));
-  decode(body, layout, raw.choice,
-         std::vector<std::span<double>>(raw.table.numbers.begin(), raw.table.numbers.end()));
+  decode(body, layout, raw.choice, std::vector<std::span<double>>(raw.table.numbers.begin(), raw.table.numbers.end()));
   arrange(
       raw, [](std::size_t row) { return static_cast<std::int64_t>(row) + 1; }, options, longest_gap_s);
   return raw;
@@ -242,8 +237,7 @@ Raw read_binary(const LogOptions& options, Format format, std::optional<double> 
 Raw read_raw(const LogOptions& options, std::optional<double> longest_gap_s) {
   check(options);
   const Format format = options.format.value_or(format_of(options.path));
-  return format == Format::csv ? read_text(options, longest_gap_s)
-                               : read_binary(options, format, longest_gap_s);
+  return format == Format::csv ? read_text(options, longest_gap_s) : read_binary(options, format, longest_gap_s);
 }
 
 /// The values of a column in the rows of a piece; the only piece takes them all.
@@ -271,8 +265,7 @@ allan::Record to_record(Raw& raw, const Piece& piece, Input input, Counts& count
     const DataColumn& column = raw.choice.data[i];
     std::vector<double> values = take(raw.table.numbers[i], piece);
     if (piece.resampler) {
-      if (input == Input::angle && column.signal == noise::Signal::angular_rate)
-        counts.turns[i] += unwrap(values);
+      if (input == Input::angle && column.signal == noise::Signal::angular_rate) counts.turns[i] += unwrap(values);
       values = (*piece.resampler)(values);
       counts.numbers[i] += count_numbers(values);
     } else {
@@ -310,11 +303,11 @@ void share_rate(std::vector<allan::Record>& records, const std::vector<Grid>& gr
   for (std::size_t i = 0; i < records.size(); ++i) {
     allan::Record& record = records[i];
     if (std::abs(record.rate_hz / rate - 1) > kRateTolerance) {
-      text::fail(record.source,
-           fmt::format("the time of {} (from line {}) says {:.6g} Hz, that of {} {:.6g} Hz; segments "
-                       "must have one rate: cut the log there",
-                       name(i), record.first_row, record.rate_hz, name(static_cast<std::size_t>(longest)),
-                       rate));
+      text::fail(
+          record.source,
+          fmt::format(
+              "the time of {} (from line {}) says {:.6g} Hz, that of {} {:.6g} Hz; segments must have one rate: cut the log there",
+              name(i), record.first_row, record.rate_hz, name(static_cast<std::size_t>(longest)), rate));
     }
     record.rate_hz = rate;
     const bool first_is_rate = !resampled;  // the rate of each is of no interest, but that of the longest
@@ -333,8 +326,7 @@ allan::Record read_log(const LogOptions& options) {
 
 std::vector<allan::Record> read_segments(const LogOptions& options, double longest_gap_s) {
   if (!(longest_gap_s > 0) || !std::isfinite(longest_gap_s)) {
-    throw std::invalid_argument(
-        fmt::format("longest gap is {} s; it must be above 0 and finite", longest_gap_s));
+    throw std::invalid_argument(fmt::format("longest gap is {} s; it must be above 0 and finite", longest_gap_s));
   }
   Raw raw = read_raw(options, longest_gap_s);
   std::vector<Grid> grids;

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/app/text/error.h"
-#include "format.h"
 #include "gyrobudget/allan/record.h"
+#include "gyrobudget/app/text/error.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "format.h"
 
 namespace gyrobudget::inline v0::log {
 
@@ -33,8 +34,7 @@ struct LogOptions {
 };
 
 // How the time column becomes a grid; each is said in a note or in the error.
-inline constexpr double kRateTolerance =
-    0.01;  ///< LogOptions::rate_hz may differ this much from the time column
+inline constexpr double kRateTolerance = 0.01;  ///< LogOptions::rate_hz may differ this much from the time column
 inline constexpr double kMostRepeated = 0.05;   ///< share of repeated stamps from which the column is refused
 inline constexpr double kMostMissing = 0.5;     ///< share of missing samples from which the record is refused
 inline constexpr double kLargestJitter = 0.25;  ///< rms of the stamps about the grid, in sample intervals

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "log_writer.h"
 
-#include "binary.h"
 #include "gyrobudget/app/text/output.h"
 #include "gyrobudget/noise/units.h"
 
@@ -19,6 +18,8 @@
 #include <utility>
 #include <vector>
 
+#include "binary.h"
+
 namespace gyrobudget::inline v0::log {
 namespace {
 
@@ -31,8 +32,7 @@ void check(const LogHead& head) {
   }
   for (const LogHead::Column& c : head.columns) {
     if (c.name.find_first_of(",\"\r\n") != std::string::npos) {
-      throw std::invalid_argument(
-          fmt::format("column name '{}' must not hold commas, quotes or line breaks", c.name));
+      throw std::invalid_argument(fmt::format("column name '{}' must not hold commas, quotes or line breaks", c.name));
     }
   }
   if (head.comment.find_first_of("\r\n") != std::string::npos) {
@@ -54,8 +54,7 @@ std::string compressed(const std::string& text) {
   constexpr int kWindow = 15 + 16;  // 32 KiB, gzip header and check sum
   constexpr int kMemory = 8;
   z_stream stream = {};
-  if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, kWindow, kMemory, Z_DEFAULT_STRATEGY) !=
-      Z_OK) {
+  if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, kWindow, kMemory, Z_DEFAULT_STRATEGY) != Z_OK) {
     throw std::bad_alloc();
   }
   std::string result(deflateBound(&stream, text.size()), '\0');
@@ -142,8 +141,7 @@ Rows produced(std::uint64_t first, std::uint64_t end, std::size_t columns, const
 
 }  // namespace
 
-void write_log(const std::string& path, const LogHead& head, std::uint64_t samples,
-               const LogProducer& produce) {
+void write_log(const std::string& path, const LogHead& head, std::uint64_t samples, const LogProducer& produce) {
   check(head);
   const Formatter formatter(head);
   const bool gzip = head.format == Format::csv && path.ends_with(".gz");
@@ -168,33 +166,29 @@ void write_log(const std::string& path, const LogHead& head, std::uint64_t sampl
   };
   const auto write = [&](const std::string& bytes) { file.write(bytes); };
   const auto in_flight = 2 * static_cast<std::size_t>(tbb::info::default_concurrency());
-  tbb::parallel_pipeline(in_flight,
-                         tbb::make_filter<void, Rows>(tbb::filter_mode::serial_in_order, make) &
-                             tbb::make_filter<Rows, std::string>(tbb::filter_mode::parallel, format) &
-                             tbb::make_filter<std::string, void>(tbb::filter_mode::serial_in_order, write));
+  tbb::parallel_pipeline(in_flight, tbb::make_filter<void, Rows>(tbb::filter_mode::serial_in_order, make) &
+                                        tbb::make_filter<Rows, std::string>(tbb::filter_mode::parallel, format) &
+                                        tbb::make_filter<std::string, void>(tbb::filter_mode::serial_in_order, write));
   file.commit();
 }
 
-void write_log(const std::string& path, std::span<const LogColumn> columns, double rate_hz,
-               std::string_view comment, Format format) {
+void write_log(const std::string& path, std::span<const LogColumn> columns, double rate_hz, std::string_view comment,
+               Format format) {
   LogHead head{{}, rate_hz, std::string(comment), 0, format};
   for (const LogColumn& c : columns) {
     if (c.values.size() != columns[0].values.size()) {
-      throw std::invalid_argument(
-          fmt::format("column '{}' has {} values, '{}' has {}; they must be equally long", c.name,
-                      c.values.size(), columns[0].name, columns[0].values.size()));
+      throw std::invalid_argument(fmt::format("column '{}' has {} values, '{}' has {}; they must be equally long",
+                                              c.name, c.values.size(), columns[0].name, columns[0].values.size()));
     }
     head.columns.push_back({c.name, c.unit});
   }
   std::size_t at = 0;
-  write_log(path, head, columns.empty() ? 0 : columns[0].values.size(),
-            [&](std::span<const std::span<double>> out) {
-              for (std::size_t i = 0; i < columns.size(); ++i) {
-                std::copy_n(columns[i].values.begin() + static_cast<std::ptrdiff_t>(at), out[i].size(),
-                            out[i].begin());
-              }
-              at += out[0].size();
-            });
+  write_log(path, head, columns.empty() ? 0 : columns[0].values.size(), [&](std::span<const std::span<double>> out) {
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      std::copy_n(columns[i].values.begin() + static_cast<std::ptrdiff_t>(at), out[i].size(), out[i].begin());
+    }
+    at += out[0].size();
+  });
 }
 
 }  // namespace gyrobudget::inline v0::log

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "gyrobudget/app/text/error.h"
-#include "format.h"
 
 #include <cstdint>
 #include <functional>
@@ -10,6 +9,8 @@
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "format.h"
 
 namespace gyrobudget::inline v0::log {
 

@@ -21,8 +21,7 @@ noise::Unit unit_with_factor(std::string_view text) {
   double factor = 1;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), factor);
   const std::string_view rest = text::trim(text.substr(static_cast<std::size_t>(end - text.data())));
-  if (error != std::errc{} || rest.empty() || factor == 0 || !std::isfinite(factor))
-    return noise::parse_unit(text);
+  if (error != std::errc{} || rest.empty() || factor == 0 || !std::isfinite(factor)) return noise::parse_unit(text);
   noise::Unit unit = noise::parse_unit(rest);
   unit.to_si *= factor;
   return unit;
@@ -62,12 +61,12 @@ std::optional<std::size_t> NamedColumns::find(const Wanted& wanted) const {
     if (const auto index = place(given->name)) return index;
     std::vector<std::string> names;
     for (const Heading& h : layout_.headings) names.push_back(h.name);
-    text::fail(source_.name(),
-         fmt::format("found no column {} for {}{}{}", text::quoted(given->name), wanted.name,
-                     text::suggestion(given->name, names),
-                     names.empty()
-                         ? fmt::format("; without a header columns are numbers from 1 to {}", layout_.columns)
-                         : "; there are " + text::listing(names)));
+    text::fail(
+        source_.name(),
+        fmt::format("found no column {} for {}{}{}", text::quoted(given->name), wanted.name,
+                    text::suggestion(given->name, names),
+                    names.empty() ? fmt::format("; without a header columns are numbers from 1 to {}", layout_.columns)
+                                  : "; there are " + text::listing(names)));
   }
   for (std::size_t i = 0; i < layout_.headings.size(); ++i) {
     const std::string name = text::lower(layout_.headings[i].name);
@@ -97,11 +96,12 @@ std::pair<DataColumn, std::size_t> NamedColumns::get(const Wanted& wanted,
   } catch (const std::invalid_argument& error) {
     found += fmt::format(" ({})", error.what());
   }
-  text::fail_at(source_.name(), layout_.heading_line, heading.column,
-          fmt::format("column {} has {}, expected one like {}, in the header as in \"{} ({})\"",
-                      text::quoted(heading.name), found, examples(dimensions), heading.name,
-                      noise::example_units(dimensions.front())
-                          .substr(0, noise::example_units(dimensions.front()).find(','))));
+  text::fail_at(
+      source_.name(), layout_.heading_line, heading.column,
+      fmt::format(
+          "column {} has {}, expected one like {}, in the header as in \"{} ({})\"", text::quoted(heading.name), found,
+          examples(dimensions), heading.name,
+          noise::example_units(dimensions.front()).substr(0, noise::example_units(dimensions.front()).find(','))));
 }
 
 DataColumn NamedColumns::get(const Wanted& wanted) const { return get(wanted, {wanted.dimension}).first; }

@@ -2,10 +2,6 @@
 // Inside io: tables whose columns are known by name.
 #pragma once
 
-#include "columns.h"
-#include "layout.h"
-#include "table.h"
-
 #include <array>
 #include <map>
 #include <memory>
@@ -13,6 +9,10 @@
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "columns.h"
+#include "layout.h"
+#include "table.h"
 
 namespace gyrobudget::inline v0::log {
 
@@ -31,11 +31,10 @@ inline constexpr std::array<Wanted, 3> kPlaceColumns{{{"latitude", {"lat", "lat"
                                                       {"longitude", {"lon", "lng"}, noise::dimension::kAngle},
                                                       {"height", {"altitude", "alt"}, kLengthDimension}}};
 /// q_nb, body against north, east, down.
-inline constexpr std::array<Wanted, 4> kQuaternionColumns{
-    {{"q_w", {"qw", "q_nb_w"}, noise::dimension::kNumber},
-     {"q_x", {"qx", "q_nb_x"}, noise::dimension::kNumber},
-     {"q_y", {"qy", "q_nb_y"}, noise::dimension::kNumber},
-     {"q_z", {"qz", "q_nb_z"}, noise::dimension::kNumber}}};
+inline constexpr std::array<Wanted, 4> kQuaternionColumns{{{"q_w", {"qw", "q_nb_w"}, noise::dimension::kNumber},
+                                                           {"q_x", {"qx", "q_nb_x"}, noise::dimension::kNumber},
+                                                           {"q_y", {"qy", "q_nb_y"}, noise::dimension::kNumber},
+                                                           {"q_z", {"qz", "q_nb_z"}, noise::dimension::kNumber}}};
 /// The same as angles.
 inline constexpr std::array<Wanted, 3> kEulerColumns{{{"yaw", {"heading", "yaw"}, noise::dimension::kAngle},
                                                       {"pitch", {"pitch", "pitch"}, noise::dimension::kAngle},
@@ -59,8 +58,7 @@ class NamedColumns {
   /// The same with the factor to SI. @throws InputError also where there is none, or its unit is wrong.
   [[nodiscard]] DataColumn get(const Wanted&) const;
   /// The first of several dimensions that the column's unit has: {column, which}.
-  [[nodiscard]] std::pair<DataColumn, std::size_t> get(const Wanted&,
-                                                       const std::vector<noise::Dimension>&) const;
+  [[nodiscard]] std::pair<DataColumn, std::size_t> get(const Wanted&, const std::vector<noise::Dimension>&) const;
 
  private:
   struct Mapped {

@@ -16,15 +16,13 @@ struct TimeUnit {
 };
 constexpr std::int64_t kNano = 1, kMicro = 1'000, kMilli = 1'000'000, kSecond = 1'000'000'000;
 constexpr TimeUnit kTimeUnits[] = {
-    {"s", kSecond},       {"sec", kSecond},         {"secs", kSecond},        {"second", kSecond},
-    {"seconds", kSecond}, {"ms", kMilli},           {"msec", kMilli},         {"msecs", kMilli},
-    {"millis", kMilli},   {"milliseconds", kMilli}, {"us", kMicro},           {"usec", kMicro},
-    {"usecs", kMicro},    {"micros", kMicro},       {"microseconds", kMicro}, {"µs", kMicro},
-    {"ns", kNano},        {"nsec", kNano},          {"nsecs", kNano},         {"nanos", kNano},
-    {"nanosec", kNano},   {"nanosecs", kNano},      {"nanoseconds", kNano},
+    {"s", kSecond},     {"sec", kSecond},    {"secs", kSecond},      {"second", kSecond}, {"seconds", kSecond},
+    {"ms", kMilli},     {"msec", kMilli},    {"msecs", kMilli},      {"millis", kMilli},  {"milliseconds", kMilli},
+    {"us", kMicro},     {"usec", kMicro},    {"usecs", kMicro},      {"micros", kMicro},  {"microseconds", kMicro},
+    {"µs", kMicro},     {"ns", kNano},       {"nsec", kNano},        {"nsecs", kNano},    {"nanos", kNano},
+    {"nanosec", kNano}, {"nanosecs", kNano}, {"nanoseconds", kNano},
 };
-constexpr std::string_view kTimeWords[] = {"timestamp", "time",  "stamp",   "ts", "tow",
-                                           "sow",       "epoch", "elapsed", "t"};
+constexpr std::string_view kTimeWords[] = {"timestamp", "time", "stamp", "ts", "tow", "sow", "epoch", "elapsed", "t"};
 
 std::int64_t time_unit(std::string_view word) {
   const auto* found = std::ranges::find(kTimeUnits, word, &TimeUnit::word);
@@ -46,9 +44,7 @@ std::vector<std::string> words_of(std::string_view name) {
   return words;
 }
 
-bool is_time_word(std::string_view word) {
-  return std::ranges::find(kTimeWords, word) != std::end(kTimeWords);
-}
+bool is_time_word(std::string_view word) { return std::ranges::find(kTimeWords, word) != std::end(kTimeWords); }
 
 /// "timeus" is time in us.
 std::optional<TimeName> joined_name(std::string_view word) {
@@ -85,8 +81,7 @@ std::optional<TimeName> time_name(std::string_view name) {
   // header.stamp.secs is a name that is a unit too: its nanoseconds stand in a column of their own.
   const std::string& before = words[words.size() - 2];
   constexpr std::size_t kSpelledOut = 3;
-  if (unit != 0 && is_time_word(before))
-    return TimeName{unit, before == "stamp" && words.back().size() >= kSpelledOut};
+  if (unit != 0 && is_time_word(before)) return TimeName{unit, before == "stamp" && words.back().size() >= kSpelledOut};
   const bool any = std::ranges::any_of(words, [](const std::string& word) {
     return is_one_of(word, {"time", "timestamp", "stamp", "tow", "sow", "epoch"});
   });
@@ -96,12 +91,10 @@ std::optional<TimeName> time_name(std::string_view name) {
 
 NameKind kind_of_name(std::string_view name) {
   const std::vector<std::string> words = words_of(name);
-  if (has_prefix(words,
-                 {"temp", "seq",    "index", "idx",    "count", "packet",  "frame", "mag",  "press", "baro",
-                  "quat", "orient", "cov",   "status", "flag",  "valid",   "volt",  "batt", "lat",   "lon",
-                  "alt",  "height", "roll",  "pitch",  "yaw",   "heading", "week",  "humid"}) ||
-      is_one_of(words[0],
-                {"id", "i", "n", "no", "nr", "sample", "q", "qw", "qx", "qy", "qz", "mx", "my", "mz"})) {
+  if (has_prefix(words, {"temp", "seq",    "index", "idx",    "count", "packet",  "frame", "mag",  "press", "baro",
+                         "quat", "orient", "cov",   "status", "flag",  "valid",   "volt",  "batt", "lat",   "lon",
+                         "alt",  "height", "roll",  "pitch",  "yaw",   "heading", "week",  "humid"}) ||
+      is_one_of(words[0], {"id", "i", "n", "no", "nr", "sample", "q", "qw", "qx", "qy", "qz", "mx", "my", "mz"})) {
     return NameKind::other;
   }
   if (has_prefix(words, {"gyr", "ang", "omega", "rate", "dtheta"}) ||

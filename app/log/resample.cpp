@@ -19,11 +19,11 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMostCells = 0x1p40;
 
 [[noreturn]] void fail_sparse(const TimeColumn& column, double rate_hz, double share) {
-  text::fail(column.source,
-       fmt::format("only {:.0f} % of the intervals of 1/({:g} Hz) can be filled from the time {}, "
-                   "expected at least {:.0f} %; give --resample a lower rate, or cut the log at its "
-                   "gaps with --segments",
-                   100 * share, rate_hz, column.name, 100 * (1 - kMostMissing)));
+  text::fail(
+      column.source,
+      fmt::format(
+          "only {:.0f} % of the intervals of 1/({:g} Hz) can be filled from the time {}, expected at least {:.0f} %; give --resample a lower rate, or cut the log at its gaps with --segments",
+          100 * share, rate_hz, column.name, 100 * (1 - kMostMissing)));
 }
 
 }  // namespace
@@ -46,25 +46,24 @@ double Resampler::place(std::size_t row) const {
 void Resampler::check(const TimeColumn& column) const {
   for (std::size_t row = 0; row < stamps_.size(); ++row) {
     if (stamps_[row] == text::kNoStamp) {
-      text::fail_at(
-          column.source, column.line_of_row(row), 1,
-          fmt::format("the time {} is missing, which --resample cannot place; remove the row", column.name));
+      text::fail_at(column.source, column.line_of_row(row), 1,
+                    fmt::format("the time {} is missing, which --resample cannot place; remove the row", column.name));
     }
     if (row > 0 && stamps_[row] < stamps_[row - 1]) {
-      text::fail_at(column.source, column.line_of_row(row), 1,
-              fmt::format(
-                  "the time {} goes back, expected rising time; put the rows in order, or cut the log there "
-                  "with --segments",
-                  column.name));
+      text::fail_at(
+          column.source, column.line_of_row(row), 1,
+          fmt::format(
+              "the time {} goes back, expected rising time; put the rows in order, or cut the log there with --segments",
+              column.name));
     }
   }
   const double span = place(stamps_.size() - 1), readings = static_cast<double>(stamps_.size());
   if (span >= 1 && span <= kMostCells && readings > span) return;
-  text::fail(column.source,
-       fmt::format(
-           "--resample {:g} Hz: the time {} holds {:.4g} readings a second over {:.6g} s, and resampling "
-           "averages, it invents none; give a lower rate",
-           rate_hz_, column.name, readings / span * rate_hz_, span / rate_hz_));
+  text::fail(
+      column.source,
+      fmt::format(
+          "--resample {:g} Hz: the time {} holds {:.4g} readings a second over {:.6g} s, and resampling averages, it invents none; give a lower rate",
+          rate_hz_, column.name, readings / span * rate_hz_, span / rate_hz_));
 }
 
 std::vector<double> Resampler::operator()(std::span<const double> values) const {
@@ -98,8 +97,7 @@ std::vector<double> Resampler::spread(std::span<const double> values) const {
     const double amount = input_ == Input::angle ? values[row] - angle : values[row];
     const double first = std::floor(from), last = std::floor(to);
     if (!(to - from <= 1) || !std::isfinite(amount)) {
-      for (double cell = first; cell <= std::min(last, static_cast<double>(cells_ - 1)); ++cell)
-        add(cell, kNone);
+      for (double cell = first; cell <= std::min(last, static_cast<double>(cells_ - 1)); ++cell) add(cell, kNone);
     } else if (first == last) {
       add(first, amount);
     } else {
@@ -117,8 +115,7 @@ std::vector<double> Resampler::spread(std::span<const double> values) const {
 void Resampler::describe_means(const TimeColumn& column) {
   std::vector<std::int64_t> counts(static_cast<std::size_t>(cells_));
   for (std::size_t row = 0; row < stamps_.size(); ++row) {
-    if (const double at = place(row); at < static_cast<double>(cells_))
-      ++counts[static_cast<std::size_t>(at)];
+    if (const double at = place(row); at < static_cast<double>(cells_)) ++counts[static_cast<std::size_t>(at)];
   }
   double filled = 0, sum = 0, inverse = 0;
   std::int64_t most = 0;
@@ -133,9 +130,7 @@ void Resampler::describe_means(const TimeColumn& column) {
     fail_sparse(column, rate_hz_, filled / static_cast<double>(cells_));
   const double excess = std::sqrt(sum / filled * inverse / filled) - 1;
   note_ = fmt::format(
-      "resampled to {:g} Hz as asked: a sample is the mean of the readings in {:g} s, {:.3g} on average and "
-      "at most {}; "
-      "white noise reads {:.2g} % high at every tau, as samples of few readings count like those of many",
+      "resampled to {:g} Hz as asked: a sample is the mean of the readings in {:g} s, {:.3g} on average and at most {}; white noise reads {:.2g} % high at every tau, as samples of few readings count like those of many",
       rate_hz_, 1 / rate_hz_, sum / filled, most, 100 * excess);
 }
 
@@ -154,11 +149,9 @@ void Resampler::describe_spread(const TimeColumn& column) {
     fail_sparse(column, rate_hz_, std::max(0., 1 - lost / static_cast<double>(cells_)));
   const double low = squares / steps / 2;  // of the variance at one cell
   note_ = fmt::format(
-      "resampled to {:g} Hz as asked: angles at the ends of {:g} s are interpolated between readings; white "
-      "noise reads "
-      "{:.2g} % low at {:g} s, {:.2g} % at {:g} s and less in proportion at longer tau",
-      rate_hz_, 1 / rate_hz_, 100 * (1 - std::sqrt(1 - low)), 1 / rate_hz_,
-      100 * (1 - std::sqrt(1 - low / 4)), 4 / rate_hz_);
+      "resampled to {:g} Hz as asked: angles at the ends of {:g} s are interpolated between readings; white noise reads {:.2g} % low at {:g} s, {:.2g} % at {:g} s and less in proportion at longer tau",
+      rate_hz_, 1 / rate_hz_, 100 * (1 - std::sqrt(1 - low)), 1 / rate_hz_, 100 * (1 - std::sqrt(1 - low / 4)),
+      4 / rate_hz_);
 }
 
 }  // namespace gyrobudget::inline v0::log

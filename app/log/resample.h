@@ -2,13 +2,13 @@
 // Inside io: readings at uneven times onto even ones, where that is asked for.
 #pragma once
 
-#include "grid.h"
-#include "log.h"
-
 #include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
+
+#include "grid.h"
+#include "log.h"
 
 namespace gyrobudget::inline v0::log {
 

@@ -2,12 +2,12 @@
 // Inside io: where a log is cut into stretches without long gaps.
 #pragma once
 
-#include "table.h"
-
 #include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "table.h"
 
 namespace gyrobudget::inline v0::log {
 
@@ -33,7 +33,6 @@ struct Stretches {
 [[nodiscard]] Stretches cut(const Table&, double rate_hz, double longest_gap_s);
 
 /// One sentence on the stretches: how many, how long, where the cuts are, what is left out.
-[[nodiscard]] std::string describe(const Stretches&, const std::vector<std::string>& lengths,
-                                   double longest_gap_s);
+[[nodiscard]] std::string describe(const Stretches&, const std::vector<std::string>& lengths, double longest_gap_s);
 
 }  // namespace gyrobudget::inline v0::log

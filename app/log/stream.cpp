@@ -1,13 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "stream.h"
 
-#include "binary.h"
-#include "grid.h"
-#include "layout.h"
 #include "gyrobudget/app/text/input.h"
 #include "gyrobudget/app/text/number.h"
-#include "bytes.h"
-#include "table.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -21,6 +16,12 @@
 #include <stdexcept>
 #include <system_error>
 #include <utility>
+
+#include "binary.h"
+#include "bytes.h"
+#include "grid.h"
+#include "layout.h"
+#include "table.h"
 
 namespace gyrobudget::inline v0::log {
 namespace {
@@ -67,8 +68,8 @@ class Inlet {
 
  private:
   [[noreturn]] void fail_to_read(int error) const {
-    text::fail(name_, fmt::format("cannot be read: {}; check the path and the disk",
-                            std::generic_category().message(error)));
+    text::fail(name_,
+               fmt::format("cannot be read: {}; check the path and the disk", std::generic_category().message(error)));
   }
   [[nodiscard]] bool readable(milliseconds patience) const {
     pollfd wanted{descriptor_, POLLIN, 0};
@@ -111,8 +112,7 @@ class Tracker {
     const double late = std::max(0.0, std::rint((time - expected_) / interval_));
     constexpr double kLongestGap = 1e6;
     if (late > std::max(kLongestGap, static_cast<double>(points_))) {
-      fail_here(fmt::format("jumps by {:g} s, over more samples than there are before it",
-                            (time - expected_) * 1e-9));
+      fail_here(fmt::format("jumps by {:g} s, over more samples than there are before it", (time - expected_) * 1e-9));
     }
     constexpr double kGain = 0.05;  // share of the offset that is taken over with each stamp
     const double tracked = expected_ + late * interval_;
@@ -130,8 +130,7 @@ class Tracker {
 
 LogOptions checked(const LogOptions& options) {
   if (options.rate_hz && !(std::isfinite(*options.rate_hz) && *options.rate_hz > 0)) {
-    throw std::invalid_argument(
-        fmt::format("rate_hz is {} Hz; it must be above 0 and finite", *options.rate_hz));
+    throw std::invalid_argument(fmt::format("rate_hz is {} Hz; it must be above 0 and finite", *options.rate_hz));
   }
   if (!std::isfinite(options.scale) || options.scale == 0) {
     throw std::invalid_argument(fmt::format("scale is {}; it must be finite and not 0", options.scale));
@@ -227,8 +226,7 @@ class LogStream::Binary : public LogStream::Reader {
     decode(inlet_.bytes().substr(0, used), layout_, choice_, spans);
     inlet_.drop(used);
     bytes_ += used;
-    const bool too_many =
-        layout_.rows && bytes_ > static_cast<std::uint64_t>(*layout_.rows) * layout_.row_bytes();
+    const bool too_many = layout_.rows && bytes_ > static_cast<std::uint64_t>(*layout_.rows) * layout_.row_bytes();
     if (inlet_.ended() || too_many) {
       // Throws unless the length is as it should be.
       static_cast<void>(count_rows(inlet_.name(), layout_, bytes_ + inlet_.bytes().size()));
@@ -282,15 +280,14 @@ class LogStream::Text : public LogStream::Reader {
     }
     const TableReader reader(head, layout_, options_.chunk_bytes);
     const Table table = reader.read(choice_);
-    const Grid grid = make_grid(
-        table.stamps, options_.rate_hz,
-        {inlet_.name(), choice_.time_name, [&](std::size_t row) { return reader.line_of_row(row); }});
+    const Grid grid =
+        make_grid(table.stamps, options_.rate_hz,
+                  {inlet_.name(), choice_.time_name, [&](std::size_t row) { return reader.line_of_row(row); }});
     rate_hz_ = options_.rate_hz.value_or(grid.rate_hz);
     tracker_.emplace(1e9 / rate_hz_);
     if (options_.rate_hz) return;
-    notes_.push_back(
-        fmt::format("rate {:.6g} Hz from the first {} time stamps of {}; --rate HZ is taken as it is",
-                    rate_hz_, table.stamps.size(), choice_.time_name));
+    notes_.push_back(fmt::format("rate {:.6g} Hz from the first {} time stamps of {}; --rate HZ is taken as it is",
+                                 rate_hz_, table.stamps.size(), choice_.time_name));
   }
 
   void take(std::vector<std::vector<double>>& columns) override {
@@ -312,9 +309,8 @@ class LogStream::Text : public LogStream::Reader {
     for (std::size_t row = 0; row < table.rows; ++row) {
       if (table.stamps[row] == text::kNoStamp) continue;
       const auto place = tracker_->next(table.stamps[row], [&](const std::string& what) {
-        text::fail_at(
-            inlet_.name(), reader.line_of_row(row), 1,
-            fmt::format("the time {} {}, expected rising time; cut the log here", choice_.time_name, what));
+        text::fail_at(inlet_.name(), reader.line_of_row(row), 1,
+                      fmt::format("the time {} {}, expected rising time; cut the log here", choice_.time_name, what));
       });
       for (std::size_t i = 0; i < columns.size(); ++i) {
         if (place.repeated) {

@@ -125,9 +125,8 @@ class RowParser {
         return std::isfinite(value) ? stop : nullptr;
       }
       case Role::stamp:
-        return role.further_part
-                   ? nullptr
-                   : text::scan_stamp(at, end, dialect_.decimal_comma, role.ns_per_unit, stamps_[row]);
+        return role.further_part ? nullptr
+                                 : text::scan_stamp(at, end, dialect_.decimal_comma, role.ns_per_unit, stamps_[row]);
       case Role::skip:
         break;
     }
@@ -188,8 +187,7 @@ class RowParser {
     }
     if (text::parse_number(cell, !dialect_.decimal_comma, ignored) == text::Cell::number) {
       return fmt::format(
-          "a number with a decimal {} as in the first rows; write all numbers alike, without "
-          "marks between thousands",
+          "a number with a decimal {} as in the first rows; write all numbers alike, without marks between thousands",
           dialect_.decimal_comma ? "comma" : "point");
     }
     return fmt::format("a number; {}", kMend);
@@ -205,8 +203,8 @@ class RowParser {
   }
 
   std::string wrong_count(std::size_t found) const {
-    return fmt::format("found {} cell{}, expected {} as in the first row; complete the row or delete it",
-                       found, found == 1 ? "" : "s", roles_.size());
+    return fmt::format("found {} cell{}, expected {} as in the first row; complete the row or delete it", found,
+                       found == 1 ? "" : "s", roles_.size());
   }
 
   Dialect dialect_;
@@ -255,8 +253,8 @@ LineKind quick_kind(std::string_view text, std::size_t begin, std::size_t end) {
 
 /// Parses the lines that start in [begin, end); `line` and `row` count those before them. @returns the first fault
 template <class Parser>
-std::optional<Fault> parse_chunk(const Parser& parser, std::string_view text, std::size_t begin,
-                                 std::size_t end, std::int64_t line, std::size_t row) {
+std::optional<Fault> parse_chunk(const Parser& parser, std::string_view text, std::size_t begin, std::size_t end,
+                                 std::int64_t line, std::size_t row) {
   const char* text_end = text.data() + text.size();
   while (begin < end) {
     ++line;
@@ -388,8 +386,8 @@ void TableReader::parse_rows(const Parser& parser) const {
   std::atomic<std::size_t> first_fault{chunks_.size()};
   tbb::parallel_for(std::size_t{0}, chunks_.size(), [&](std::size_t i) {
     if (i > first_fault.load(std::memory_order_relaxed)) return;  // an earlier one will be reported
-    faults[i] = parse_chunk(parser, source_.text(), chunks_[i].begin, chunks_[i].end, chunks_[i].lines,
-                            chunks_[i].rows);
+    faults[i] =
+        parse_chunk(parser, source_.text(), chunks_[i].begin, chunks_[i].end, chunks_[i].lines, chunks_[i].rows);
     std::size_t before = first_fault.load();
     while (faults[i] && i < before && !first_fault.compare_exchange_weak(before, i)) {
     }

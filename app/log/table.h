@@ -2,13 +2,13 @@
 // Inside io: the numbers of a log, parsed on all cores.
 #pragma once
 
-#include "columns.h"
-#include "layout.h"
-#include "bytes.h"
-
 #include <cstddef>
 #include <cstdint>
 #include <vector>
+
+#include "bytes.h"
+#include "columns.h"
+#include "layout.h"
 
 namespace gyrobudget::inline v0::log {
 

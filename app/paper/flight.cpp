@@ -110,8 +110,7 @@ Flown fly_gyro(const PaperSetting& setting, const TiltResponse& response, const 
 
 /// A body axis' turn of a record against another at the same times.
 template <typename Attitude>
-std::vector<double> turns(const FlightRecord& record, const FlightRecord& against, int axis,
-                          Attitude attitude) {
+std::vector<double> turns(const FlightRecord& record, const FlightRecord& against, int axis, Attitude attitude) {
   std::vector<double> result;
   for (std::size_t i = 0; i < std::min(record.points.size(), against.points.size()); ++i)
     result.push_back(body_turn(attitude(against.points[i]), attitude(record.points[i]))[axis]);
@@ -144,8 +143,7 @@ std::vector<PaperRow> distance_rows(const std::array<Flown, kPaperGyros>& flown,
        .unit = "m",
        .ours = flown[2].rms_crossrange,
        .theory = std::sqrt(C.col(1).dot(flown[2].covariance * C.col(1))),
-       .scatter =
-           around(std::sqrt(C.col(1).dot(flown[2].covariance * C.col(1))), 1.96 / std::sqrt(2.0 * kRuns)),
+       .scatter = around(std::sqrt(C.col(1).dot(flown[2].covariance * C.col(1))), 1.96 / std::sqrt(2.0 * kRuns)),
        .why = "The figure's trajectories lie in one plane. They do: noise takes them out of it by metres."});
   rows.push_back(
       {.id = "fig9.reference.reach_km",
@@ -155,8 +153,7 @@ std::vector<PaperRow> distance_rows(const std::array<Flown, kPaperGyros>& flown,
        .ours = (end_of(response.nominal()) - pad).norm() / kKm,
        .theory = (exact_end(setting.reference) - pad).norm() / kKm,
        .why =
-           "The paper's 16 % and 20 % are of 29.1 to 29.6 km. The vehicle's mass and specific impulse were "
-           "chosen to match that. Theory: nose exactly on the program."});
+           "The paper's 16 % and 20 % are of 29.1 to 29.6 km. The vehicle's mass and specific impulse were chosen to match that. Theory: nose exactly on the program."});
   for (std::size_t i = 0; i < kPaperGyros; ++i) {
     const double trace = flown[i].covariance.trace();
     const double theory = std::sqrt(expected.squaredNorm() + trace);
@@ -169,34 +166,29 @@ std::vector<PaperRow> distance_rows(const std::array<Flown, kPaperGyros>& flown,
                  .theory = theory / kKm};
     row.why =
         i == 0
-            ? "The loop damps the rate, so it follows a turning program late by 2 damping/frequency = 0.56 "
-              "s, which "
-              "air makes less of. Damping the rate's error instead, it does not lag: that is the reference."
-            : "The lag again; the gyro adds what the next row says. No unit, seed or missing Earth rate "
-              "makes the "
-              "published distance: see the hypotheses.";
+            ? "The loop damps the rate, so it follows a turning program late by 2 damping/frequency = 0.56 s, which air makes less of. Damping the rate's error instead, it does not lag: that is the reference."
+            : "The lag again; the gyro adds what the next row says. No unit, seed or missing Earth rate makes the published distance: see the hypotheses.";
     rows.push_back(row);
     if (i == 0) continue;
-    rows.push_back({.id = fmt::format("fig9.{}.from_ideal_m", kIds[i]),
-                    .group = kNames[i],
-                    .what = "distance from the ideal gyro's flight, rms",
-                    .unit = "m",
-                    .ours = flown[i].rms_from_ideal,
-                    .theory = std::sqrt(trace),
-                    .scatter = around(std::sqrt(trace), spread(flown[i].covariance, kRuns)),
-                    .why = "What the gyro does to the flight: its angle random walk turns the nose, and "
-                           "thrust does the rest."});
+    rows.push_back(
+        {.id = fmt::format("fig9.{}.from_ideal_m", kIds[i]),
+         .group = kNames[i],
+         .what = "distance from the ideal gyro's flight, rms",
+         .unit = "m",
+         .ours = flown[i].rms_from_ideal,
+         .theory = std::sqrt(trace),
+         .scatter = around(std::sqrt(trace), spread(flown[i].covariance, kRuns)),
+         .why = "What the gyro does to the flight: its angle random walk turns the nose, and thrust does the rest."});
     const auto& total = flown[i].study.budget->total.back();
     const Matrix3d navigation = total.topLeftCorner<3, 3>();
-    rows.push_back(
-        {.id = fmt::format("fig9.{}.navigation_m", kIds[i]),
-         .group = kNames[i],
-         .what = "navigation's error of position, rms",
-         .unit = "m",
-         .ours = flown[i].rms_navigation,
-         .theory = std::sqrt(navigation.trace()),
-         .scatter = around(std::sqrt(navigation.trace()), spread(navigation, kRuns)),
-         .why = "Against truth, with perfect accelerometers. Theory: linear covariance in open loop."});
+    rows.push_back({.id = fmt::format("fig9.{}.navigation_m", kIds[i]),
+                    .group = kNames[i],
+                    .what = "navigation's error of position, rms",
+                    .unit = "m",
+                    .ours = flown[i].rms_navigation,
+                    .theory = std::sqrt(navigation.trace()),
+                    .scatter = around(std::sqrt(navigation.trace()), spread(navigation, kRuns)),
+                    .why = "Against truth, with perfect accelerometers. Theory: linear covariance in open loop."});
   }
   return rows;
 }
@@ -216,14 +208,8 @@ std::vector<PaperRow> earth_rate_rows() {
            90 * kDegree,
            1,
            {},
-           "15 deg/h over 83 s is 0.347 deg about the polar axis. Flying east from the equator, that is "
-           "pitch."},
-      Case{"fig10.yaw.earth_rate_deg",
-           "the same of yaw",
-           90 * kDegree,
-           2,
-           {},
-           "Next to nothing is left for yaw."},
+           "15 deg/h over 83 s is 0.347 deg about the polar axis. Flying east from the equator, that is pitch."},
+      Case{"fig10.yaw.earth_rate_deg", "the same of yaw", 90 * kDegree, 2, {}, "Next to nothing is left for yaw."},
       Case{"fig10.yaw.earth_rate_north_deg",
            "the same of yaw, azimuth 0 deg",
            0,
@@ -236,8 +222,7 @@ std::vector<PaperRow> earth_rate_rows() {
     const Plan plan = towards(prompt_plan(), c.azimuth);
     const flight::FlightPoint end = fly_wrong({plan, plan, {.earth_rate_in_attitude = false}}).end;
     const flight::AttitudeControl program(plan.flight.vehicle, plan.flight.world.site, plan.control);
-    const Vector3d theory =
-        program.reference(end.t).conjugate() * Vector3d(0, 0, earth::wgs84::kEarthRate * end.t);
+    const Vector3d theory = program.reference(end.t).conjugate() * Vector3d(0, 0, earth::wgs84::kEarthRate * end.t);
     rows.push_back({.id = c.id,
                     .group = "ideal gyro",
                     .what = c.what,
@@ -251,42 +236,38 @@ std::vector<PaperRow> earth_rate_rows() {
 
 /// Of the integrated noise of a gyro at the end of a flight [rad].
 double angle_sigma(const noise::ErrorModel& gyro, double t) {
-  return std::sqrt(gyro.white * gyro.white * t +
-                   gyro.rate_random_walk * gyro.rate_random_walk * t * t * t / 3);
+  return std::sqrt(gyro.white * gyro.white * t + gyro.rate_random_walk * gyro.rate_random_walk * t * t * t / 3);
 }
 
-PaperRow yaw_row(std::size_t i, const FlightRecord& flown, const FlightRecord& ideal,
-                 const noise::ErrorModel& gyro) {
+PaperRow yaw_row(std::size_t i, const FlightRecord& flown, const FlightRecord& ideal, const noise::ErrorModel& gyro) {
   // The largest excursion of a random walk over its sigma at the end: mean, 2.5 and 97.5 % points.
   const double mean = std::sqrt(std::numbers::pi / 2);
   constexpr double kLow = 0.560, kHigh = 2.498;
   const double sigma = angle_sigma(gyro, flown.end.t);
-  return {.id = i == 2 ? "fig10.yaw.max_error_deg" : "fig10.yaw.ifog.max_error_deg",
-          .group = kNames[i],
-          .what = "largest error of yaw in a flight (published: less than)",
-          .unit = "deg",
-          .published = kPublishedYaw,
-          .ours = degrees(largest(turns(flown, ideal, kYaw, kTruth))),
-          .theory = degrees(mean * sigma),
-          .scatter = PaperRow::Scatter{degrees(kLow * sigma), degrees(kHigh * sigma)},
-          .why =
-              "True attitude against the ideal gyro's flight: integrated noise, whose largest excursion is "
-              "on average "
-              "1.25 of its sigma at the end."};
+  return {
+      .id = i == 2 ? "fig10.yaw.max_error_deg" : "fig10.yaw.ifog.max_error_deg",
+      .group = kNames[i],
+      .what = "largest error of yaw in a flight (published: less than)",
+      .unit = "deg",
+      .published = kPublishedYaw,
+      .ours = degrees(largest(turns(flown, ideal, kYaw, kTruth))),
+      .theory = degrees(mean * sigma),
+      .scatter = PaperRow::Scatter{degrees(kLow * sigma), degrees(kHigh * sigma)},
+      .why =
+          "True attitude against the ideal gyro's flight: integrated noise, whose largest excursion is on average 1.25 of its sigma at the end."};
 }
 
-PaperRow roll_row(std::size_t i, const FlightRecord& flown, const FlightRecord& ideal,
-                  const noise::ErrorModel& gyro, const Plan& plan) {
-  return {.id = fmt::format("fig10.roll.{}.measured_rms_deg", kIds[i]),
-          .group = kNames[i],
-          .what = "measured roll against the program, rms",
-          .unit = "deg",
-          .ours = degrees(rms(turns(flown, ideal, kRoll, kMeasured))),
-          .theory = degrees(gyro.white / std::sqrt(4 * plan.control.damping * plan.control.frequency)),
-          .why =
-              "What such a figure shows: the loop holds what is measured to the program, all but the noise "
-              "above its "
-              "bandwidth, N/sqrt(4 damping frequency). The drift of the gyro does not show in it."};
+PaperRow roll_row(std::size_t i, const FlightRecord& flown, const FlightRecord& ideal, const noise::ErrorModel& gyro,
+                  const Plan& plan) {
+  return {
+      .id = fmt::format("fig10.roll.{}.measured_rms_deg", kIds[i]),
+      .group = kNames[i],
+      .what = "measured roll against the program, rms",
+      .unit = "deg",
+      .ours = degrees(rms(turns(flown, ideal, kRoll, kMeasured))),
+      .theory = degrees(gyro.white / std::sqrt(4 * plan.control.damping * plan.control.frequency)),
+      .why =
+          "What such a figure shows: the loop holds what is measured to the program, all but the noise above its bandwidth, N/sqrt(4 damping frequency). The drift of the gyro does not show in it."};
 }
 
 PaperRow lag_row(const FlightRecord& ideal, const FlightRecord& prompt, const Plan& plan) {
@@ -298,15 +279,14 @@ PaperRow lag_row(const FlightRecord& ideal, const FlightRecord& prompt, const Pl
     sum += pitch[i];
     ++count;
   }
-  return {.id = "fig10.pitch.lag_deg",
-          .group = "ideal gyro",
-          .what = "pitch behind the reference, mean of 14 to 75 s",
-          .unit = "deg",
-          .ours = degrees(sum / count),
-          .theory = degrees(-plan.control.pitch.at(kSettled).first * lag_of(plan)),
-          .why =
-              "2 damping/frequency times the program's rate. Theory is without air, whose moment takes a "
-              "tenth off."};
+  return {
+      .id = "fig10.pitch.lag_deg",
+      .group = "ideal gyro",
+      .what = "pitch behind the reference, mean of 14 to 75 s",
+      .unit = "deg",
+      .ours = degrees(sum / count),
+      .theory = degrees(-plan.control.pitch.at(kSettled).first * lag_of(plan)),
+      .why = "2 damping/frequency times the program's rate. Theory is without air, whose moment takes a tenth off."};
 }
 
 std::vector<PaperRow> attitude_rows(const std::array<Flown, kPaperGyros>& flown, const PaperGyroErrors& gyros,
@@ -331,54 +311,33 @@ const PaperHypothesis& named(const std::vector<PaperHypothesis>& all, std::strin
 
 std::vector<std::string> words(const std::vector<PaperHypothesis>& all, const std::vector<PaperRow>& rows) {
   const auto ours = [&](std::string_view id) { return std::ranges::find(rows, id, &PaperRow::id)->ours; };
-  const auto takes = [&](std::string_view id, std::size_t i) {
-    return named(all, id).gyros[i].takes.value_or(0);
-  };
+  const auto takes = [&](std::string_view id, std::size_t i) { return named(all, id).gyros[i].takes.value_or(0); };
   const auto km = [&](std::string_view id) { return named(all, id).gyros[0].km.value_or(0); };
   return {
-      fmt::format("Distance is taken at 83 s, from where the reference is then: the same vehicle on the same "
-                  "program with "
-                  "perfect gyros and no lag, {:.1f} km from the pad. The paper defines neither; its "
-                  "percentages are of "
-                  "29.1 to 29.6 km.",
-                  ours("fig9.reference.reach_km")),
-      fmt::format("Through navigation, these gyros cost {:.2f} m (IFOG) and {:.0f} m (MEMS), and flights "
-                  "depart by {:.2f} "
-                  "and {:.0f} m. The published 4.66 and 5.92 km are 1.27 apart, the noises 278: no misread "
-                  "unit, which is "
-                  "a factor common to both, makes these two; it takes {:.0f} times the noise of one, {:.0f} "
-                  "times that of "
-                  "the other.",
-                  ours("fig9.ifog.navigation_m"), ours("fig9.mems.navigation_m"),
-                  ours("fig9.ifog.from_ideal_m"), ours("fig9.mems.from_ideal_m"), takes("as_it_should_be", 1),
-                  takes("as_it_should_be", 2)),
-      fmt::format("0.20 km with the ideal gyro is the lag of an attitude loop that damps the rate ({:.3f} km "
-                  "at 2.5 rad/s and "
-                  "0.7, both assumed before any comparison); damping the rate's error, there is none. It may "
-                  "also be the "
-                  "air's moment, {:.3f} km against a reference exactly on the program; both at once cancel "
-                  "to {:.3f} km.",
-                  ours("fig9.ideal.distance_km"), km("exact_reference"), km("exact_reference_lag")),
-      fmt::format("4.66 and 5.92 km equal attitudes told wrong by a constant {:.1f} and {:.1f} deg ({:.1f} "
-                  "and {:.1f} where "
-                  "air does not push back), gyro biases of {:.0f} and {:.0f} deg/h, or {:.1f} and {:.1f} % "
-                  "of specific impulse. "
-                  "None of these is a noise of table I.",
-                  takes("offset", 1), takes("offset", 2), takes("offset_without_side_force", 1),
-                  takes("offset_without_side_force", 2), takes("bias", 1), takes("bias", 2),
-                  takes("thrust", 1), takes("thrust", 2)),
-      fmt::format("A yaw error below 0.4 deg has the size of Earth's rate over 83 s, 0.347 deg, but flying "
-                  "east that is pitch "
-                  "({:.3f} deg, yaw {:.3f}); only a launch to the north ({:.3f} deg of yaw) or other names "
-                  "of axes bring it "
-                  "into yaw. Noise alone gives {:.3f} deg.",
-                  ours("fig10.pitch.earth_rate_deg"), ours("fig10.yaw.earth_rate_deg"),
-                  ours("fig10.yaw.earth_rate_north_deg"), ours("fig10.yaw.max_error_deg")),
+      fmt::format(
+          "Distance is taken at 83 s, from where the reference is then: the same vehicle on the same program with perfect gyros and no lag, {:.1f} km from the pad. The paper defines neither; its percentages are of 29.1 to 29.6 km.",
+          ours("fig9.reference.reach_km")),
+      fmt::format(
+          "Through navigation, these gyros cost {:.2f} m (IFOG) and {:.0f} m (MEMS), and flights depart by {:.2f} and {:.0f} m. The published 4.66 and 5.92 km are 1.27 apart, the noises 278: no misread unit, which is a factor common to both, makes these two; it takes {:.0f} times the noise of one, {:.0f} times that of the other.",
+          ours("fig9.ifog.navigation_m"), ours("fig9.mems.navigation_m"), ours("fig9.ifog.from_ideal_m"),
+          ours("fig9.mems.from_ideal_m"), takes("as_it_should_be", 1), takes("as_it_should_be", 2)),
+      fmt::format(
+          "0.20 km with the ideal gyro is the lag of an attitude loop that damps the rate ({:.3f} km at 2.5 rad/s and 0.7, both assumed before any comparison); damping the rate's error, there is none. It may also be the air's moment, {:.3f} km against a reference exactly on the program; both at once cancel to {:.3f} km.",
+          ours("fig9.ideal.distance_km"), km("exact_reference"), km("exact_reference_lag")),
+      fmt::format(
+          "4.66 and 5.92 km equal attitudes told wrong by a constant {:.1f} and {:.1f} deg ({:.1f} and {:.1f} where air does not push back), gyro biases of {:.0f} and {:.0f} deg/h, or {:.1f} and {:.1f} % of specific impulse. None of these is a noise of table I.",
+          takes("offset", 1), takes("offset", 2), takes("offset_without_side_force", 1),
+          takes("offset_without_side_force", 2), takes("bias", 1), takes("bias", 2), takes("thrust", 1),
+          takes("thrust", 2)),
+      fmt::format(
+          "A yaw error below 0.4 deg has the size of Earth's rate over 83 s, 0.347 deg, but flying east that is pitch ({:.3f} deg, yaw {:.3f}); only a launch to the north ({:.3f} deg of yaw) or other names of axes bring it into yaw. Noise alone gives {:.3f} deg.",
+          ours("fig10.pitch.earth_rate_deg"), ours("fig10.yaw.earth_rate_deg"), ours("fig10.yaw.earth_rate_north_deg"),
+          ours("fig10.yaw.max_error_deg")),
   };
 }
 
-report::PaperFlight figures(const std::array<Flown, kPaperGyros>& flown, const TiltResponse& response,
-                            const Plan& plan, std::vector<PaperHypothesis> hypotheses) {
+report::PaperFlight figures(const std::array<Flown, kPaperGyros>& flown, const TiltResponse& response, const Plan& plan,
+                            std::vector<PaperHypothesis> hypotheses) {
   const FlightRecord& reference = response.nominal();
   report::PaperFlight result{.published_km = kPublishedKm};
   for (std::size_t i = 0; i < reference.points.size(); i += kThinned) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/noise/sensor.h"
 #include "gyrobudget/app/report/paper.h"
+#include "gyrobudget/noise/sensor.h"
 
 #include <cstdint>
 #include <vector>

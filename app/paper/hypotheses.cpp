@@ -74,14 +74,11 @@ std::vector<Supposition> suppositions() {
        {north, north, no_turn},
        {}},
       {"radians", "deg/sqrt(h) and deg/h taken for rad/sqrt(h) and rad/h",
-       "A factor of 57.3: metres with the IFOG, most of a kilometre with the MEMS.", right,
-       times(1 / kDegree)},
-      {"root_second", "ARW and RRW taken per sqrt(s) for per sqrt(h)", "A factor of 60, much the same.",
-       right, times(60)},
+       "A factor of 57.3: metres with the IFOG, most of a kilometre with the MEMS.", right, times(1 / kDegree)},
+      {"root_second", "ARW and RRW taken per sqrt(s) for per sqrt(h)", "A factor of 60, much the same.", right,
+       times(60)},
       {"per_second", "deg/h taken for deg/s",
-       "A factor of 3600: the IFOG's flight is still within a quarter of a kilometre, and with the MEMS the "
-       "vehicle comes "
-       "down.",
+       "A factor of 3600: the IFOG's flight is still within a quarter of a kilometre, and with the MEMS the vehicle comes down.",
        right, times(kHour)},
       {"frozen_seed", "a seed that starts again at every sample: one draw of equation (2) that stays",
        "It acts as a bias. Still a ratio of 278 between the two gyros.", right, frozen(prompt.flight.period)},
@@ -89,8 +86,8 @@ std::vector<Supposition> suppositions() {
 }
 
 /// Distance from the reference at the end, by flights and to first order.
-PaperHypothesis::Gyro flown(const PaperSetting& setting, const TiltResponse& reference,
-                            const noise::ErrorModel& gyro, std::uint64_t seed) {
+PaperHypothesis::Gyro flown(const PaperSetting& setting, const TiltResponse& reference, const noise::ErrorModel& gyro,
+                            std::uint64_t seed) {
   const Vector3d place = expected_place(setting, reference);
   PaperHypothesis::Gyro result{.flights = 1};
   if (noisy(gyro)) {
@@ -104,8 +101,7 @@ PaperHypothesis::Gyro flown(const PaperSetting& setting, const TiltResponse& ref
   constexpr double kSmall = 0.1;  // of the way from the pad: beyond, first order says nothing
   const double theory = std::sqrt(place.squaredNorm() + reference.covariance(gyro).trace());
   const Vector3d& pad = reference.nominal().points.front().truth.p_eb_e;
-  if (result.lost == 0 && theory < kSmall * (end_of(reference.nominal()) - pad).norm())
-    result.theory_km = theory / kKm;
+  if (result.lost == 0 && theory < kSmall * (end_of(reference.nominal()) - pad).norm()) result.theory_km = theory / kKm;
   return result;
 }
 
@@ -173,8 +169,7 @@ std::vector<Sized> sizes() {
        "No bias of these gyros is near what it takes; table I gives none.",
        [=](double x) { return apart(fly_wrong(right, {.rate = x * kDegree / kHour})); }},
       {"late", "the program flown 1 s late", "s",
-       "0.20 km is the lag of the loop, 2 damping/frequency; the others take the lag of a loop that could "
-       "not fly.",
+       "0.20 km is the lag of the loop, 2 damping/frequency; the others take the lag of a loop that could not fly.",
        [=](double x) { return apart(fly_nominal(late(plan, x))); }},
       {"thrust", "specific impulse less by 1 %", "%",
        "A vehicle other than the reference's makes kilometres without any gyro, but the same for all three.",
@@ -202,8 +197,7 @@ PaperHypothesis hypothesis(const Sized& sized) {
 
 PaperHypothesis alone(std::string id, std::string what, std::string why, double metres,
                       std::optional<double> theory = {}) {
-  PaperHypothesis result{
-      .id = std::move(id), .what = std::move(what), .takes_unit = {}, .why = std::move(why)};
+  PaperHypothesis result{.id = std::move(id), .what = std::move(what), .takes_unit = {}, .why = std::move(why)};
   result.gyros[0] = {.km = metres / kKm, .theory_km = theory, .flights = 1, .lost = 0, .takes = {}};
   return result;
 }
@@ -218,19 +212,17 @@ std::vector<PaperHypothesis> on_the_reference(const TiltResponse& response) {
   const TiltResponse in_vacuum(airless);
   return {
       alone("exact_reference", "no lag, against a reference that has its nose on the program exactly",
-            "A loop without integral part gives way to the air's moment. That alone is the paper's 0.20 km, "
-            "too.",
+            "A loop without integral part gives way to the air's moment. That alone is the paper's 0.20 km, too.",
             (end_of(response.nominal()) - exact).norm(), response.position_of_standing_error().norm() / kKm),
       alone("exact_reference_lag", "with lag, against the same",
             "Lag and the air's moment turn the nose opposite ways: with this vehicle they nearly cancel.",
             (end_of(fly_nominal(lagging(plan))) - exact).norm()),
       alone("vacuum", "the lag where there is no air", "Nothing pushes back, so the lag shows in full.",
-            distance(fly_nominal(vacuum.plan), in_vacuum.nominal()),
-            expected_place(vacuum, in_vacuum).norm() / kKm),
-      alone("thrust_model", "the sourced VLM-1 flown against the paper's scale as reference",
-            "1 t of mass, 3 s of specific impulse and 0.05 m^2 of exit area: nearly the IFOG's distance, "
-            "without a gyro.",
-            distance(fly_nominal(sourced), response.nominal())),
+            distance(fly_nominal(vacuum.plan), in_vacuum.nominal()), expected_place(vacuum, in_vacuum).norm() / kKm),
+      alone(
+          "thrust_model", "the sourced VLM-1 flown against the paper's scale as reference",
+          "1 t of mass, 3 s of specific impulse and 0.05 m^2 of exit area: nearly the IFOG's distance, without a gyro.",
+          distance(fly_nominal(sourced), response.nominal())),
   };
 }
 
@@ -242,8 +234,7 @@ std::vector<PaperHypothesis> paper_hypotheses(const TiltResponse& reference, con
   const auto sized = sizes();
   std::vector<PaperHypothesis> result(supposed.size() + sized.size());
   tbb::parallel_for(std::size_t{0}, result.size(), [&](std::size_t i) {
-    result[i] =
-        i < supposed.size() ? hypothesis(supposed[i], gyros, seed) : hypothesis(sized[i - supposed.size()]);
+    result[i] = i < supposed.size() ? hypothesis(supposed[i], gyros, seed) : hypothesis(sized[i - supposed.size()]);
   });
   const auto others = on_the_reference(reference);
   result.insert(result.end(), others.begin(), others.end());

@@ -72,8 +72,7 @@ Vector3d body_turn(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to)
   return earth::log_rotation(from.conjugate() * to);
 }
 
-closed_loop::Study fly_many(const PaperSetting& setting, const noise::ErrorModel& gyro, int runs,
-                            std::uint64_t seed) {
+closed_loop::Study fly_many(const PaperSetting& setting, const noise::ErrorModel& gyro, int runs, std::uint64_t seed) {
   navigation::Scenario scenario;
   scenario.sensor.gyro = gyro;
   scenario.azimuth = setting.plan.control.azimuth;

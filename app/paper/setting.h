@@ -4,9 +4,9 @@
 
 #include "gyrobudget/estimation/closed_loop/study.h"
 #include "gyrobudget/estimation/closed_loop/tilt.h"
-#include "gyrobudget/vehicle/flight/plan.h"
 #include "gyrobudget/estimation/navigation/strapdown.h"
 #include "gyrobudget/noise/sensor.h"
+#include "gyrobudget/vehicle/flight/plan.h"
 
 #include <array>
 #include <cstddef>
@@ -31,7 +31,7 @@ using PaperGyroErrors = std::array<noise::ErrorModel, kPaperGyros>;
 /// By how much a lagging loop is late, 2 damping/frequency [s].
 [[nodiscard]] double lag_of(const flight::Plan&);
 
-[[nodiscard]] const Eigen::Vector3d& end_of(const flight::FlightRecord&);  ///< p_eb_e of the IMU
+[[nodiscard]] const Eigen::Vector3d& end_of(const flight::FlightRecord&);                 ///< p_eb_e of the IMU
 [[nodiscard]] double distance(const flight::FlightRecord&, const flight::FlightRecord&);  ///< of the ends [m]
 /// The end of a flight with its nose on the program and its nozzle straight: p_eb_e of the IMU.
 [[nodiscard]] Eigen::Vector3d exact_end(const flight::Plan&);

@@ -4,6 +4,7 @@
 #include "gyrobudget/allan/confidence.h"
 #include "gyrobudget/allan/deviation.h"
 #include "gyrobudget/allan/factors.h"
+#include "gyrobudget/app/cli/analysis.h"
 #include "gyrobudget/estimation/fit/visual.h"
 #include "gyrobudget/noise/bielas.h"
 #include "gyrobudget/noise/generate.h"
@@ -19,7 +20,6 @@
 #include <numbers>
 #include <utility>
 
-#include "gyrobudget/app/cli/analysis.h"
 #include "flight.h"
 
 namespace gyrobudget::inline v0::paper {
@@ -47,9 +47,7 @@ struct Coefficients {
 
 double si(double value, std::string_view unit) { return value * noise::parse_unit(unit).to_si; }
 
-std::string_view unit_of(std::size_t i) {
-  return noise::datasheet_unit(noise::Signal::angular_rate, kTerms[i]);
-}
+std::string_view unit_of(std::size_t i) { return noise::datasheet_unit(noise::Signal::angular_rate, kTerms[i]); }
 
 Coefficients coefficients(double arw, double bias_instability, double rrw) {
   return {si(arw, unit_of(0)), si(bias_instability, unit_of(1)), si(rrw, unit_of(2))};
@@ -69,78 +67,71 @@ struct Simulation {
 // --- The four records and their reasons ------------------------------------------------------------------------------
 
 const std::string kCrossing =
-    "The smallest deviation is not 0.664 B but the crossing of white noise and random walk, sqrt(2 N K/sqrt "
-    "3 + "
-    "0.441 B^2)";
+    "The smallest deviation is not 0.664 B but the crossing of white noise and random walk, sqrt(2 N K/sqrt 3 + 0.441 B^2)";
 
 Simulation model1(const Coefficients& ifog) {
-  return {"model1",
-          "model 1, IFOG",
-          ifog,
-          {5.40e-4, 8.11e-3, 4.51e-2},
-          {0.05, 376.99, 4.37},
-          noise::Jerath{.arw = ifog.n, .bias_instability = ifog.b, .rrw = ifog.k}.model(kDt),
-          ifog,
-          {"White noise of density N is what the model makes and what a reading at 1 s gives.",
-           kCrossing + "; B has 4.5 % of that square. The error is the reader's, whatever the record.",
-           "The +1/2 slope rests on the few independent stretches at the end of 10 h: a reading of K "
-           "scatters by a "
-           "quarter."}};
+  return {
+      "model1",
+      "model 1, IFOG",
+      ifog,
+      {5.40e-4, 8.11e-3, 4.51e-2},
+      {0.05, 376.99, 4.37},
+      noise::Jerath{.arw = ifog.n, .bias_instability = ifog.b, .rrw = ifog.k}.model(kDt),
+      ifog,
+      {"White noise of density N is what the model makes and what a reading at 1 s gives.",
+       kCrossing + "; B has 4.5 % of that square. The error is the reader's, whatever the record.",
+       "The +1/2 slope rests on the few independent stretches at the end of 10 h: a reading of K scatters by a quarter."}};
 }
 
 Simulation model2(const Coefficients& ifog) {
   using std::numbers::sqrt2;
   const noise::ImuSensor sensor{
       .noise_density = {ifog.n, 0, 0}, .bias_instability = {ifog.b, 0, 0}, .random_walk = {ifog.k, 0, 0}};
-  return {"model2",
-          "model 2, IFOG",
-          ifog,
-          {3.81e-4, 7.93e-3, 5.86e-2},
-          {-29.46, 366.44, 35.74},
-          sensor.model(0, kDt),
-          {ifog.n / sqrt2, 0, ifog.k * sqrt2},
-          {"imuSensor's default noise type is double-sided: N is the given density over sqrt 2, -29.29 %.",
-           kCrossing +
-               ". The noise type leaves N K alone; the default 1/f filter of one tap has no floor, so B has "
-               "no part in it.",
-           "The same double-sided default makes K sqrt 2 larger, +41.42 %; the rest is the scatter of one "
-           "reading, a "
-           "quarter."}};
+  return {
+      "model2",
+      "model 2, IFOG",
+      ifog,
+      {3.81e-4, 7.93e-3, 5.86e-2},
+      {-29.46, 366.44, 35.74},
+      sensor.model(0, kDt),
+      {ifog.n / sqrt2, 0, ifog.k * sqrt2},
+      {"imuSensor's default noise type is double-sided: N is the given density over sqrt 2, -29.29 %.",
+       kCrossing +
+           ". The noise type leaves N K alone; the default 1/f filter of one tap has no floor, so B has no part in it.",
+       "The same double-sided default makes K sqrt 2 larger, +41.42 %; the rest is the scatter of one reading, a quarter."}};
 }
 
 noise::Model legacy(const Coefficients& given) {
   return noise::Bielas{.arw = given.n, .bias_instability = given.b}.model(kDt);
 }
 
-const std::string kNoFloor = "Model 3 integrates B into a random walk and has no 1/f noise. " + kCrossing +
-                             ", here of N and K = 60 B sqrt(dt).";
+const std::string kNoFloor =
+    "Model 3 integrates B into a random walk and has no 1/f noise. " + kCrossing + ", here of N and K = 60 B sqrt(dt).";
 
 Simulation model3(const Coefficients& ifog) {
-  return {"model3",
-          "model 3, IFOG",
-          ifog,
-          {5.40e-4, 3.77e-3, 1.10e-2},
-          {-0.02, 121.70, -74.49},
-          legacy(ifog),
-          {ifog.n, 0, ifog.b * std::sqrt(kDt)},
-          {"White noise of density N is what the model makes and what a reading at 1 s gives.", kNoFloor,
-           "The K fed in is not used: B, taken per sample and integrated, walks by 60 B sqrt(dt) "
-           "deg/h/sqrt(h), 6 B "
-           "at 100 Hz. Another sample rate gives another K. The rest is scatter."}};
+  return {
+      "model3",
+      "model 3, IFOG",
+      ifog,
+      {5.40e-4, 3.77e-3, 1.10e-2},
+      {-0.02, 121.70, -74.49},
+      legacy(ifog),
+      {ifog.n, 0, ifog.b * std::sqrt(kDt)},
+      {"White noise of density N is what the model makes and what a reading at 1 s gives.", kNoFloor,
+       "The K fed in is not used: B, taken per sample and integrated, walks by 60 B sqrt(dt) deg/h/sqrt(h), 6 B at 100 Hz. Another sample rate gives another K. The rest is scatter."}};
 }
 
 Simulation mems(const Coefficients& given) {
-  return {"mems",
-          "MEMS, model 3",
-          given,
-          {0.15, 1.28, 4.32},
-          {},
-          legacy(given),
-          {given.n, 0, given.b * std::sqrt(kDt)},
-          {"White noise of density N is what the model makes and what a reading at 1 s gives.", kNoFloor,
-           "60 B sqrt(dt) again, 6 B = 4.20 at 100 Hz. The table's reference value 4.32 has no other source "
-           "than this "
-           "reading."}};
+  return {
+      "mems",
+      "MEMS, model 3",
+      given,
+      {0.15, 1.28, 4.32},
+      {},
+      legacy(given),
+      {given.n, 0, given.b * std::sqrt(kDt)},
+      {"White noise of density N is what the model makes and what a reading at 1 s gives.", kNoFloor,
+       "60 B sqrt(dt) again, 6 B = 4.20 at 100 Hz. The table's reference value 4.32 has no other source than this reading."}};
 }
 
 std::vector<Simulation> simulations() {
@@ -181,8 +172,7 @@ void trace(const std::vector<double>& rate, std::size_t parts, report::PaperReco
 report::PaperRecord record_of(const Simulation& s, noise::StreamKey key) {
   constexpr std::size_t kTraceParts = 720;
   std::vector<double> rate(static_cast<std::size_t>(kSamples));
-  noise::Generator(s.model.processes, s.model.filters, kDt, {.key = key, .longest_tau = kDuration})
-      .next(rate);
+  noise::Generator(s.model.processes, s.model.filters, kDt, {.key = key, .longest_tau = kDuration}).next(rate);
   const auto curve = allan::overlapped_variance(rate, kDt, allan::log_factors(kSamples, kTausRead));
   const auto octaves = allan::overlapped_variance(rate, kDt, allan::octave_factors(kSamples));
 
@@ -224,16 +214,14 @@ Scatters scatters(const Simulation& s, std::uint64_t seed, std::uint64_t stream)
     b[i] = reading.b;
     k[i] = reading.k;
   });
-  const double edf =
-      allan::equivalent_dof(kSamples, static_cast<std::int64_t>(kRate), kDt, processes(s.actual));
+  const double edf = allan::equivalent_dof(kSamples, static_cast<std::int64_t>(kRate), kDt, processes(s.actual));
   const double spread = 1.96 / std::sqrt(2 * edf);
   return {PaperRow::Scatter{s.actual.n * (1 - spread), s.actual.n * (1 + spread)}, middle(b), middle(k)};
 }
 
 // --- Rows of tables I and II and figures 6 and 7 -----------------------------------------------------------------------
 
-PaperRow table1_row(const Simulation& s, const report::PaperRecord& record, const Scatters& scatter,
-                    std::size_t i) {
+PaperRow table1_row(const Simulation& s, const report::PaperRecord& record, const Scatters& scatter, std::size_t i) {
   const std::string unit(unit_of(i));
   const auto out = [&](double value) { return noise::from_si(value, unit); };
   const fit::Coefficient& fitted = (*record.axis.fit)[kTerms[i]];
@@ -245,8 +233,8 @@ PaperRow table1_row(const Simulation& s, const report::PaperRecord& record, cons
           .ours = out(values(record.reading)[i]),
           .theory = out(expected_reading(s.actual)[i]),
           .scatter = PaperRow::Scatter{out(scatter[i].low), out(scatter[i].high)},
-          .fitted = PaperRow::Fitted{out(fitted.value), out(fitted.lower), out(fitted.upper),
-                                     out(s.actual[i]), fitted.status},
+          .fitted = PaperRow::Fitted{out(fitted.value), out(fitted.lower), out(fitted.upper), out(s.actual[i]),
+                                     fitted.status},
           .why = s.why[i]};
 }
 
@@ -289,15 +277,15 @@ std::array<PaperRow, 2> figure7_rows(const Simulation& s, const report::PaperRec
                .ours = noise::from_si(record.reading.minimum_deviation, unit),
                .theory = noise::from_si(flat * expected_reading(s.actual).b, unit),
                .why = kCrossing + "."},
-      PaperRow{.id = fmt::format("fig7.{}.minimum_tau", s.id),
-               .group = s.name,
-               .what = "its averaging time",
-               .unit = "s",
-               .ours = record.reading.minimum_tau_s,
-               .theory = std::numbers::sqrt3 * s.actual.n / s.actual.k,
-               .why =
-                   "Where white noise and random walk cross: sqrt 3 N/K. The bottom is flat, so its place is "
-                   "read to a factor of 2 only."}};
+      PaperRow{
+          .id = fmt::format("fig7.{}.minimum_tau", s.id),
+          .group = s.name,
+          .what = "its averaging time",
+          .unit = "s",
+          .ours = record.reading.minimum_tau_s,
+          .theory = std::numbers::sqrt3 * s.actual.n / s.actual.k,
+          .why =
+              "Where white noise and random walk cross: sqrt 3 N/K. The bottom is flat, so its place is read to a factor of 2 only."}};
 }
 
 // --- Figures 3 and 4 ---------------------------------------------------------------------------------------------------
@@ -319,8 +307,7 @@ std::vector<double> angles(double arw, double rate_hz, noise::StreamKey key) {
   return result;
 }
 
-std::vector<std::vector<double>> drift_runs(double arw, double rate_hz, std::uint64_t seed,
-                                            std::uint64_t stream) {
+std::vector<std::vector<double>> drift_runs(double arw, double rate_hz, std::uint64_t seed, std::uint64_t stream) {
   std::vector<std::vector<double>> runs(kDriftRuns);
   tbb::parallel_for(std::size_t{0}, kDriftRuns, [&](std::size_t i) {
     runs[i] = angles(arw, rate_hz, {seed, stream + i});
@@ -354,9 +341,7 @@ report::PaperDrift drift(const std::string& id, const std::string& name, double 
 std::array<PaperRow, 3> drift_rows(const report::PaperDrift& d, double published) {
   const double theory = noise::from_si(d.arw, "deg/sqrt(h)");  // times sqrt(1 h)
   const double spread = 1.96 / std::sqrt(2.0 * kDriftRuns);
-  const auto around = [&](double value) {
-    return PaperRow::Scatter{value * (1 - spread), value * (1 + spread)};
-  };
+  const auto around = [&](double value) { return PaperRow::Scatter{value * (1 - spread), value * (1 + spread)}; };
   const double slower = theory * std::sqrt(kBandwidth / kFaster);
   constexpr std::size_t kTenth = kDriftTimes / 10 - 1;
   return {
@@ -367,26 +352,27 @@ std::array<PaperRow, 3> drift_rows(const report::PaperDrift& d, double published
                .ours = std::log10(d.std.back() / d.std[kTenth]),
                .theory = 0.5,
                .why = "The exponent of time: an integrated white noise grows as the root of time."},
-      PaperRow{.id = fmt::format("fig4.{}.std", d.id),
-               .group = d.name,
-               .what = "standard deviation",
-               .unit = "deg",
-               .published = published,
-               .ours = noise::from_si(d.std.back(), "deg"),
-               .theory = theory,
-               .scatter = around(theory),
-               .why =
-                   "ARW sqrt(1 h), as the paper says; it needs one draw of equation (2) every 1/bandwidth. "
-                   "1000 runs scatter by 2 %."},
-      PaperRow{.id = fmt::format("fig4.{}.std_at_10_hz", d.id),
-               .group = d.name,
-               .what = "the same sigma, drawn at 10 Hz",
-               .unit = "deg",
-               .ours = noise::from_si(d.final_std_faster, "deg"),
-               .theory = slower,
-               .scatter = around(slower),
-               .why = "The bandwidth in equation (2) must be the sample rate: with 5 Hz in it and 10 draws a "
-                      "second, sqrt(5/10) of the drift is left."}};
+      PaperRow{
+          .id = fmt::format("fig4.{}.std", d.id),
+          .group = d.name,
+          .what = "standard deviation",
+          .unit = "deg",
+          .published = published,
+          .ours = noise::from_si(d.std.back(), "deg"),
+          .theory = theory,
+          .scatter = around(theory),
+          .why =
+              "ARW sqrt(1 h), as the paper says; it needs one draw of equation (2) every 1/bandwidth. 1000 runs scatter by 2 %."},
+      PaperRow{
+          .id = fmt::format("fig4.{}.std_at_10_hz", d.id),
+          .group = d.name,
+          .what = "the same sigma, drawn at 10 Hz",
+          .unit = "deg",
+          .ours = noise::from_si(d.final_std_faster, "deg"),
+          .theory = slower,
+          .scatter = around(slower),
+          .why =
+              "The bandwidth in equation (2) must be the sample rate: with 5 Hz in it and 10 draws a second, sqrt(5/10) of the drift is left."}};
 }
 
 noise::ErrorModel gyro_of(const Simulation& s) {
@@ -403,11 +389,8 @@ std::string figure_of(const PaperRow& row) { return row.id.substr(0, row.id.find
 
 report::Paper paper_study(std::uint64_t seed) {
   const auto list = simulations();
-  report::Paper paper{.seed = seed,
-                      .rate_hz = kRate,
-                      .duration_s = kDuration,
-                      .bandwidth_hz = kBandwidth,
-                      .faster_hz = kFaster};
+  report::Paper paper{
+      .seed = seed, .rate_hz = kRate, .duration_s = kDuration, .bandwidth_hz = kBandwidth, .faster_hz = kFaster};
   paper.records.resize(list.size());
   std::vector<Scatters> scatter(list.size());
   tbb::parallel_for(std::size_t{0}, list.size(), [&](std::size_t i) {

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: MIT
 // The accuracy of fits for programs, and the data that accuracy.js and sweep.js draw.
-#include "accuracy.h"
-#include "page_parts.h"
-#include "words.h"
 #include "gyrobudget/noise/version.h"
 
 #include <fmt/format.h>
@@ -11,6 +8,10 @@
 #include <algorithm>
 #include <cmath>
 #include <string_view>
+
+#include "accuracy.h"
+#include "page_parts.h"
+#include "words.h"
 
 namespace gyrobudget::inline v0::report {
 namespace {
@@ -53,8 +54,7 @@ Json coefficient_json(const AccuracyStudy& study, const fit::CoefficientAccuracy
 
 Json method_json(const AccuracyStudy& study, const fit::MethodAccuracy& m) {
   Json coefficients = Json::object();
-  for (const auto& c : m.coefficients)
-    coefficients[key_of(study.signal, c.term)] = coefficient_json(study, c);
+  for (const auto& c : m.coefficients) coefficients[key_of(study.signal, c.term)] = coefficient_json(study, c);
   return {{"method", fit::name(m.method)},       {"coefficients", coefficients},
           {"false_terms", m.false_terms},        {"p05", finite(m.p_below_5_percent)},
           {"p01", finite(m.p_below_1_percent)},  {"cut", m.cut},
@@ -84,9 +84,7 @@ Json document(const AccuracyStudy& study) {
           {"signal", text(study.signal)},
           {"seed", a.seed},
           {"record",
-           {{"samples", a.samples},
-            {"rate_hz", 1 / a.dt},
-            {"duration_s", static_cast<double>(a.samples) * a.dt}}},
+           {{"samples", a.samples}, {"rate_hz", 1 / a.dt}, {"duration_s", static_cast<double>(a.samples) * a.dt}}},
           {"records", a.records},
           {"asked", study.asked},
           {"complete", a.complete},

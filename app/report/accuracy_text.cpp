@@ -1,9 +1,5 @@
 // SPDX-License-Identifier: MIT
 // The accuracy of fits for the terminal, and the words that the page has too.
-#include "accuracy.h"
-#include "layout.h"
-#include "words.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,6 +7,10 @@
 #include <cmath>
 #include <optional>
 #include <string_view>
+
+#include "accuracy.h"
+#include "layout.h"
+#include "words.h"
 
 namespace gyrobudget::inline v0::report {
 namespace {
@@ -22,9 +22,7 @@ using fit::MethodAccuracy;
 // --- Cells ------------------------------------------------------------------------------------------------------------
 
 /// "4.3 %": shares with one digit behind the point; "-" for none.
-std::string share(double fraction) {
-  return std::isfinite(fraction) ? fmt::format("{:.1f} %", 100 * fraction) : "-";
-}
+std::string share(double fraction) { return std::isfinite(fraction) ? fmt::format("{:.1f} %", 100 * fraction) : "-"; }
 
 /// The same with its binomial standard error: "95.1 ± 1.0 %".
 std::string share(double fraction, double of) {
@@ -33,9 +31,7 @@ std::string share(double fraction, double of) {
   return fmt::format("{:.1f} ± {:.1f} %", 100 * fraction, 100 * std);
 }
 
-std::string error(double relative) {
-  return std::isfinite(relative) ? number(100 * relative, 3) + " %" : "-";
-}
+std::string error(double relative) { return std::isfinite(relative) ? number(100 * relative, 3) + " %" : "-"; }
 
 std::string signed_error(double relative) {
   if (!std::isfinite(relative)) return "-";
@@ -52,8 +48,7 @@ std::string time_text(double seconds) {
 }
 
 std::string term_name(fit::Method method, std::optional<noise::Term> term) {
-  return term ? fmt::format("{} {}", fit::name(method), static_cast<char>(*term))
-              : std::string(fit::name(method));
+  return term ? fmt::format("{} {}", fit::name(method), static_cast<char>(*term)) : std::string(fit::name(method));
 }
 
 // --- Tables -----------------------------------------------------------------------------------------------------------
@@ -75,8 +70,7 @@ std::vector<std::string> coefficient_cells(const AccuracyStudy& study, const Coe
 std::string coefficient_table(const AccuracyStudy& study) {
   using enum Align;
   TextTable table({left, right, right, right, right, right, right, right, right});
-  table.row({"truth", "bias", "RMSE", "/ bound", "/ likelihood", "95 % covers", "if identified", "missed",
-             "false"});
+  table.row({"truth", "bias", "RMSE", "/ bound", "/ likelihood", "95 % covers", "if identified", "missed", "false"});
   for (const auto& m : study.accuracy.methods) {
     for (const auto& c : m.coefficients) table.row(coefficient_cells(study, c));
   }
@@ -94,8 +88,7 @@ std::string method_table(const AccuracyStudy& study) {
   using enum Align;
   const double records = study.accuracy.records;
   TextTable table({left, right, right, right, right, right, right, right});
-  table.row({"", "any false term", "p < 5 %", "p < 1 %", "range cut", "not described", "unconverged",
-             "time a fit"});
+  table.row({"", "any false term", "p < 5 %", "p < 1 %", "range cut", "not described", "unconverged", "time a fit"});
   for (const auto& m : study.accuracy.methods) {
     const bool tested = std::isfinite(m.p_below_5_percent);
     table.row({std::string(fit::name(m.method)), share(m.false_terms), share(m.p_below_5_percent, records),
@@ -124,8 +117,8 @@ std::string head(const AccuracyStudy& study) {
                  : fmt::format("Stopped after {} of {}", count_text(a.records), count_text(study.asked));
   return fmt::format(
       "{}, {}: how wrong its fitted coefficients are\n{} records of {} samples ({} at {:g} Hz), seed {}\n\n",
-      printable(study.sensor), study.signal == noise::Signal::angular_rate ? "gyro" : "accelerometer",
-      records, count_text(a.samples), duration_text(static_cast<double>(a.samples) * a.dt), 1 / a.dt, a.seed);
+      printable(study.sensor), study.signal == noise::Signal::angular_rate ? "gyro" : "accelerometer", records,
+      count_text(a.samples), duration_text(static_cast<double>(a.samples) * a.dt), 1 / a.dt, a.seed);
 }
 
 // --- Words ------------------------------------------------------------------------------------------------------------
@@ -143,8 +136,7 @@ std::string against_likelihood(const AccuracyStudy& study) {
   double worst = 0;
   for (const auto& c : gls->coefficients) worst = std::max(worst, c.truth > 0 ? c.over_likelihood : 0);
   return fmt::format(
-      "gls: its RMSE is at most {:.3f} of the likelihood's (whittle) on the same records. Errors of a record "
-      "are common to both, so this ratio is known far better than the RMSE itself.",
+      "gls: its RMSE is at most {:.3f} of the likelihood's (whittle) on the same records. Errors of a record are common to both, so this ratio is known far better than the RMSE itself.",
       worst);
 }
 
@@ -156,13 +148,12 @@ std::string coverage_found(const AccuracyStudy& study) {
   for (const auto& m : study.accuracy.methods) {
     for (const auto& c : m.coefficients) {
       if (c.truth > 0 && std::abs(c.coverage - kNominal) > scatter) {
-        off += fmt::format("{}{} ({:.1f} %)", off.empty() ? "" : ", ", term_name(m.method, c.term),
-                           100 * c.coverage);
+        off += fmt::format("{}{} ({:.1f} %)", off.empty() ? "" : ", ", term_name(m.method, c.term), 100 * c.coverage);
       }
     }
   }
-  const auto range = fmt::format("{:.1f} to {:.1f} %", 100 * (kNominal - scatter),
-                                 std::min(100.0, 100 * (kNominal + scatter)));
+  const auto range =
+      fmt::format("{:.1f} to {:.1f} %", 100 * (kNominal - scatter), std::min(100.0, 100 * (kNominal + scatter)));
   if (off.empty()) return fmt::format("Every interval covers the truth within {}, as it says.", range);
   return fmt::format("Chance leaves a true 95 % within {}; these intervals are not that: {}.", range, off);
 }
@@ -173,16 +164,12 @@ std::vector<std::string> accuracy_words(const AccuracyStudy& study) {
   const int records = study.accuracy.records;
   if (records == 0) return {"No record was finished: there is nothing to say."};
   std::vector<std::string> words{
-      fmt::format("Bias and RMSE are relative to the truth. The RMSE of {} records is itself uncertain by "
-                  "{} of its value, a bias by RMSE/{:.0f}.",
-                  count_text(records), percent(1 / std::sqrt(2.0 * records)), std::sqrt(records)),
-      "/ bound: RMSE over the Cramer-Rao bound. 1.00 is the best there is for bounds below about 10 %; above "
-      "that the bound cannot be reached, or values at zero go below it, and / likelihood tells more.",
-      "95 % covers: share of records whose two-sided interval holds the truth, with its standard error. If "
-      "identified: the same of the records that call the term identified; where few do, those are the ones "
-      "that read it high.",
-      "Missed: the term is there and the record does not show it. False: it is not there and the record "
-      "calls it identified.",
+      fmt::format(
+          "Bias and RMSE are relative to the truth. The RMSE of {} records is itself uncertain by {} of its value, a bias by RMSE/{:.0f}.",
+          count_text(records), percent(1 / std::sqrt(2.0 * records)), std::sqrt(records)),
+      "/ bound: RMSE over the Cramer-Rao bound. 1.00 is the best there is for bounds below about 10 %; above that the bound cannot be reached, or values at zero go below it, and / likelihood tells more.",
+      "95 % covers: share of records whose two-sided interval holds the truth, with its standard error. If identified: the same of the records that call the term identified; where few do, those are the ones that read it high.",
+      "Missed: the term is there and the record does not show it. False: it is not there and the record calls it identified.",
       "p < 5 % of a sound test in 5 % of records, p < 1 % in 1 %.",
       against_likelihood(study),
       coverage_found(study)};
@@ -194,8 +181,8 @@ std::string accuracy_table(const AccuracyStudy& study) {
   std::string out = head(study);
   if (study.accuracy.records > 0) {
     out += coefficient_table(study) + '\n' + method_table(study);
-    out += fmt::format("\nMaking a record and its curve: {}; all: {}.\n",
-                       time_text(study.accuracy.seconds_per_record), time_text(study.accuracy.seconds));
+    out += fmt::format("\nMaking a record and its curve: {}; all: {}.\n", time_text(study.accuracy.seconds_per_record),
+                       time_text(study.accuracy.seconds));
   }
   out += check_table(study.checks) + "\nHow to read it\n";
   for (const std::string& words : accuracy_words(study)) out += wrapped(words, "  - ", "    ");
@@ -213,8 +200,8 @@ const SweepRow* find(const Sweep& sweep, std::string_view group, std::string_vie
 }
 
 const SweepRow* default_of(const Sweep& sweep) {
-  const auto at = std::ranges::find_if(
-      sweep.rows, [](const SweepRow& r) { return r.is_default && !r.coefficients.empty(); });
+  const auto at =
+      std::ranges::find_if(sweep.rows, [](const SweepRow& r) { return r.is_default && !r.coefficients.empty(); });
   return at == sweep.rows.end() ? nullptr : &*at;
 }
 
@@ -245,10 +232,9 @@ std::string methods_words(const Sweep& sweep, const SweepRow& standard) {
                           time_text(row->curve_seconds + row->fit_seconds));
     }
   }
-  return text + fmt::format(
-                    " The exact covariance takes {} once a log, which is all that an approximate one could "
-                    "save.",
-                    time_text(standard.covariance_seconds));
+  return text +
+         fmt::format(" The exact covariance takes {} once a log, which is all that an approximate one could save.",
+                     time_text(standard.covariance_seconds));
 }
 
 std::string taus_words(const Sweep& sweep, const SweepRow& standard) {
@@ -267,13 +253,11 @@ std::string stride_words(const Sweep& sweep, const SweepRow& standard) {
   const auto *sixteenth = find(sweep, "stride", "m/16"), *whole = find(sweep, "stride", "m/1");
   if (sixteenth == nullptr || whole == nullptr) return {};
   std::string text = fmt::format(
-      "Full overlap is the default: a stride of m/16 gives {} of its RMSE and the curve takes {} for {}; "
-      "adjacent clusters (m/1) give {}.",
-      ratios(*sixteenth), time_text(sixteenth->curve_seconds), time_text(standard.curve_seconds),
-      ratios(*whole));
+      "Full overlap is the default: a stride of m/16 gives {} of its RMSE and the curve takes {} for {}; adjacent clusters (m/1) give {}.",
+      ratios(*sixteenth), time_text(sixteenth->curve_seconds), time_text(standard.curve_seconds), ratios(*whole));
   constexpr double kMatters = 1.02;
-  const bool cheap = std::ranges::all_of(sixteenth->coefficients,
-                                         [](const auto& c) { return !(c.over_default > kMatters); });
+  const bool cheap =
+      std::ranges::all_of(sixteenth->coefficients, [](const auto& c) { return !(c.over_default > kMatters); });
   return cheap ? text + " Where the curve must be cheaper, m/16 loses nothing that matters." : text;
 }
 
@@ -339,18 +323,16 @@ std::vector<std::string> sweep_words(const Sweep& sweep) {
   std::vector<std::string> words{
       methods_words(sweep, *standard), taus_words(sweep, *standard), stride_words(sweep, *standard),
       length_words(sweep),
-      "RMSE is relative to the truth; / default is over the RMSE of the default on the same records, which "
-      "cancels most of the chance. Times are of one record on this machine, the first decile over all, which "
-      "other programs disturb least; the covariance is made once for all axes of a log."};
+      "RMSE is relative to the truth; / default is over the RMSE of the default on the same records, which cancels most of the chance. Times are of one record on this machine, the first decile over all, which other programs disturb least; the covariance is made once for all axes of a log."};
   std::erase(words, "");
   return words;
 }
 
 std::string sweep_table(const Sweep& sweep) {
-  std::string out = fmt::format(
-      "{}, {} at {:g} Hz: error of the fit against its run time, seed {}\n{}\n", printable(sweep.sensor),
-      sweep.signal == noise::Signal::angular_rate ? "gyro" : "accelerometer", sweep.rate_hz, sweep.seed,
-      sweep.complete ? "" : "Stopped: rows are of the records finished.\n");
+  std::string out =
+      fmt::format("{}, {} at {:g} Hz: error of the fit against its run time, seed {}\n{}\n", printable(sweep.sensor),
+                  sweep.signal == noise::Signal::angular_rate ? "gyro" : "accelerometer", sweep.rate_hz, sweep.seed,
+                  sweep.complete ? "" : "Stopped: rows are of the records finished.\n");
   out += sweep_rows(sweep) + "\nWhat follows\n";
   for (const std::string& words : sweep_words(sweep)) out += wrapped(words, "  - ", "    ");
   return out;

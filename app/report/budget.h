@@ -40,7 +40,7 @@ struct BudgetResult {
     int runs = 0;
     std::uint64_t seed = 0;
     navigation::CoreMatrix covariance;    ///< at `at`
-    budget::MonteCarlo::Nees nees;    ///< against the total
+    budget::MonteCarlo::Nees nees;        ///< against the total
     std::vector<Eigen::Vector3d> points;  ///< position errors of each run, east, north, up [m]
     budget::Saturated saturated;
     struct Alone {
@@ -55,10 +55,10 @@ struct BudgetResult {
   /// "crossrange < 10 m": what each source may grow to.
   struct Limit {
     std::string text;
-    std::string component;        ///< east, north, up, downrange, crossrange, horizontal, rss
-    double limit = 0;             ///< [m]
-    double found = 0;             ///< [m]
-    std::vector<double> factors;  ///< for each line, of its size
+    std::string component;                           ///< east, north, up, downrange, crossrange, horizontal, rss
+    double limit = 0;                                ///< [m]
+    double found = 0;                                ///< [m]
+    std::vector<double> factors;                     ///< for each line, of its size
     std::optional<budget::AlignmentTime> alignment;  ///< where the scene aligns itself
   };
   std::optional<Limit> limit;
@@ -66,11 +66,9 @@ struct BudgetResult {
 
 /// Position of one sigma along a component of the table: east, north, up, downrange, crossrange, horizontal, rss.
 /// @throws std::invalid_argument for another name.
-[[nodiscard]] double position_sigma(const BudgetResult&, const navigation::CoreMatrix&,
-                                    std::string_view component);
+[[nodiscard]] double position_sigma(const BudgetResult&, const navigation::CoreMatrix&, std::string_view component);
 /// Its axes as columns, in ECEF.
-[[nodiscard]] Eigen::Matrix<double, 3, Eigen::Dynamic> component_axes(const BudgetResult&,
-                                                                      std::string_view component);
+[[nodiscard]] Eigen::Matrix<double, 3, Eigen::Dynamic> component_axes(const BudgetResult&, std::string_view component);
 
 /// Tables for the terminal; several results side by side below the first's.
 [[nodiscard]] std::string budget_text(const std::vector<BudgetResult>&);

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "budget_agreement.h"
 
-#include "words.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <numeric>
+
+#include "words.h"
 
 namespace gyrobudget::inline v0::report {
 namespace {
@@ -20,9 +20,7 @@ Local local_sigmas(const BudgetResult& r, const navigation::CoreMatrix& P) {
   return all;
 }
 
-std::string name_of(std::size_t axis) {
-  return fmt::format("{} {}", kQuantities[axis / 3], kAxisNames[axis % 3]);
-}
+std::string name_of(std::size_t axis) { return fmt::format("{} {}", kQuantities[axis / 3], kAxisNames[axis % 3]); }
 
 std::string with_unit(double value, std::size_t axis) {
   constexpr std::array kUnits{"m", "m/s", "deg"};
@@ -36,8 +34,8 @@ navigation::Band band_of_all(double runs, int count) {
 
 }  // namespace
 
-Agreement agreement(const BudgetResult& r, const navigation::CoreMatrix& linear,
-                    const navigation::CoreMatrix& found, double runs) {
+Agreement agreement(const BudgetResult& r, const navigation::CoreMatrix& linear, const navigation::CoreMatrix& found,
+                    double runs) {
   constexpr double kMatters = 0.01;
   const Local of_table = local_sigmas(r, linear), of_flights = local_sigmas(r, found);
   const Local total = local_sigmas(r, r.budget.total[r.at_index]);
@@ -119,8 +117,7 @@ std::vector<std::string> contradictions(const BudgetResult& r) {
   const auto right = navigation::chi_square_mean_band(mc.nees.dof, mc.runs, 1 - (1 - kBandOfOne) / kChecks);
   const double per_dof = mc.nees.mean / mc.nees.dof;
   if (!right.holds(mc.nees.mean) && std::abs(std::sqrt(per_dof) - 1) > kFar)
-    list.push_back(
-        fmt::format("NEES: {} where a right covariance gives {}", number(mc.nees.mean, 3), mc.nees.dof));
+    list.push_back(fmt::format("NEES: {} where a right covariance gives {}", number(mc.nees.mean, 3), mc.nees.dof));
   return list;
 }
 

@@ -2,13 +2,14 @@
 #pragma once
 
 #include "gyrobudget/estimation/navigation/consistency.h"
-#include "budget.h"
 
 #include <array>
 #include <cmath>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "budget.h"
 
 // What flights say of a covariance, for tables, programs and the page.
 namespace gyrobudget::inline v0::report {

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Error budgets for programs, and the data that budget.js draws.
 #include "gyrobudget/estimation/navigation/consistency.h"
-#include "budget.h"
-#include "budget_agreement.h"
-#include "page_parts.h"
 #include "gyrobudget/noise/version.h"
 
 #include <fmt/format.h>
@@ -12,6 +9,10 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+
+#include "budget.h"
+#include "budget_agreement.h"
+#include "page_parts.h"
 
 namespace gyrobudget::inline v0::report {
 namespace {
@@ -35,10 +36,7 @@ Json errors_json(const BudgetResult& r, const CoreMatrix& P) {
   const Eigen::Vector3d a = s.attitude / kDegree;
   return {{"position_m", position_json(r, P)},
           {"velocity_m_s",
-           {{"east", s.velocity[0]},
-            {"north", s.velocity[1]},
-            {"up", s.velocity[2]},
-            {"rss", s.velocity.norm()}}},
+           {{"east", s.velocity[0]}, {"north", s.velocity[1]}, {"up", s.velocity[2]}, {"rss", s.velocity.norm()}}},
           {"attitude_deg", {{"east", a[0]}, {"north", a[1]}, {"up", a[2]}, {"total", a.norm()}}}};
 }
 
@@ -130,14 +128,12 @@ Json monte_carlo_json(const BudgetResult& r) {
   const Agreement total = total_agreement(r);
   Json ratio = ratio_json(total, 0);
   for (const auto* component : {"downrange", "crossrange"})
-    ratio[component] =
-        finite(position_sigma(r, mc.covariance, component) / position_sigma(r, linear, component));
+    ratio[component] = finite(position_sigma(r, mc.covariance, component) / position_sigma(r, linear, component));
   const auto band = navigation::sigma_ratio_band(mc.runs, kBandOfOne);
   const auto nees = navigation::chi_square_mean_band(std::max(mc.nees.dof, 1), mc.runs, kBandOfOne);
   return {{"runs", mc.runs},
           {"seed", mc.seed},
-          {"position_rss_ratio",
-           finite(position_sigma(r, mc.covariance, "rss") / position_sigma(r, linear, "rss"))},
+          {"position_rss_ratio", finite(position_sigma(r, mc.covariance, "rss") / position_sigma(r, linear, "rss"))},
           {"position_ratio", ratio},
           {"velocity_ratio", ratio_json(total, 1)},
           {"attitude_ratio", ratio_json(total, 2)},
@@ -157,15 +153,13 @@ Json monte_carlo_json(const BudgetResult& r) {
 
 Json alignment_json(const std::optional<budget::AlignmentTime>& alignment) {
   if (!alignment) return nullptr;
-  return {
-      {"met", alignment->met}, {"duration_s", alignment->duration}, {"found_m", finite(alignment->sigma)}};
+  return {{"met", alignment->met}, {"duration_s", alignment->duration}, {"found_m", finite(alignment->sigma)}};
 }
 
 Json limit_json(const BudgetResult& r) {
   if (!r.limit) return nullptr;
   Json factors = Json::object();  // of a budget without sources too
-  for (std::size_t i = 0; i < r.budget.lines.size(); ++i)
-    factors[r.budget.lines[i].name] = finite(r.limit->factors[i]);
+  for (std::size_t i = 0; i < r.budget.lines.size(); ++i) factors[r.budget.lines[i].name] = finite(r.limit->factors[i]);
   return {{"text", r.limit->text},
           {"component", r.limit->component},
           {"limit_m", r.limit->limit},
@@ -176,26 +170,25 @@ Json limit_json(const BudgetResult& r) {
 }
 
 Json result_json(const BudgetResult& r) {
-  return {
-      {"schema", "gyrobudget.budget/1"},
-      {"version", kVersion},
-      {"command", r.command},
-      {"scene", r.scene},
-      {"name", r.name},
-      {"sensor", r.sensor.empty() ? Json(nullptr) : Json(r.sensor)},
-      {"at_s", r.at},
-      {"total", errors_json(r, r.budget.total[r.at_index])},
-      {"claimed", r.budget.claimed.empty() ? Json(nullptr) : errors_json(r, r.budget.claimed[r.at_index])},
-      {"sources", sources_json(r)},
-      {"left_out", left_out_json(r)},
-      {"tolerance", r.tolerance},
-      {"not_modelled", not_modelled_json(r)},
-      {"growth", growth_json(r)},
-      {"steps", r.budget.steps},
-      {"flicker_states", r.flicker_states},
-      {"limit", limit_json(r)},
-      {"monte_carlo", monte_carlo_json(r)},
-      {"notes", r.notes}};
+  return {{"schema", "gyrobudget.budget/1"},
+          {"version", kVersion},
+          {"command", r.command},
+          {"scene", r.scene},
+          {"name", r.name},
+          {"sensor", r.sensor.empty() ? Json(nullptr) : Json(r.sensor)},
+          {"at_s", r.at},
+          {"total", errors_json(r, r.budget.total[r.at_index])},
+          {"claimed", r.budget.claimed.empty() ? Json(nullptr) : errors_json(r, r.budget.claimed[r.at_index])},
+          {"sources", sources_json(r)},
+          {"left_out", left_out_json(r)},
+          {"tolerance", r.tolerance},
+          {"not_modelled", not_modelled_json(r)},
+          {"growth", growth_json(r)},
+          {"steps", r.budget.steps},
+          {"flicker_states", r.flicker_states},
+          {"limit", limit_json(r)},
+          {"monte_carlo", monte_carlo_json(r)},
+          {"notes", r.notes}};
 }
 
 Json results_json(const std::vector<BudgetResult>& results) {
@@ -206,9 +199,7 @@ Json results_json(const std::vector<BudgetResult>& results) {
 }
 
 // 2 x 2 covariance of a pair of components, for the ellipses.
-Json ellipse_json(const Eigen::Matrix3d& local, int i, int j) {
-  return {local(i, i), local(i, j), local(j, j)};
-}
+Json ellipse_json(const Eigen::Matrix3d& local, int i, int j) { return {local(i, i), local(i, j), local(j, j)}; }
 
 Json drawing(const BudgetResult& r) {
   Json out = result_json(r);
@@ -233,9 +224,7 @@ Json drawing(const BudgetResult& r) {
 
 }  // namespace
 
-std::string budget_json(const std::vector<BudgetResult>& results) {
-  return results_json(results).dump(2) + "\n";
-}
+std::string budget_json(const std::vector<BudgetResult>& results) { return results_json(results).dump(2) + "\n"; }
 
 std::string budget_data(const std::vector<BudgetResult>& results) {
   Json list = Json::array();

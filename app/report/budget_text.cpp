@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Error budgets for the terminal.
 #include "gyrobudget/estimation/navigation/consistency.h"
-#include "budget.h"
-#include "budget_agreement.h"
-#include "layout.h"
-#include "words.h"
 
 #include <fmt/format.h>
 
@@ -16,6 +12,11 @@
 #include <stdexcept>
 #include <utility>
 
+#include "budget.h"
+#include "budget_agreement.h"
+#include "layout.h"
+#include "words.h"
+
 namespace gyrobudget::inline v0::report {
 namespace {
 
@@ -25,8 +26,8 @@ constexpr double kDegree = earth::kDegree;
 
 std::string title(const BudgetResult& r) {
   const std::string name = r.name.empty() ? r.scene : r.name;
-  std::string out = fmt::format("{}\n  one sigma at {:.6g} s; {}; {} steps of covariance\n", printable(name),
-                                r.at, r.aided ? "aided, gains of the filter frozen" : "unaided strapdown",
+  std::string out = fmt::format("{}\n  one sigma at {:.6g} s; {}; {} steps of covariance\n", printable(name), r.at,
+                                r.aided ? "aided, gains of the filter frozen" : "unaided strapdown",
                                 count_text(static_cast<std::int64_t>(r.budget.steps)));
   if (r.flicker_states > 0) out += fmt::format("  1/f noise by {} states an axis\n", r.flicker_states);
   if (r.pad > 0) out += fmt::format("  aligned by itself over {} on the pad before\n", duration_text(r.pad));
@@ -38,8 +39,7 @@ std::string title(const BudgetResult& r) {
 std::vector<std::size_t> order(const BudgetResult& r, const std::vector<double>& share) {
   std::vector<std::size_t> by_share(r.budget.lines.size());
   std::iota(by_share.begin(), by_share.end(), std::size_t{0});
-  std::stable_sort(by_share.begin(), by_share.end(),
-                   [&](std::size_t a, std::size_t b) { return share[a] > share[b]; });
+  std::stable_sort(by_share.begin(), by_share.end(), [&](std::size_t a, std::size_t b) { return share[a] > share[b]; });
   return by_share;
 }
 
@@ -55,8 +55,7 @@ std::string factor_text(double factor) {
   return factor > kAny ? "any" : fmt::format("x {}", number(factor, 3));
 }
 
-std::vector<std::string> cells(const BudgetResult& r, std::string_view name, const CoreMatrix& P,
-                               std::string share) {
+std::vector<std::string> cells(const BudgetResult& r, std::string_view name, const CoreMatrix& P, std::string share) {
   const navigation::LocalSigmas s = navigation::local_sigmas(P, r.C_enu);
   std::vector<std::string> row{fmt::format("  {}", name)};
   for (const auto& component : components(r)) row.push_back(number(position_sigma(r, P, component), 3));
@@ -123,13 +122,12 @@ std::string alignment_text(const BudgetResult& r) {
   const std::string now = fmt::format("the scene's is {}", duration_text(r.pad));
   if (!a.met)
     return wrapped(
-        fmt::format("No duration of the alignment from {} to {} meets it, all else alike: {} come nearest, "
-                    "with {} m; {}.",
-                    from, to, duration_text(a.duration), number(a.sigma, 4), now),
+        fmt::format(
+            "No duration of the alignment from {} to {} meets it, all else alike: {} come nearest, with {} m; {}.",
+            from, to, duration_text(a.duration), number(a.sigma, 4), now),
         "  ", "  ");
   return wrapped(fmt::format("The shortest alignment that meets it, all else alike: {}, with {} m; {}.",
-                             a.duration <= budget::kShortestAlignment ? from + " or less"
-                                                                          : duration_text(a.duration),
+                             a.duration <= budget::kShortestAlignment ? from + " or less" : duration_text(a.duration),
                              number(a.sigma, 4), now),
                  "  ", "  ");
 }
@@ -162,8 +160,7 @@ std::string limit_text(const BudgetResult& r) {
   return fmt::format("\n{}: {} m, {}\n", printable(r.limit->text), number(r.limit->found, 4),
                      r.limit->found <= r.limit->limit ? "met" : "NOT MET") +
          wrapped(
-             "A source may grow by its factor, alone, before the limit is reached; x 0: the others exceed it "
-             "already.",
+             "A source may grow by its factor, alone, before the limit is reached; x 0: the others exceed it already.",
              "  ", "  ") +
          alignment_text(r);
 }
@@ -181,8 +178,7 @@ std::string total_ratios(const BudgetResult& r, const navigation::Band& band) {
   out.row({"  found over table", "east", "north", "up"});
   for (std::size_t q = 0; q < kQuantities.size(); ++q) {
     std::vector<std::string> row{fmt::format("  {}", kQuantities[q])};
-    for (std::size_t k = 0; k < kAxisNames.size(); ++k)
-      row.push_back(ratio_text(total, total.axes[3 * q + k], band));
+    for (std::size_t k = 0; k < kAxisNames.size(); ++k) row.push_back(ratio_text(total, total.axes[3 * q + k], band));
     out.row(row);
   }
   return out.text();
@@ -191,16 +187,14 @@ std::string total_ratios(const BudgetResult& r, const navigation::Band& band) {
 std::string nees_text(const BudgetResult& r) {
   const auto& [mean, dof, left_out] = r.monte_carlo->nees;
   const auto band = navigation::chi_square_mean_band(std::max(dof, 1), r.monte_carlo->runs, kBandOfOne);
-  std::string out = fmt::format("  NEES {} of {}, 99 % band {} to {}\n", number(mean, 3), dof,
-                                number(band.lower, 3), number(band.upper, 3));
+  std::string out = fmt::format("  NEES {} of {}, 99 % band {} to {}\n", number(mean, 3), dof, number(band.lower, 3),
+                                number(band.upper, 3));
   if (!left_out.empty())
-    out +=
-        wrapped("It leaves out directions without error of first order; in units of each sigma:", "  ", "  ");
+    out += wrapped("It leaves out directions without error of first order; in units of each sigma:", "  ", "  ");
   for (const auto& direction : left_out)
-    out += wrapped(
-        fmt::format("{}: covariance {}, found {}{}", direction_text(direction), number(direction.linear, 2),
-                    number(direction.found, 2), direction.found > 0.1 ? ", which is not small" : ""),
-        "  - ", "    ");
+    out += wrapped(fmt::format("{}: covariance {}, found {}{}", direction_text(direction), number(direction.linear, 2),
+                               number(direction.found, 2), direction.found > 0.1 ? ", which is not small" : ""),
+                   "  - ", "    ");
   return out;
 }
 
@@ -211,11 +205,11 @@ std::string saturated_text(const budget::Saturated& saturated) {
        {std::pair{"gyro", saturated.gyro}, std::pair{"accelerometer", saturated.accelerometer}})
     for (std::size_t i = 0; i < kBody.size(); ++i)
       if (counts[i] > 0)
-        out +=
-            wrapped(fmt::format("{} {}: {} samples were cut off at its range; the covariance knows nothing "
-                                "of that and does not hold.",
-                                triad, kBody[i], count_text(static_cast<std::int64_t>(counts[i]))),
-                    "  ", "  ");
+        out += wrapped(
+            fmt::format(
+                "{} {}: {} samples were cut off at its range; the covariance knows nothing of that and does not hold.",
+                triad, kBody[i], count_text(static_cast<std::int64_t>(counts[i]))),
+            "  ", "  ");
   return out;
 }
 
@@ -229,9 +223,8 @@ std::string sources_text(const BudgetResult& r) {
   if (r.monte_carlo->sources.empty()) return {};
   const auto agreements = source_agreements(r);
   const AllRatios all = all_ratios(r);
-  std::string out =
-      fmt::format("\nEach source alone, {} runs of each: sigma found over that of its covariance\n",
-                  count_text(r.monte_carlo->runs));
+  std::string out = fmt::format("\nEach source alone, {} runs of each: sigma found over that of its covariance\n",
+                                count_text(r.monte_carlo->runs));
   TextTable table = left_aligned(2 + (r.exact ? 1 : 0) + navigation::kCoreStates);
   std::vector<std::string> groups{"", "table"}, heads{"  source", "rss m"};
   if (r.exact) {
@@ -249,8 +242,7 @@ std::string sources_text(const BudgetResult& r) {
     std::vector<std::string> row{fmt::format("  {}", name), number(position_sigma(r, linear, "rss"), 3)};
     if (r.exact) row.push_back(exact);
     if (!one) row.emplace_back("not flown");
-    for (std::size_t k = 0; one && k < one->axes.size(); ++k)
-      row.push_back(ratio_text(*one, one->axes[k], all.band));
+    for (std::size_t k = 0; one && k < one->axes.size(); ++k) row.push_back(ratio_text(*one, one->axes[k], all.band));
     row.resize(heads.size());
     table.row(row);
   };
@@ -261,19 +253,15 @@ std::string sources_text(const BudgetResult& r) {
   }
   add("total", r.budget.total[r.at_index], "", total_agreement(r));
   out += table.text();
-  out +=
-      wrapped(fmt::format("{} ratios; 99 % of right ones lie in {} to {}: {} outside (*), {} by chance. All "
-                          "of them lie in {} to {} "
-                          "with 99 %: {}.",
-                          all.compared, number(all.band.lower, 3), number(all.band.upper, 3), all.outside,
-                          number(all.compared * (1 - kBandOfOne), 2), number(all.together.lower, 3),
-                          number(all.together.upper, 3),
-                          all.far.empty() ? "they do" : fmt::format("but for {}", fmt::join(all.far, "; "))),
-              "  ", "  ");
   out += wrapped(
-      "<1%: of the total's variance, by covariance and as found. 2nd: the covariance has less there than "
-      "terms of "
-      "second order may add.",
+      fmt::format(
+          "{} ratios; 99 % of right ones lie in {} to {}: {} outside (*), {} by chance. All of them lie in {} to {} with 99 %: {}.",
+          all.compared, number(all.band.lower, 3), number(all.band.upper, 3), all.outside,
+          number(all.compared * (1 - kBandOfOne), 2), number(all.together.lower, 3), number(all.together.upper, 3),
+          all.far.empty() ? "they do" : fmt::format("but for {}", fmt::join(all.far, "; "))),
+      "  ", "  ");
+  out += wrapped(
+      "<1%: of the total's variance, by covariance and as found. 2nd: the covariance has less there than terms of second order may add.",
       "  ", "  ");
   return out;
 }
@@ -281,8 +269,7 @@ std::string sources_text(const BudgetResult& r) {
 std::string monte_carlo_text(const BudgetResult& r) {
   if (!r.monte_carlo) return {};
   const auto& mc = *r.monte_carlo;
-  std::string out =
-      fmt::format("\nMonte Carlo, {} runs of the whole chain, seed {}\n", count_text(mc.runs), mc.seed);
+  std::string out = fmt::format("\nMonte Carlo, {} runs of the whole chain, seed {}\n", count_text(mc.runs), mc.seed);
   const auto band = navigation::sigma_ratio_band(mc.runs, kBandOfOne);
   out += total_ratios(r, band);
   out += fmt::format("  99 % of right ones lie in {} to {}\n", number(band.lower, 3), number(band.upper, 3));
@@ -321,9 +308,8 @@ std::string comparison(const std::vector<BudgetResult>& results) {
     const auto s = navigation::local_sigmas(P, r.C_enu);
     const auto share = budget::shares(r.budget, r.at_index);
     const auto largest = std::max_element(share.begin(), share.end()) - share.begin();
-    table.row({fmt::format("  {}", printable(r.sensor.empty() ? "ideal" : r.sensor)),
-               number(s.position.norm(), 3), number(s.velocity.norm(), 3),
-               number(s.attitude.norm() / kDegree, 3),
+    table.row({fmt::format("  {}", printable(r.sensor.empty() ? "ideal" : r.sensor)), number(s.position.norm(), 3),
+               number(s.velocity.norm(), 3), number(s.attitude.norm() / kDegree, 3),
                share.empty() ? "-" : r.budget.lines[static_cast<std::size_t>(largest)].name});
   }
   return out + table.text();

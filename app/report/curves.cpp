@@ -4,7 +4,6 @@
 #include "gyrobudget/allan/factors.h"
 #include "gyrobudget/noise/process.h"
 #include "gyrobudget/noise/units.h"
-#include "words.h"
 
 #include <fmt/format.h>
 
@@ -14,6 +13,8 @@
 #include <numbers>
 #include <optional>
 #include <utility>
+
+#include "words.h"
 
 namespace gyrobudget::inline v0::report {
 namespace {
@@ -55,8 +56,7 @@ std::vector<double> deviations(const Coefficient& c, double value, const std::ve
   return result;
 }
 
-void add_model(AxisCurves& curves, const AxisResult& axis, const std::vector<std::int64_t>& factors,
-               double dt) {
+void add_model(AxisCurves& curves, const AxisResult& axis, const std::vector<std::int64_t>& factors, double dt) {
   std::vector<double> variance(factors.size(), 0.0);
   for (const Term term : reading_order()) {
     const Coefficient* c = find(*axis.fit, term);
@@ -136,8 +136,7 @@ void add_marks(AxisCurves& curves, const AxisResult& axis) {
     if (auto mark = reading_mark(curves, axis, *c)) curves.marks.push_back(std::move(*mark));
   }
   if (axis.fit->minimum_deviation > 0) {
-    curves.marks.push_back(
-        {"min", axis.fit->minimum_tau_s, axis.fit->minimum_deviation, minimum_mark_text(axis)});
+    curves.marks.push_back({"min", axis.fit->minimum_tau_s, axis.fit->minimum_deviation, minimum_mark_text(axis)});
   }
 }
 

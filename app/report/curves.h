@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "result.h"
-
 #include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "result.h"
 
 // What a picture of an axis shows beside the measured points; drawn by gnuplot and by the page alike. All SI.
 namespace gyrobudget::inline v0::report {

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "gyrobudget/app/files/vehicle_file.h"
 #include "gyrobudget/estimation/closed_loop/study.h"
 #include "gyrobudget/vehicle/flight/dispersion.h"
 #include "gyrobudget/vehicle/flight/plan.h"
-#include "gyrobudget/app/files/vehicle_file.h"
 
 #include <span>
 #include <string>
@@ -17,12 +17,12 @@ namespace gyrobudget::inline v0::report {
 /// One scene flown with one sensor. Where results side by side have the same nominal flight, it, what the vehicle
 /// disperses and the margins are told once.
 struct FlightResult {
-  std::string scene;                               ///< its path
-  std::string name;                                ///< as it calls itself
-  std::string sensor;                              ///< path of the sensor file; empty: ideal
-  std::string command;                             ///< as typed
-  std::string vehicle;                             ///< path of the vehicle's file; empty: the program's own
-  std::vector<files::VehicleNumber> vehicle_numbers;  ///< of that file, with where they come from
+  std::string scene;                                     ///< its path
+  std::string name;                                      ///< as it calls itself
+  std::string sensor;                                    ///< path of the sensor file; empty: ideal
+  std::string command;                                   ///< as typed
+  std::string vehicle;                                   ///< path of the vehicle's file; empty: the program's own
+  std::vector<files::VehicleNumber> vehicle_numbers;     ///< of that file, with where they come from
   std::vector<files::VehicleOmission> vehicle_left_out;  ///< so too
   flight::Plan plan;
   flight::Dispersion dispersion;

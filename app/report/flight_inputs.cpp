@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 // What a flight was given, in units for people.
-#include "flight_numbers.h"
-#include "words.h"
-
 #include <fmt/format.h>
 
 #include <cmath>
 #include <utility>
+
+#include "flight_numbers.h"
+#include "words.h"
 
 namespace gyrobudget::inline v0::report {
 namespace {
@@ -22,8 +22,7 @@ std::string typed(const flight::LookupTable& table, double unit = 1) {
   const auto& points = table.points();
   if (points.size() == 1) return typed(points[0].second / unit);
   std::string out;
-  for (const auto& [x, y] : points)
-    out += fmt::format("{}{}: {}", out.empty() ? "" : ", ", typed(x), typed(y / unit));
+  for (const auto& [x, y] : points) out += fmt::format("{}{}: {}", out.empty() ? "" : ", ", typed(x), typed(y / unit));
   return out;
 }
 
@@ -33,9 +32,7 @@ class List {
   void add(std::string name, std::string value, std::string unit = "") {
     list_.push_back({group_, std::move(name), std::move(value), std::move(unit)});
   }
-  void add(std::string name, double value, std::string unit) {
-    add(std::move(name), typed(value), std::move(unit));
-  }
+  void add(std::string name, double value, std::string unit) { add(std::move(name), typed(value), std::move(unit)); }
   /// What is 0 says nothing.
   void add_some(std::string name, double value, std::string unit) {
     if (value != 0) add(std::move(name), value, std::move(unit));
@@ -127,10 +124,8 @@ void add_faults(List& list, const flight::Plan& plan) {
   at("nozzle stuck at", f.nozzle_stuck_at);
   const char* const planes[] = {"pitch", "yaw"};
   for (int i = 0; i < 2; ++i) {
-    list.add_some(fmt::format("nozzle stuck off by, {}", planes[i]), f.nozzle_stuck_offset[i] / kDegree,
-                  "deg");
-    list.add_some(fmt::format("misalignment of the thrust, {}", planes[i]),
-                  f.thrust_misalignment[i] / kDegree, "deg");
+    list.add_some(fmt::format("nozzle stuck off by, {}", planes[i]), f.nozzle_stuck_offset[i] / kDegree, "deg");
+    list.add_some(fmt::format("misalignment of the thrust, {}", planes[i]), f.thrust_misalignment[i] / kDegree, "deg");
   }
   const flight::NavigatorFaults& n = plan.navigator_faults;
   if (n.dead_gyro) {

@@ -2,9 +2,6 @@
 // Closed-loop flights for programs, and the data that flight.js draws.
 #include "gyrobudget/estimation/budget/error_budget.h"
 #include "gyrobudget/estimation/budget/scene.h"
-#include "flight_numbers.h"
-#include "json_text.h"
-#include "page_parts.h"
 #include "gyrobudget/noise/version.h"
 
 #include <nlohmann/json.hpp>
@@ -13,6 +10,10 @@
 #include <functional>
 #include <limits>
 #include <utility>
+
+#include "flight_numbers.h"
+#include "json_text.h"
+#include "page_parts.h"
 
 namespace gyrobudget::inline v0::report {
 namespace {
@@ -73,10 +74,8 @@ Json nominal_json(const FlightFrame& frame, const FlightRecord& record) {
 
 Json flights_json(const Flights& f, double azimuth) {
   if (f.outcomes.empty()) return nullptr;
-  Json out{{"flights", f.outcomes.size()},
-           {"complete", f.complete()},
-           {"lost", f.lost()},
-           {"unaligned", f.unaligned()}};
+  Json out{
+      {"flights", f.outcomes.size()}, {"complete", f.complete()}, {"lost", f.lost()}, {"unaligned", f.unaligned()}};
   if (f.complete() < 2) {
     for (const auto* what : {"position_m", "velocity_m_s", "attitude_deg", "mean_position_m", "ellipse"})
       out[what] = nullptr;
@@ -95,8 +94,7 @@ Json flights_json(const Flights& f, double azimuth) {
 
 Json dispersion_json(const Study& s) {
   Json out;
-  for (const FlightsOf& kind : causes(s))
-    out[std::string(kind.cause)] = flights_json(*kind.flights, s.azimuth);
+  for (const FlightsOf& kind : causes(s)) out[std::string(kind.cause)] = flights_json(*kind.flights, s.azimuth);
   return out;
 }
 
@@ -117,8 +115,7 @@ Json check_json(const Study& s) {
   const auto check = navigation_check(s);
   if (!check) return nullptr;
   Json ratio;
-  for (int i = 0; i < 3; ++i)
-    ratio[kLaunchAxes[static_cast<std::size_t>(i)]] = finite(check->position_ratio[i]);
+  for (int i = 0; i < 3; ++i) ratio[kLaunchAxes[static_cast<std::size_t>(i)]] = finite(check->position_ratio[i]);
   Json out{{"runs", check->runs},
            {"position_rss_ratio", finite(check->position)},
            {"velocity_rss_ratio", finite(check->velocity)},
@@ -224,9 +221,7 @@ const std::vector<Column>& columns() {
   const auto departure = [](int axis) {
     return [axis](const Instant& i) { return i.departure ? i.departure->position[axis] : kNothing; };
   };
-  const auto position = [](int axis) {
-    return [axis](const Instant& i) { return i.from_pad.position[axis]; };
-  };
+  const auto position = [](int axis) { return [axis](const Instant& i) { return i.from_pad.position[axis]; }; };
   const auto told = [](Vector3d Difference::*member, int axis, double unit) {
     return [=](const Instant& i) { return (i.navigation.*member)[axis] / unit; };
   };
@@ -365,8 +360,7 @@ Json clouds_json(const Study& s) {
       if (o.counts()) points.push_back(list_of(o.position));
     const auto spread = kind.flights->spread(&Outcome::position);
     for (int i = 0; i < 3; ++i) covariance.push_back(list_of(spread.covariance.col(i)));
-    out[std::string(kind.cause)] = {
-        {"points", points}, {"mean", list_of(spread.mean)}, {"covariance", covariance}};
+    out[std::string(kind.cause)] = {{"points", points}, {"mean", list_of(spread.mean)}, {"covariance", covariance}};
   }
   return out;
 }
@@ -402,8 +396,8 @@ std::string flight_data(std::span<const FlightResult> results) {
     one["nominal_trajectory"] = nominal_trajectory_json(results[i], frame, kPoints);
     list.push_back(std::move(one));
   }
-  return without_markup(compact_json(
-      Json{{"one_nominal", one_nominal(results)}, {"notes", flight_notes(results)}, {"flights", list}}));
+  return without_markup(
+      compact_json(Json{{"one_nominal", one_nominal(results)}, {"notes", flight_notes(results)}, {"flights", list}}));
 }
 
 }  // namespace gyrobudget::inline v0::report

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
 #include "flight_numbers.h"
 
-#include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/estimation/budget/error_budget.h"
 #include "gyrobudget/estimation/navigation/consistency.h"
-#include "words.h"
+#include "gyrobudget/vehicle/earth/attitude.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <set>
 
+#include "words.h"
 #include <Eigen/Eigenvalues>
 
 namespace gyrobudget::inline v0::report {
@@ -139,9 +139,7 @@ LimitsUsed limits_used(const FlightResult& r, const FlightRecord& record) {
   return used;
 }
 
-const FlightRecord& shown_record(const FlightResult& r) {
-  return r.study.flown ? *r.study.flown : r.study.nominal;
-}
+const FlightRecord& shown_record(const FlightResult& r) { return r.study.flown ? *r.study.flown : r.study.nominal; }
 
 double decibel(double factor) { return 20 * std::log10(factor); }
 
@@ -151,8 +149,8 @@ std::vector<LeastMargins> least_margins(const closed_loop::MarginsAt& margins) {
   for (const flight::Margins& m : margins.points) {
     auto least = std::ranges::find(list, m.mode_factor, &LeastMargins::mode_factor);
     if (least == list.end())
-      least = list.insert(
-          list.end(), {.mode_factor = m.mode_factor, .gain_up = kNone, .gain_down = kNone, .phase = kNone});
+      least =
+          list.insert(list.end(), {.mode_factor = m.mode_factor, .gain_up = kNone, .gain_down = kNone, .phase = kNone});
     const auto take = [&](double& value, double& at, double found) {
       if (found >= value) return;
       value = found;
@@ -168,8 +166,7 @@ std::vector<LeastMargins> least_margins(const closed_loop::MarginsAt& margins) {
 
 Ellipse ellipse(const Matrix3d& covariance, double launch_azimuth) {
   constexpr double kHalfTurn = 180 * earth::kDegree;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(
-      Eigen::Matrix2d(covariance.topLeftCorner<2, 2>()));
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(Eigen::Matrix2d(covariance.topLeftCorner<2, 2>()));
   const Eigen::Vector2d sigma = solver.eigenvalues().cwiseMax(0).cwiseSqrt();
   const Eigen::Vector2d major = solver.eigenvectors().col(1);
   const double azimuth = launch_azimuth - std::atan2(major[1], major[0]);  // crossrange is to the left
@@ -185,9 +182,7 @@ std::optional<NavigationCheck> navigation_check(const Study& s) {
   if (!s.budget || runs < 2) return std::nullopt;
   const auto found = navigation::local_sigmas(s.sensors.navigation_error(), s.C_launch);
   const auto expected = navigation::local_sigmas(s.budget->total.back(), s.C_launch);
-  const auto ratio = [](double a, double b) {
-    return b > 0 ? a / b : std::numeric_limits<double>::quiet_NaN();
-  };
+  const auto ratio = [](double a, double b) { return b > 0 ? a / b : std::numeric_limits<double>::quiet_NaN(); };
   NavigationCheck check{.runs = runs};
   for (int i = 0; i < 3; ++i) check.position_ratio[i] = ratio(found.position[i], expected.position[i]);
   check.position = ratio(found.position.norm(), expected.position.norm());
@@ -202,8 +197,7 @@ std::optional<NavigationCheck> navigation_check(const Study& s) {
 std::array<OriginCount, 4> origins(const FlightResult& r) {
   using flight::Origin;
   std::array<OriginCount, 4> counts;
-  const std::array<std::optional<Origin>, 4> all{Origin::sourced, Origin::derived, Origin::assumed,
-                                                 std::nullopt};
+  const std::array<std::optional<Origin>, 4> all{Origin::sourced, Origin::derived, Origin::assumed, std::nullopt};
   for (std::size_t i = 0; i < all.size(); ++i)
     counts[i] = {files::to_string(all[i]),
                  static_cast<int>(std::ranges::count(r.vehicle_numbers, all[i], &files::VehicleNumber::origin))};

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "gyrobudget/vehicle/earth/frames.h"
-#include "flight.h"
 
 #include <array>
 #include <optional>
@@ -10,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "flight.h"
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Closed-loop flights for the terminal.
 #include "gyrobudget/estimation/navigation/consistency.h"
-#include "flight_numbers.h"
-#include "layout.h"
-#include "words.h"
 
 #include <fmt/format.h>
 
@@ -11,6 +8,10 @@
 #include <cmath>
 #include <numeric>
 #include <utility>
+
+#include "flight_numbers.h"
+#include "layout.h"
+#include "words.h"
 
 namespace gyrobudget::inline v0::report {
 namespace {
@@ -63,14 +64,13 @@ std::string origin_words(const FlightResult& r) {
 
 std::string plan_words(const FlightResult& r) {
   const flight::Flight& f = r.plan.flight;
-  std::string out = fmt::format("  {}, azimuth {:.6g} deg, from {:.4f} deg, {:.4f} deg\n",
-                                printable(f.vehicle.name), r.plan.control.azimuth / kDegree,
-                                f.world.site.latitude / kDegree, f.world.site.longitude / kDegree);
+  std::string out =
+      fmt::format("  {}, azimuth {:.6g} deg, from {:.4f} deg, {:.4f} deg\n", printable(f.vehicle.name),
+                  r.plan.control.azimuth / kDegree, f.world.site.latitude / kDegree, f.world.site.longitude / kDegree);
   if (const std::string words = origin_words(r); !words.empty())
     out += fmt::format("  the vehicle's numbers: {}\n", words);
-  out +=
-      fmt::format("  control and navigation at {:.6g} Hz, {}\n", 1 / f.period,
-                  r.plan.guidance ? "guided along the nominal trajectory" : "the program of attitude alone");
+  out += fmt::format("  control and navigation at {:.6g} Hz, {}\n", 1 / f.period,
+                     r.plan.guidance ? "guided along the nominal trajectory" : "the program of attitude alone");
   const auto& work = r.study.nominal.work;
   out += fmt::format("  integrated by {}, {} steps of at most {:.6g} s\n", to_string(work.method),
                      count_text(work.steps), f.integration.step);
@@ -104,8 +104,8 @@ std::vector<std::string> end_row(const std::string& name, const FlightFrame& fra
 }
 
 std::string ends(std::span<const FlightResult> results, const std::vector<std::string>& names) {
-  TextTable table = numbers_table({"flight", "t s", "height km", "downrange km", "crossrange m", "speed m/s",
-                               "distance km", "pitch deg", "ended"});
+  TextTable table = numbers_table(
+      {"flight", "t s", "height km", "downrange km", "crossrange m", "speed m/s", "distance km", "pitch deg", "ended"});
   for (const Nominal& n : nominals(results, names))
     table.row(end_row(n.name, FlightFrame(*n.result), n.result->study.nominal));
   for (std::size_t i = 0; i < results.size(); ++i) {
@@ -132,8 +132,8 @@ std::string accounts(std::span<const FlightResult> results, const std::vector<st
 }
 
 std::string departures(std::span<const FlightResult> results, const std::vector<std::string>& names) {
-  TextTable table = numbers_table(
-      {"flight", "downrange m", "crossrange m", "up m", "distance m", "velocity m/s", "attitude deg"});
+  TextTable table =
+      numbers_table({"flight", "downrange m", "crossrange m", "up m", "distance m", "velocity m/s", "attitude deg"});
   bool any = false;
   for (std::size_t i = 0; i < results.size(); ++i) {
     const auto& flown = results[i].study.flown;
@@ -172,14 +172,13 @@ std::string check_text(const Study& s) {
     const bool outside = ratio < check->low || ratio > check->high;
     out += fmt::format(" {} {}{}", axes[i], number(ratio, 3), outside ? " (outside)" : "");
   }
-  return out + fmt::format("\n  99 % of right ones lie in {} to {}\n", number(check->low, 3),
-                           number(check->high, 3));
+  return out + fmt::format("\n  99 % of right ones lie in {} to {}\n", number(check->low, 3), number(check->high, 3));
 }
 
 std::string navigation_error(const FlightResult& r, const std::string& name) {
   const Study& s = r.study;
-  std::string out = fmt::format(
-      "\nNavigation error at the end of the nominal flight, one sigma by linear covariance: {}\n", name);
+  std::string out =
+      fmt::format("\nNavigation error at the end of the nominal flight, one sigma by linear covariance: {}\n", name);
   if (!s.budget) return out + "  none: the flight is too short to navigate\n";
   if (s.budget->lines.empty()) return out + "  none: nothing errs\n";
   const std::size_t last = s.budget->times.size() - 1;
@@ -187,21 +186,19 @@ std::string navigation_error(const FlightResult& r, const std::string& name) {
   std::vector<std::size_t> order(share.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, std::greater{}, [&](std::size_t i) { return share[i]; });
-  TextTable table = numbers_table(
-      {"source", "downrange m", "crossrange m", "up m", "rss m", "vel m/s", "att deg", "share"});
+  TextTable table =
+      numbers_table({"source", "downrange m", "crossrange m", "up m", "rss m", "vel m/s", "att deg", "share"});
   for (const std::size_t i : order) {
     const auto& line = s.budget->lines[i];
     table.row(error_row(line.name, s, line.covariance[last], percent(share[i])));
   }
   table.row(error_row("total", s, s.budget->total[last], ""));
-  if (!s.budget->claimed.empty())
-    table.row(error_row("claimed by the filter", s, s.budget->claimed[last], ""));
+  if (!s.budget->claimed.empty()) table.row(error_row("claimed by the filter", s, s.budget->claimed[last], ""));
   if (s.sensors.complete() > 1)
     table.row(error_row(fmt::format("found in {} flights", count_text(s.sensors.complete())), s,
                         s.sensors.navigation_error(), ""));
   out += table.text() + check_text(s);
-  for (const auto& l : s.left_out)
-    out += wrapped(fmt::format("not in it: {}: {}", l.what, l.why), "  - ", "    ");
+  for (const auto& l : s.left_out) out += wrapped(fmt::format("not in it: {}: {}", l.what, l.why), "  - ", "    ");
   return out;
 }
 
@@ -226,9 +223,9 @@ std::vector<std::string> dispersion_row(const std::string& name, const FlightsOf
 }
 
 std::string dispersion(std::span<const FlightResult> results, const std::vector<std::string>& names) {
-  TextTable table = numbers_table({"flight", "cause", "downrange m", "crossrange m", "up m", "ellipse m",
-                               "vel m/s", "att deg", "flown", "lost"},
-                              2);
+  TextTable table = numbers_table(
+      {"flight", "cause", "downrange m", "crossrange m", "up m", "ellipse m", "vel m/s", "att deg", "flown", "lost"},
+      2);
   const bool one = one_nominal(results);
   bool any = false;
   for (std::size_t i = 0; i < results.size(); ++i) {
@@ -236,8 +233,8 @@ std::string dispersion(std::span<const FlightResult> results, const std::vector<
       // The vehicle's own is the same for every sensor.
       if (kind.flights->outcomes.empty() || (i > 0 && one && kind.cause == "vehicle")) continue;
       any = true;
-      table.row(dispersion_row(one && kind.cause == "vehicle" ? "any sensor" : names[i], kind,
-                               results[i].study.azimuth));
+      table.row(
+          dispersion_row(one && kind.cause == "vehicle" ? "any sensor" : names[i], kind, results[i].study.azimuth));
     }
   }
   return any ? "\nDispersion at the end about its mean, one sigma\n" + table.text() : "";
@@ -246,8 +243,8 @@ std::string dispersion(std::span<const FlightResult> results, const std::vector<
 // --- Limits and margins -----------------------------------------------------------------------------------------
 
 std::string limits(std::span<const FlightResult> results, const std::vector<std::string>& names) {
-  TextTable table = numbers_table({"flight", "highest q kPa", "at s", "Mach", "q x angle kPa deg", "nozzle deg",
-                               "of", "periods at a limit"});
+  TextTable table = numbers_table(
+      {"flight", "highest q kPa", "at s", "Mach", "q x angle kPa deg", "nozzle deg", "of", "periods at a limit"});
   const auto row = [&](const std::string& name, const FlightResult& r, const flight::FlightRecord& record) {
     const LimitsUsed u = limits_used(r, record);
     table.row({name, number(u.pressure / kKilo, 4), fmt::format("{:.1f}", u.pressure_at), number(u.mach, 3),
@@ -266,8 +263,7 @@ std::string margins(const Study& s, const std::string& name) {
   TextTable table =
       numbers_table({"bending mode", "gain up dB", "at s", "gain down dB", "at s", "phase deg", "at s", ""});
   for (const LeastMargins& m : least) {
-    const std::string mode =
-        m.mode_factor == 1 ? "as planned" : fmt::format("{:+.0f} %", 100 * (m.mode_factor - 1));
+    const std::string mode = m.mode_factor == 1 ? "as planned" : fmt::format("{:+.0f} %", 100 * (m.mode_factor - 1));
     const auto at = [](double value, double t) { return std::isinf(value) ? "" : fmt::format("{:.0f}", t); };
     table.row({least.size() == 1 ? "none" : mode, decibels(m.gain_up), at(m.gain_up, m.gain_up_at),
                decibels(m.gain_down), at(m.gain_down, m.gain_down_at),
@@ -276,9 +272,8 @@ std::string margins(const Study& s, const std::string& name) {
                : m.met() ? "met"
                          : "NOT MET"});
   }
-  return fmt::format(
-             "\nLeast margins until {:.1f} s, where thrust fades; {:g} dB and {:g} deg are to be had: {}\n",
-             s.margins.until, kGainDemand, kPhaseDemand, name) +
+  return fmt::format("\nLeast margins until {:.1f} s, where thrust fades; {:g} dB and {:g} deg are to be had: {}\n",
+                     s.margins.until, kGainDemand, kPhaseDemand, name) +
          table.text();
 }
 

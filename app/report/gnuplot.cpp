@@ -2,7 +2,6 @@
 #include "gnuplot.h"
 
 #include "gyrobudget/app/text/error.h"
-#include "words.h"
 
 #include <fmt/format.h>
 #include <spawn.h>
@@ -14,6 +13,8 @@
 #include <cerrno>
 #include <cstring>
 #include <string_view>
+
+#include "words.h"
 
 namespace gyrobudget::inline v0::report {
 namespace {
@@ -86,8 +87,7 @@ pid_t start(const Redirection& redirection) {
   const int error = posix_spawnp(&child, "gnuplot", redirection.get(), nullptr, arguments.data(), environ);
   if (error == ENOENT) {
     throw OutputError(
-        "cannot draw the figure: the program gnuplot was not found; install the Debian package "
-        "gnuplot-nox (apt-get install gnuplot-nox)");
+        "cannot draw the figure: the program gnuplot was not found; install the Debian package gnuplot-nox (apt-get install gnuplot-nox)");
   }
   if (error != 0) fail("it could not be started", error);
   return child;

@@ -1,10 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/noise/units.h"
-#include "curves.h"
-#include "json_text.h"
-#include "page_parts.h"
-#include "report.h"
-#include "words.h"
 #include "gyrobudget/noise/version.h"
 
 #include <fmt/format.h>
@@ -14,6 +9,12 @@
 #include <cmath>
 #include <string>
 #include <vector>
+
+#include "curves.h"
+#include "json_text.h"
+#include "page_parts.h"
+#include "report.h"
+#include "words.h"
 
 // Numbers that are not finite become null: JSON has no others. Keys keep the order of writing.
 namespace gyrobudget::inline v0::report {
@@ -362,8 +363,7 @@ Json findings(const AxisResult& axis, double rate_hz) {
   for (const auto& s : found.steps)
     steps.push_back({{"at_s", at(s.index)}, {"size", scale(s.size)}, {"sigmas", s.sigmas}});
   for (const auto& l : found.lines)
-    lines.push_back(
-        {{"frequency_hz", l.frequency_hz}, {"amplitude", scale(l.amplitude)}, {"ratio", l.ratio}});
+    lines.push_back({{"frequency_hz", l.frequency_hz}, {"amplitude", scale(l.amplitude)}, {"ratio", l.ratio}});
   Json drift = nullptr;
   if (found.departure) {
     const bool warm_up = found.departure->kind == allan::Departure::Kind::warm_up;
@@ -373,14 +373,13 @@ Json findings(const AxisResult& axis, double rate_hz) {
              {"p_value", found.departure->p_value},
              {"masked", found.warm_up_masked}};
   }
-  return {
-      {"unit", scale.unit()},
-      {"used_from_s", at(found.first)},
-      {"used_to_s", at(found.first + found.samples)},
-      {"outliers", {{"count", found.outliers.size()}, {"masked", found.outliers_masked}, {"list", outliers}}},
-      {"steps", {{"masked", found.steps_masked}, {"list", steps}}},
-      {"drift", drift},
-      {"lines", lines}};
+  return {{"unit", scale.unit()},
+          {"used_from_s", at(found.first)},
+          {"used_to_s", at(found.first + found.samples)},
+          {"outliers", {{"count", found.outliers.size()}, {"masked", found.outliers_masked}, {"list", outliers}}},
+          {"steps", {{"masked", found.steps_masked}, {"list", steps}}},
+          {"drift", drift},
+          {"lines", lines}};
 }
 
 Json minimum(const AxisResult& axis) {
@@ -442,10 +441,8 @@ Json combined(const RunsResult& result) {
     Json parameters = Json::object();
     for (const auto& c : in_reading_order(axis))
       parameters[std::string(noise::key(axis.signal, c.term))] = combined_parameter(axis.signal, c);
-    axes.push_back({{"name", axis.name},
-                    {"signal", text(axis.signal)},
-                    {"left_out", axis.left_out},
-                    {"parameters", parameters}});
+    axes.push_back(
+        {{"name", axis.name}, {"signal", text(axis.signal)}, {"left_out", axis.left_out}, {"parameters", parameters}});
   }
   return axes;
 }
@@ -457,8 +454,8 @@ Json combined_rows(const RunsResult& result) {
     Json rows = Json::array();
     for (const auto& c : in_reading_order(axis)) {
       const CombinedText t = combined_text(axis.signal, c);
-      rows.push_back({fmt::format("{} ({})", noise::label(axis.signal, c.term), static_cast<char>(c.term)),
-                      t.value, t.interval, t.spread, t.next, t.unit, t.agreement});
+      rows.push_back({fmt::format("{} ({})", noise::label(axis.signal, c.term), static_cast<char>(c.term)), t.value,
+                      t.interval, t.spread, t.next, t.unit, t.agreement});
     }
     axes.push_back({{"name", axis.name}, {"left_out", axis.left_out}, {"rows", rows}});
   }
@@ -474,17 +471,15 @@ Json rows(const AxisResult& axis, const fit::Result& fit) {
     const Coefficient* c = find(fit, term);
     if (c == nullptr) continue;
     const ShapeText shape = shape_text(*c);
-    out.push_back({{"symbol", std::string(1, static_cast<char>(term))},
-                   {"label", noise::label(axis.signal, term)},
-                   {"status", text(c->status)},
-                   {"status_text", status_text(axis.signal, *c, fit)},
-                   {"datasheet", cells(datasheet_text(axis.signal, *c))},
-                   {"si", cells(si_text(axis.signal, *c))},
-                   {"shape",
-                    {{"label", shape.label},
-                     {"value", shape.value},
-                     {"interval", shape.interval},
-                     {"unit", shape.unit}}}});
+    out.push_back(
+        {{"symbol", std::string(1, static_cast<char>(term))},
+         {"label", noise::label(axis.signal, term)},
+         {"status", text(c->status)},
+         {"status_text", status_text(axis.signal, *c, fit)},
+         {"datasheet", cells(datasheet_text(axis.signal, *c))},
+         {"si", cells(si_text(axis.signal, *c))},
+         {"shape",
+          {{"label", shape.label}, {"value", shape.value}, {"interval", shape.interval}, {"unit", shape.unit}}}});
   }
   return out;
 }
@@ -502,8 +497,7 @@ Json curves(const AxisResult& axis, double rate_hz) {
                      {"deviation", scale(t.deviation)}});
   }
   for (const Mark& m : curves.marks) {
-    marks.push_back(
-        {{"name", m.name}, {"tau_s", m.tau_s}, {"deviation", scale(m.deviation)}, {"text", m.text}});
+    marks.push_back({{"name", m.name}, {"tau_s", m.tau_s}, {"deviation", scale(m.deviation)}, {"text", m.text}});
   }
   return {{"tau_s", curves.tau_s},
           {"model", scale(curves.model)},
@@ -560,14 +554,14 @@ std::string page_data(const LogResult& result, const RunsResult* runs) {
   }
   Json& axes = data["axes"] = Json::array();
   for (const AxisResult& axis : small.axes) {
-    axes.push_back({{"name", curve_name(axis, result)},
-                    {"deviation_name", deviation_name(axis.estimator)},
-                    {"curves", curves(axis, result.rate_hz)},
-                    {"rows", axis.fit ? rows(axis, *axis.fit) : Json::array()},
-                    {"other_rows", axis.chosen && axis.chosen->alternative_fit
-                                       ? rows(axis, *axis.chosen->alternative_fit)
-                                       : Json::array()},
-                    {"words", axis.fit ? words(axis, result.rate_hz) : Json(nullptr)}});
+    axes.push_back(
+        {{"name", curve_name(axis, result)},
+         {"deviation_name", deviation_name(axis.estimator)},
+         {"curves", curves(axis, result.rate_hz)},
+         {"rows", axis.fit ? rows(axis, *axis.fit) : Json::array()},
+         {"other_rows",
+          axis.chosen && axis.chosen->alternative_fit ? rows(axis, *axis.chosen->alternative_fit) : Json::array()},
+         {"words", axis.fit ? words(axis, result.rate_hz) : Json(nullptr)}});
   }
   if (runs != nullptr) data["combined"] = combined_rows(*runs);
   return without_markup(compact_json(data));

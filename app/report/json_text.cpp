@@ -13,8 +13,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kLineWidth = 200;
 
 void write(const Json& value, std::size_t indent, std::string& out) {
-  const bool nested =
-      std::any_of(value.begin(), value.end(), [](const Json& v) { return v.is_structured(); });
+  const bool nested = std::any_of(value.begin(), value.end(), [](const Json& v) { return v.is_structured(); });
   if (!value.is_structured() || value.empty()) {
     out += compact_json(value);
     return;
@@ -42,9 +41,7 @@ void write(const Json& value, std::size_t indent, std::string& out) {
 
 }  // namespace
 
-std::string compact_json(const Json& value) {
-  return value.dump(-1, ' ', false, Json::error_handler_t::replace);
-}
+std::string compact_json(const Json& value) { return value.dump(-1, ' ', false, Json::error_handler_t::replace); }
 
 std::string dense_json(const Json& value) {
   std::string out;

@@ -44,8 +44,7 @@ namespace {
 /// The next piece of a text that must not be broken: a word, or numbers with the word behind them ("0.70 deg/h").
 std::string_view take_piece(std::string_view& text) {
   std::size_t end = text.find(' ');
-  while (end != std::string_view::npos && end > 0 &&
-         std::isdigit(static_cast<unsigned char>(text[end - 1])) != 0) {
+  while (end != std::string_view::npos && end > 0 && std::isdigit(static_cast<unsigned char>(text[end - 1])) != 0) {
     end = text.find(' ', end + 1);
   }
   const std::string_view piece = text.substr(0, end);

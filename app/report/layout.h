@@ -27,8 +27,7 @@ class TextTable {
   [[nodiscard]] std::vector<std::string> lines() const;
 
  private:
-  [[nodiscard]] std::string line(const std::vector<std::string>& cells,
-                                 const std::vector<std::size_t>& widths) const;
+  [[nodiscard]] std::string line(const std::vector<std::string>& cells, const std::vector<std::size_t>& widths) const;
 
   std::vector<Align> columns_;
   std::vector<std::vector<std::string>> rows_;

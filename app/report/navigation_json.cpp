@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Navigation runs for programs, and the data that navigation.js draws.
+#include "gyrobudget/noise/version.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/frames.h"
-#include "navigation.h"
-#include "page_parts.h"
-#include "gyrobudget/noise/version.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -13,6 +11,9 @@
 #include <cmath>
 #include <functional>
 #include <string_view>
+
+#include "navigation.h"
+#include "page_parts.h"
 
 namespace gyrobudget::inline v0::report {
 namespace {
@@ -25,9 +26,7 @@ using navigation::Navigation;
 constexpr double kDegree = earth::kDegree;
 
 Json finite(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
-Json local(const Vector3d& v) {
-  return {{"east", finite(v[0])}, {"north", finite(v[1])}, {"up", finite(v[2])}};
-}
+Json local(const Vector3d& v) { return {{"east", finite(v[0])}, {"north", finite(v[1])}, {"up", finite(v[2])}}; }
 Json list(const Vector3d& v, int rows = 3) {
   Json out = Json::array();
   for (int i = 0; i < rows; ++i) out.push_back(finite(v[i]));
@@ -51,9 +50,7 @@ std::string_view status_text(Navigation::Status status) {
 }
 
 std::string_view unit_of(Aid::Kind kind) {
-  return kind == Aid::Kind::attitude                                ? "deg"
-         : kind == Aid::Kind::position || kind == Aid::Kind::height ? "m"
-                                                                    : "m/s";
+  return kind == Aid::Kind::attitude ? "deg" : kind == Aid::Kind::position || kind == Aid::Kind::height ? "m" : "m/s";
 }
 
 Json final_json(const navigation::Solution& s) {
@@ -169,8 +166,7 @@ Json document(const NavigationResult& r) {
         {"interval_s", imu.typical_interval},
         {"gaps", imu.gaps},
         {"bridged_s", imu.bridged_seconds}}},
-      {"alignment",
-       {{"from_s", r.run.alignment.from}, {"to_s", r.run.alignment.to}, {"words", r.run.alignment.words}}},
+      {"alignment", {{"from_s", r.run.alignment.from}, {"to_s", r.run.alignment.to}, {"words", r.run.alignment.words}}},
       {"smoothed", r.scenario.smooth},
       {"epochs", r.run.solutions.size()},
       {"final", any ? final_json(r.run.solutions.back()) : Json(nullptr)},
@@ -223,11 +219,9 @@ Json errors_json(const Navigation& run) {
   const auto& ref = *run.reference;
   Json out = Json::object();
   if (ref.has_position)
-    out["position"] =
-        series<E>(ref.errors, 1, [](const E& e) { return std::pair(e.position, e.position_sigma); });
+    out["position"] = series<E>(ref.errors, 1, [](const E& e) { return std::pair(e.position, e.position_sigma); });
   if (ref.has_velocity)
-    out["velocity"] =
-        series<E>(ref.errors, 1, [](const E& e) { return std::pair(e.velocity, e.velocity_sigma); });
+    out["velocity"] = series<E>(ref.errors, 1, [](const E& e) { return std::pair(e.velocity, e.velocity_sigma); });
   if (ref.has_attitude)
     out["attitude"] =
         series<E>(ref.errors, kDegree, [](const E& e) { return std::pair(e.attitude, e.attitude_sigma); });
@@ -238,12 +232,10 @@ Json errors_json(const Navigation& run) {
 Json claims_json(const Navigation& run) {
   using S = navigation::Solution;
   const Vector3d zero = Vector3d::Zero();
-  return {{"position",
-           series<S>(run.solutions, 1, [&](const S& s) { return std::pair(zero, s.position_sigma); })},
-          {"velocity",
-           series<S>(run.solutions, 1, [&](const S& s) { return std::pair(zero, s.velocity_sigma); })},
-          {"attitude",
-           series<S>(run.solutions, kDegree, [&](const S& s) { return std::pair(zero, s.attitude_sigma); })}};
+  return {
+      {"position", series<S>(run.solutions, 1, [&](const S& s) { return std::pair(zero, s.position_sigma); })},
+      {"velocity", series<S>(run.solutions, 1, [&](const S& s) { return std::pair(zero, s.velocity_sigma); })},
+      {"attitude", series<S>(run.solutions, kDegree, [&](const S& s) { return std::pair(zero, s.attitude_sigma); })}};
 }
 
 Json biases_json(const Navigation& run) {
@@ -256,12 +248,11 @@ Json biases_json(const Navigation& run) {
   };
   Json out = Json::object();
   if (has(navigation::Carrier::gyro))
-    out["gyro"] = series<S>(run.solutions, kDegreePerHour,
-                            [](const S& s) { return std::pair(s.gyro_bias, s.gyro_bias_sigma); });
+    out["gyro"] =
+        series<S>(run.solutions, kDegreePerHour, [](const S& s) { return std::pair(s.gyro_bias, s.gyro_bias_sigma); });
   if (has(navigation::Carrier::accelerometer))
-    out["accelerometer"] = series<S>(run.solutions, kMilliG, [](const S& s) {
-      return std::pair(s.accelerometer_bias, s.accelerometer_bias_sigma);
-    });
+    out["accelerometer"] = series<S>(
+        run.solutions, kMilliG, [](const S& s) { return std::pair(s.accelerometer_bias, s.accelerometer_bias_sigma); });
   return out;
 }
 
@@ -284,16 +275,14 @@ Json nis_points(const NavigationResult& r) {
 
 Json track_json(const NavigationResult& r) {
   if (r.run.solutions.empty()) return nullptr;
-  const earth::Geodetic origin =
-      r.scenario.site.value_or(earth::to_geodetic(r.run.solutions.front().state.p_eb_e));
+  const earth::Geodetic origin = r.scenario.site.value_or(earth::to_geodetic(r.run.solutions.front().state.p_eb_e));
   const auto frame = earth::LocalFrame::east_north_up(origin);
   const auto add = [&](Json& to, const Vector3d& p_eb_e) {
     const Vector3d p = frame.from_ecef(p_eb_e);
     to.push_back({p[0], p[1], p[2]});
   };
   Json track = Json::array(), fixes = Json::array();
-  for (const std::size_t i : thinned(r.run.solutions.size(), kMostPoints))
-    add(track, r.run.solutions[i].state.p_eb_e);
+  for (const std::size_t i : thinned(r.run.solutions.size(), kMostPoints)) add(track, r.run.solutions[i].state.p_eb_e);
   for (std::size_t a = 0; a < r.scenario.aids.size(); ++a) {
     if (r.scenario.aids[a].kind != Aid::Kind::position) continue;
     Json points = Json::array();
@@ -312,9 +301,8 @@ Json track_json(const NavigationResult& r) {
 std::string navigation_json(const NavigationResult& r) { return text_of(document(r), 2) + "\n"; }
 
 std::string navigation_data(const NavigationResult& r) {
-  const Json data{{"navigation", document(r)},    {"errors", errors_json(r.run)},
-                  {"claims", claims_json(r.run)}, {"biases", biases_json(r.run)},
-                  {"innovations", nis_points(r)}, {"track", track_json(r)}};
+  const Json data{{"navigation", document(r)},    {"errors", errors_json(r.run)}, {"claims", claims_json(r.run)},
+                  {"biases", biases_json(r.run)}, {"innovations", nis_points(r)}, {"track", track_json(r)}};
   return without_markup(text_of(data, -1));
 }
 

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Navigation runs for the terminal and as CSV.
+#include "gyrobudget/noise/units.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/frames.h"
-#include "gyrobudget/noise/units.h"
-#include "layout.h"
-#include "navigation.h"
-#include "words.h"
 
 #include <fmt/format.h>
 
@@ -14,6 +11,10 @@
 #include <cmath>
 #include <cstdlib>
 #include <iterator>
+
+#include "layout.h"
+#include "navigation.h"
+#include "words.h"
 
 namespace gyrobudget::inline v0::report {
 namespace {
@@ -24,9 +25,7 @@ using navigation::Carrier;
 using navigation::Effect;
 using navigation::Navigation;
 
-std::string_view letter(int axis) {
-  return std::string_view("xyz").substr(static_cast<std::size_t>(axis), 1);
-}
+std::string_view letter(int axis) { return std::string_view("xyz").substr(static_cast<std::size_t>(axis), 1); }
 
 std::string_view unit_of(Aid::Kind kind) {
   switch (kind) {
@@ -43,8 +42,7 @@ std::string_view unit_of(Aid::Kind kind) {
 StateText aid_state_text(const Aid& aid, const navigation::ErrorTerm& term) {
   constexpr std::array<std::string_view, 3> kLocal{"east", "north", "up"};
   if (term.effect == Effect::time_tag) return {aid.name + " time tag", "ms", 1e-3};
-  if (term.effect == Effect::lever_arm)
-    return {fmt::format("{} lever arm {}", aid.name, letter(term.axis)), "m", 1};
+  if (term.effect == Effect::lever_arm) return {fmt::format("{} lever arm {}", aid.name, letter(term.axis)), "m", 1};
   const std::string unit(unit_of(aid.kind));
   const double to_si = noise::parse_unit(unit).to_si;
   const std::string_view kind = std::isfinite(term.correlation_time) ? "correlated error"
@@ -66,8 +64,7 @@ std::string heading(const NavigationResult& r) {
   const auto& imu = r.recording.imu;
   const std::string name = r.scenario.name.empty() ? r.scene : r.scenario.name;
   return fmt::format("{}\n  IMU: {}, {} samples every {} over {}\n", printable(name), printable(r.source),
-                     count_text(static_cast<std::int64_t>(imu.increments.size())),
-                     tau_text(imu.typical_interval),
+                     count_text(static_cast<std::int64_t>(imu.increments.size())), tau_text(imu.typical_interval),
                      duration_text(static_cast<double>(imu.stamps.back() - imu.stamps.front()) * 1e-9));
 }
 
@@ -88,10 +85,9 @@ std::string final_solution(const NavigationResult& r) {
   std::string out = fmt::format("\nSolution at {:.10g} s (last of {})\n", s.time,
                                 count_text(static_cast<std::int64_t>(r.run.solutions.size())));
   TextTable table({Align::left, Align::left, Align::left});
-  table.row(
-      {"  position",
-       fmt::format("{:.8f} deg, {:.8f} deg, {:.3f} m", at.latitude / deg, at.longitude / deg, at.height),
-       fmt::format("one sigma east, north, up: {} m", vector_text(s.position_sigma, 3))});
+  table.row({"  position",
+             fmt::format("{:.8f} deg, {:.8f} deg, {:.3f} m", at.latitude / deg, at.longitude / deg, at.height),
+             fmt::format("one sigma east, north, up: {} m", vector_text(s.position_sigma, 3))});
   table.row({"  velocity", fmt::format("north {:.4f}, east {:.4f}, down {:.4f} m/s", v[0], v[1], v[2]),
              fmt::format("{} m/s", vector_text(s.velocity_sigma, 3))});
   table.row({"  attitude",
@@ -108,10 +104,9 @@ std::string refused(const NavigationResult& r) {
     constexpr std::int64_t kMany = 10;
     if (kMany * a.gated <= a.used + a.gated) continue;
     out += wrapped(
-        fmt::format("{} of {} fixes of {} were refused by the gate. The filter is surer than it should be: "
-                    "look at the start, at the sensor file, at this aid's sigma, axes and units.",
-                    count_text(a.gated), count_text(a.used + a.gated),
-                    printable(r.scenario.aids[a.aid].name)),
+        fmt::format(
+            "{} of {} fixes of {} were refused by the gate. The filter is surer than it should be: look at the start, at the sensor file, at this aid's sigma, axes and units.",
+            count_text(a.gated), count_text(a.used + a.gated), printable(r.scenario.aids[a.aid].name)),
         "  ", "  ");
   }
   return out;
@@ -121,20 +116,18 @@ std::string aids_table(const NavigationResult& r) {
   if (r.run.aids.empty()) return {};
   std::string out = "\nAids (NIS: squared innovation over what the filter expected; right sigmas give 1)\n";
   TextTable table({Align::left, Align::right, Align::right, Align::right, Align::right, Align::left, Align::right,
-               Align::right, Align::left});
-  table.row(
-      {"  aid", "used", "gated", "left out", "NIS/dof", "95 % band", "inside 95 %", "residual rms", ""});
+                   Align::right, Align::left});
+  table.row({"  aid", "used", "gated", "left out", "NIS/dof", "95 % band", "inside 95 %", "residual rms", ""});
   for (const auto& a : r.run.aids) {
     const Aid& aid = r.scenario.aids[a.aid];
     const bool any = a.used > 0;
     const std::string unit(unit_of(aid.kind));
     const Vector3d rms = a.residual_rms / noise::parse_unit(unit).to_si;
-    table.row(
-        {fmt::format("  {}", printable(aid.name)), count_text(a.used), count_text(a.gated + a.not_finite),
-         count_text(a.left_out), any ? number(a.nis_mean / a.rows, 3) : "-",
-         any ? fmt::format("{} to {}", number(a.nis_low / a.rows, 3), number(a.nis_high / a.rows, 3)) : "-",
-         any ? percent(a.inside_95) : "-", any ? number(a.rows == 1 ? std::abs(rms[0]) : rms.norm(), 3) : "-",
-         any ? unit : ""});
+    table.row({fmt::format("  {}", printable(aid.name)), count_text(a.used), count_text(a.gated + a.not_finite),
+               count_text(a.left_out), any ? number(a.nis_mean / a.rows, 3) : "-",
+               any ? fmt::format("{} to {}", number(a.nis_low / a.rows, 3), number(a.nis_high / a.rows, 3)) : "-",
+               any ? percent(a.inside_95) : "-", any ? number(a.rows == 1 ? std::abs(rms[0]) : rms.norm(), 3) : "-",
+               any ? unit : ""});
   }
   return out + table.text() + refused(r);
 }
@@ -158,17 +151,17 @@ std::string reference_text(const NavigationResult& r) {
   const navigation::ReferenceSummary& ref = *r.run.reference;
   std::string out = fmt::format("\nAgainst the reference, {} epochs (errors as lengths of vectors)\n",
                                 count_text(static_cast<std::int64_t>(ref.errors.size())));
-  TextTable table({Align::right, Align::right, Align::right, Align::right, Align::right, Align::right,
-               Align::right, Align::right});
+  TextTable table(
+      {Align::right, Align::right, Align::right, Align::right, Align::right, Align::right, Align::right, Align::right});
   table.row({"t [s]", "position [m]", "3 sigma", "velocity [m/s]", "3 sigma", "attitude [deg]", "3 sigma",
              fmt::format("NEES/{}", ref.dof)});
   const auto cell = [](bool has, double value) { return has ? number(value, 3) : "-"; };
   const auto row = [&](std::string t, Vector3d length, const navigation::ReferenceError& e, double nees) {
     const double deg = earth::kDegree;
-    table.row({std::move(t), cell(ref.has_position, length[0]),
-               cell(ref.has_position, 3 * e.position_sigma.norm()), cell(ref.has_velocity, length[1]),
-               cell(ref.has_velocity, 3 * e.velocity_sigma.norm()), cell(ref.has_attitude, length[2] / deg),
-               cell(ref.has_attitude, 3 * e.attitude_sigma.norm() / deg), number(nees / ref.dof, 3)});
+    table.row({std::move(t), cell(ref.has_position, length[0]), cell(ref.has_position, 3 * e.position_sigma.norm()),
+               cell(ref.has_velocity, length[1]), cell(ref.has_velocity, 3 * e.velocity_sigma.norm()),
+               cell(ref.has_attitude, length[2] / deg), cell(ref.has_attitude, 3 * e.attitude_sigma.norm() / deg),
+               number(nees / ref.dof, 3)});
   };
   constexpr std::size_t kRows = 10;
   const std::size_t n = ref.errors.size();
@@ -180,14 +173,11 @@ std::string reference_text(const NavigationResult& r) {
     const auto& e = ref.errors[at];
     row(fmt::format("{:.6g}", e.time), {e.position.norm(), e.velocity.norm(), e.attitude.norm()}, e, e.nees);
   }
-  table.row({"rms", cell(ref.has_position, ref.position_rms), "", cell(ref.has_velocity, ref.velocity_rms),
-             "", cell(ref.has_attitude, ref.attitude_rms / earth::kDegree), "",
-             number(ref.nees_mean / ref.dof, 3)});
+  table.row({"rms", cell(ref.has_position, ref.position_rms), "", cell(ref.has_velocity, ref.velocity_rms), "",
+             cell(ref.has_attitude, ref.attitude_rms / earth::kDegree), "", number(ref.nees_mean / ref.dof, 3)});
   out += table.text();
   out += fmt::format(
-      "  NEES (squared error over what the filter claims; right sigmas and a perfect reference give 1): {} "
-      "of the "
-      "epochs in the 95 % band {} to {}\n",
+      "  NEES (squared error over what the filter claims; right sigmas and a perfect reference give 1): {} of the epochs in the 95 % band {} to {}\n",
       percent(ref.nees_inside_95), number(ref.nees_low / ref.dof, 3), number(ref.nees_high / ref.dof, 3));
   return out;
 }
@@ -197,8 +187,7 @@ std::string on_log_clock(const NavigationResult& r, double t) {
   constexpr double kNanoseconds = 1e9;
   constexpr std::int64_t kSecond = 1'000'000'000;
   const std::int64_t ns = r.recording.origin + std::llround(t * kNanoseconds);
-  std::string text =
-      fmt::format("{}{}.{:09}", ns < 0 ? "-" : "", std::abs(ns) / kSecond, std::abs(ns) % kSecond);
+  std::string text = fmt::format("{}{}.{:09}", ns < 0 ? "-" : "", std::abs(ns) / kSecond, std::abs(ns) % kSecond);
   text.erase(text.find_last_not_of('0') + 1);
   if (text.back() == '.') text.pop_back();
   return text;
@@ -218,8 +207,7 @@ std::string_view status_word(navigation::Innovation::Status status) {
 }  // namespace
 
 StateText state_text(const navigation::Scenario& scenario, const navigation::ErrorTerm& term) {
-  if (term.carrier == Carrier::aid)
-    return aid_state_text(scenario.aids.at(static_cast<std::size_t>(term.aid)), term);
+  if (term.carrier == Carrier::aid) return aid_state_text(scenario.aids.at(static_cast<std::size_t>(term.aid)), term);
   const bool gyro = term.carrier == Carrier::gyro;
   const auto with = [&](std::string_view unit) {
     std::string name = navigation::name(term);
@@ -255,8 +243,7 @@ std::string navigation_text(const NavigationResult& r) {
 std::string solution_csv(const NavigationResult& r) {
   constexpr std::array<const char*, 3> kLocal{"east", "north", "up"};
   std::string out =
-      "time (s),latitude (deg),longitude (deg),height (m),velocity_north (m/s),velocity_east (m/s),"
-      "velocity_down (m/s),q_w (1),q_x (1),q_y (1),q_z (1),heading (deg),pitch (deg),roll (deg)";
+      "time (s),latitude (deg),longitude (deg),height (m),velocity_north (m/s),velocity_east (m/s),velocity_down (m/s),q_w (1),q_x (1),q_y (1),q_z (1),heading (deg),pitch (deg),roll (deg)";
   for (const auto* what : {"position_{} (m)", "velocity_{} (m/s)", "attitude_{} (deg)"})
     for (const auto* axis : kLocal) out += fmt::format(",sigma_{}", fmt::format(fmt::runtime(what), axis));
   for (const auto* what : {"gyro_bias_{} (rad/s)", "accel_bias_{} (m/s^2)"})
@@ -274,11 +261,10 @@ std::string solution_csv(const NavigationResult& r) {
     if (q.w() < 0) q.coeffs() = -q.coeffs();
     const earth::Euler e = earth::to_euler(q);
     auto to = std::back_inserter(out);
-    fmt::format_to(to,
-                   "{},{:.12g},{:.12g},{:.6f},{:.7g},{:.7g},{:.7g},{:.12g},{:.12g},{:.12g},{:.12g},{:."
-                   "7g},{:.7g},{:.7g}",
-                   on_log_clock(r, s.time), at.latitude / deg, at.longitude / deg, at.height, v[0], v[1],
-                   v[2], q.w(), q.x(), q.y(), q.z(), e.yaw / deg, e.pitch / deg, e.roll / deg);
+    fmt::format_to(
+        to, "{},{:.12g},{:.12g},{:.6f},{:.7g},{:.7g},{:.7g},{:.12g},{:.12g},{:.12g},{:.12g},{:.7g},{:.7g},{:.7g}",
+        on_log_clock(r, s.time), at.latitude / deg, at.longitude / deg, at.height, v[0], v[1], v[2], q.w(), q.x(),
+        q.y(), q.z(), e.yaw / deg, e.pitch / deg, e.roll / deg);
     for (int i = 0; i < 3; ++i) fmt::format_to(to, ",{:.5g}", s.position_sigma[i]);
     for (int i = 0; i < 3; ++i) fmt::format_to(to, ",{:.5g}", s.velocity_sigma[i]);
     for (int i = 0; i < 3; ++i) fmt::format_to(to, ",{:.5g}", s.attitude_sigma[i] / deg);
@@ -291,8 +277,7 @@ std::string solution_csv(const NavigationResult& r) {
 }
 
 std::string innovations_csv(const NavigationResult& r) {
-  std::string out =
-      "time (s),aid,status,nis (1),dof (1),residual_1,residual_2,residual_3,sigma_1,sigma_2,sigma_3\n";
+  std::string out = "time (s),aid,status,nis (1),dof (1),residual_1,residual_2,residual_3,sigma_1,sigma_2,sigma_3\n";
   auto to = std::back_inserter(out);
   for (const auto& at : r.run.innovations) {
     const auto& i = at.innovation;

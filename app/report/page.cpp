@@ -1,4 +1,11 @@
 // SPDX-License-Identifier: MIT
+#include <algorithm>
+#include <initializer_list>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+
 #include "accuracy.h"
 #include "flight_numbers.h"
 #include "navigation.h"
@@ -6,13 +13,6 @@
 #include "paper.h"
 #include "report.h"
 #include "words.h"
-
-#include <algorithm>
-#include <initializer_list>
-#include <stdexcept>
-#include <string>
-#include <string_view>
-#include <utility>
 
 namespace gyrobudget::inline v0::report {
 namespace {
@@ -58,8 +58,7 @@ std::string filled(std::string_view page, std::initializer_list<Slot> slots) {
     const std::size_t close = page.find("}}", open);
     const std::string_view name = page.substr(open + 2, close - open - 2);
     const auto* slot = std::ranges::find(slots, name, &Slot::first);
-    if (slot == slots.end())
-      throw std::logic_error("a page has a slot that nothing fills: " + std::string(name));
+    if (slot == slots.end()) throw std::logic_error("a page has a slot that nothing fills: " + std::string(name));
     out += page.substr(0, open);
     out += slot->second;
     page.remove_prefix(close + 2);
@@ -68,8 +67,8 @@ std::string filled(std::string_view page, std::initializer_list<Slot> slots) {
 }
 
 /// @param plain_text the same without scripts; title and plain text are escaped here.
-std::string whole(std::string_view title, std::string_view body, std::string_view plain_text,
-                  std::string_view data, std::string_view script) {
+std::string whole(std::string_view title, std::string_view body, std::string_view plain_text, std::string_view data,
+                  std::string_view script) {
   const std::string escaped = html_escaped(title), text = html_escaped(plain_text);
   const std::string head = filled(kHeadHtml, {{"title", escaped}, {"text", text}});
   return filled(kShellHtml, {{"title", escaped},
@@ -109,8 +108,8 @@ std::string runs_page(const RunsResult& runs) {
 }
 
 std::string paper_page(const Paper& paper) {
-  return whole("A paper's gyro noise, published and simulated again", kPaperHtml, paper_table(paper),
-               paper_data(paper), kPaperJs);
+  return whole("A paper's gyro noise, published and simulated again", kPaperHtml, paper_table(paper), paper_data(paper),
+               kPaperJs);
 }
 
 std::string accuracy_page(const AccuracyStudy& study) {
@@ -120,24 +119,22 @@ std::string accuracy_page(const AccuracyStudy& study) {
 
 std::string navigation_page(const NavigationResult& result) {
   const std::string& name = result.scenario.name.empty() ? result.scene : result.scenario.name;
-  return whole("Navigation: " + printable(name), kNavigationHtml, navigation_text(result),
-               navigation_data(result), kNavigationJs);
+  return whole("Navigation: " + printable(name), kNavigationHtml, navigation_text(result), navigation_data(result),
+               kNavigationJs);
 }
 
 std::string budget_page(const std::vector<BudgetResult>& results) {
   const std::string& name = results[0].name.empty() ? results[0].scene : results[0].name;
-  return whole("Error budget: " + printable(name), kBudgetHtml, budget_text(results), budget_data(results),
-               kBudgetJs);
+  return whole("Error budget: " + printable(name), kBudgetHtml, budget_text(results), budget_data(results), kBudgetJs);
 }
 
 std::string flight_page(std::span<const FlightResult> results) {
-  return whole("Flight: " + flight_title(results), kFlightHtml, flight_text(results), flight_data(results),
-               kFlightJs);
+  return whole("Flight: " + flight_title(results), kFlightHtml, flight_text(results), flight_data(results), kFlightJs);
 }
 
 std::string sweep_page(const Sweep& sweep) {
-  return whole("Error against run time: " + printable(sweep.sensor), kSweepHtml, sweep_table(sweep),
-               sweep_data(sweep), kSweepJs);
+  return whole("Error against run time: " + printable(sweep.sensor), kSweepHtml, sweep_table(sweep), sweep_data(sweep),
+               kSweepJs);
 }
 
 }  // namespace gyrobudget::inline v0::report

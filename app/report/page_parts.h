@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <span>
+#include <string>
+#include <string_view>
+
 #include "accuracy.h"
 #include "budget.h"
 #include "flight.h"
 #include "navigation.h"
 #include "paper.h"
 #include "result.h"
-
-#include <span>
-#include <string>
-#include <string_view>
 
 // What pages are put together from: shell.html around a body, which may start with head.html, plot.js before the page's
 // own script.

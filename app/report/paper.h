@@ -2,13 +2,14 @@
 #pragma once
 
 #include "gyrobudget/estimation/fit/fit.h"
-#include "result.h"
 
 #include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "result.h"
 
 // Nunes et al., "Simulation of an Interferometric Fiber Optic Gyroscope Applied to a Rocket Model": tables I and II,
 // figures 3, 4, 6 and 7 of its gyros and figures 8 to 10 of its flight, ours beside the published values.
@@ -78,7 +79,7 @@ struct PaperPath {
 /// What something supposed of the paper's flight makes of its three distances, by our own flights.
 struct PaperHypothesis {
   struct Gyro {
-    std::optional<double> km;  ///< root mean square over the flights that came to the end; none did: empty
+    std::optional<double> km;         ///< root mean square over the flights that came to the end; none did: empty
     std::optional<double> theory_km;  ///< to first order, where that says anything
     int flights = 0, lost = 0;
     std::optional<double> takes;  ///< how much of it the published distance takes [takes_unit]

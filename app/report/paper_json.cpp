@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 // The paper's rows for programs, and the data that paper.js draws.
 #include "gyrobudget/noise/units.h"
-#include "page_parts.h"
-#include "paper.h"
-#include "words.h"
 #include "gyrobudget/noise/version.h"
 
 #include <fmt/format.h>
@@ -12,6 +9,10 @@
 #include <algorithm>
 #include <cmath>
 #include <string_view>
+
+#include "page_parts.h"
+#include "paper.h"
+#include "words.h"
 
 namespace gyrobudget::inline v0::report {
 namespace {
@@ -68,8 +69,7 @@ Json hypothesis_json(const PaperHypothesis& h, const PaperFlight& flight) {
 Json document(const Paper& paper) {
   Json rows = Json::array(), hypotheses = Json::array();
   for (const PaperRow& row : paper.rows) rows.push_back(row_json(row));
-  for (const PaperHypothesis& h : paper.flight.hypotheses)
-    hypotheses.push_back(hypothesis_json(h, paper.flight));
+  for (const PaperHypothesis& h : paper.flight.hypotheses) hypotheses.push_back(hypothesis_json(h, paper.flight));
   return {{"schema", "gyrobudget.paper/1"},
           {"version", kVersion},
           {"command", paper.command},
@@ -103,13 +103,11 @@ Json reading_marks(const PaperRecord& record) {
     return Json{{"name", name},
                 {"tau_s", tau},
                 {"deviation", deviation / degree_per_hour()},
-                {"text", fmt::format("read: {} = {}", static_cast<char>(term),
-                                     in_unit(r[term].value, unit(term), 3))}};
+                {"text", fmt::format("read: {} = {}", static_cast<char>(term), in_unit(r[term].value, unit(term), 3))}};
   };
   constexpr double kWalkTau = 3;
   const double n = r[Term::white].value, k = r[Term::rate_random_walk].value;
-  Json marks = {mark("N", Term::white, 1, n),
-                mark("min", Term::flicker, r.minimum_tau_s, r.minimum_deviation)};
+  Json marks = {mark("N", Term::white, 1, n), mark("min", Term::flicker, r.minimum_tau_s, r.minimum_deviation)};
   // K's point at 3 s lies far below the curve; its line is drawn through where it was read.
   const double tau = record.axis.points.back().tau_s / 4;
   marks.push_back(mark("K", Term::rate_random_walk, tau, k * std::sqrt(tau / kWalkTau)));

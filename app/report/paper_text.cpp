@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 // The paper's tables and figures for the terminal, and the words that the page has too.
-#include "layout.h"
-#include "paper.h"
-#include "words.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <span>
 #include <string_view>
+
+#include "layout.h"
+#include "paper.h"
+#include "words.h"
 
 namespace gyrobudget::inline v0::report {
 namespace {
@@ -106,8 +106,7 @@ std::string hypotheses_text(const PaperFlight& flight) {
   TextTable table({left, right, right, right, right, right, right, left});
   table.row({"", "ideal", "IFOG", "MEMS", "  it takes: ideal", "IFOG", "MEMS", ""});
   const auto& published = flight.published_km;
-  table.row({"  published", number(published[0], 3), number(published[1], 3), number(published[2], 3), "", "",
-             "", ""});
+  table.row({"  published", number(published[0], 3), number(published[1], 3), number(published[2], 3), "", "", "", ""});
   for (const PaperHypothesis& h : flight.hypotheses) {
     std::vector<std::string> line = {"  " + h.id};
     for (const auto& gyro : h.gyros) line.push_back(kilometres(gyro));
@@ -116,9 +115,9 @@ std::string hypotheses_text(const PaperFlight& flight) {
     table.row(line);
   }
   const auto lines = table.lines();
-  std::string out = fmt::format(
-      "What could have made these distances: km that each hypothesis gives, by our flights\n\n{}\n{}\n",
-      lines[0], lines[1]);
+  std::string out =
+      fmt::format("What could have made these distances: km that each hypothesis gives, by our flights\n\n{}\n{}\n",
+                  lines[0], lines[1]);
   for (std::size_t i = 0; i < flight.hypotheses.size(); ++i) {
     const PaperHypothesis& h = flight.hypotheses[i];
     out += lines[i + 2] + '\n' + wrapped(fmt::format("{}. {}", h.what, h.why), "        ", "        ");
@@ -130,12 +129,10 @@ std::string hypotheses_text(const PaperFlight& flight) {
 std::string explained(const Paper& paper) {
   const auto rows = rows_of(paper, kSections.front());
   const auto inside = std::ranges::count_if(rows, [](const PaperRow& row) {
-    return row.published && row.scatter && *row.published >= row.scatter->low &&
-           *row.published <= row.scatter->high;
+    return row.published && row.scatter && *row.published >= row.scatter->low && *row.published <= row.scatter->high;
   });
   return fmt::format(
-      "{} of the {} published values of table I lie where 95 % of such readings lie: the reasons given "
-      "explain them.",
+      "{} of the {} published values of table I lie where 95 % of such readings lie: the reasons given explain them.",
       inside, rows.size());
 }
 
@@ -144,26 +141,12 @@ std::string explained(const Paper& paper) {
 std::vector<std::string> paper_words(const Paper& paper) {
   std::vector<std::string> words = {
       explained(paper),
-      "-29.46 % of ARW in model 2 is 1/sqrt 2 - 1 = -29.29 %: MATLAB's imuSensor takes the given density as "
-      "double-sided unless told otherwise. The same switch makes its RRW 41 % larger.",
-      "\"Bias instability\", the smallest deviation over 0.664, measures where ARW and RRW cross, sqrt(2 N "
-      "K/sqrt "
-      "3)/0.664, not the flicker noise B: 122 to 377 % too high for these gyros, with any simulation and any "
-      "record "
-      "length. B can be told from a record only where B^2/(N K) is not small: 0.12 for the IFOG.",
-      "RRW of model 3 is not the one fed in. B is integrated sample by sample and walks by 60 B sqrt(dt) "
-      "deg/h/sqrt(h): -76 % at 100 Hz, another value at another rate. The reference 4.32 of the MEMS gyro is "
-      "that "
-      "same walk, read.",
-      "One reading of RRW from 10 h scatters by 25 % (one sigma), of ARW by 0.3 %. So the 4 % and 36 % of "
-      "models 1 "
-      "and 2 say nothing of the models.",
+      "-29.46 % of ARW in model 2 is 1/sqrt 2 - 1 = -29.29 %: MATLAB's imuSensor takes the given density as double-sided unless told otherwise. The same switch makes its RRW 41 % larger.",
+      "\"Bias instability\", the smallest deviation over 0.664, measures where ARW and RRW cross, sqrt(2 N K/sqrt 3)/0.664, not the flicker noise B: 122 to 377 % too high for these gyros, with any simulation and any record length. B can be told from a record only where B^2/(N K) is not small: 0.12 for the IFOG.",
+      "RRW of model 3 is not the one fed in. B is integrated sample by sample and walks by 60 B sqrt(dt) deg/h/sqrt(h): -76 % at 100 Hz, another value at another rate. The reference 4.32 of the MEMS gyro is that same walk, read.",
+      "One reading of RRW from 10 h scatters by 25 % (one sigma), of ARW by 0.3 %. So the 4 % and 36 % of models 1 and 2 say nothing of the models.",
       "Equation (2) gives the drift of figures 3 and 4 only where its bandwidth is the sample rate.",
-      "Our fit of the same records (generalised least squares, all three terms at once) gives each "
-      "coefficient with "
-      "an interval that holds the truth in 95 of 100 records, and \"below\" where the record does not hold "
-      "the "
-      "answer, as 10 h of the IFOG do not for B.",
+      "Our fit of the same records (generalised least squares, all three terms at once) gives each coefficient with an interval that holds the truth in 95 of 100 records, and \"below\" where the record does not hold the answer, as 10 h of the IFOG do not for B.",
   };
   words.insert(words.end(), paper.flight.words.begin(), paper.flight.words.end());
   return words;

@@ -35,8 +35,8 @@ nlohmann::ordered_json number(double x) {
 }  // namespace
 
 std::string plan_table(const Plan& plan) {
-  std::string text = fmt::format("{}: what a record at {:g} Hz buys (one sigma of each coefficient)\n\n",
-                                 plan.sensor, plan.rate_hz);
+  std::string text =
+      fmt::format("{}: what a record at {:g} Hz buys (one sigma of each coefficient)\n\n", plan.sensor, plan.rate_hz);
   if (!plan.rows.empty()) {
     text += fmt::format("  {:>10}", "record");
     for (const auto& t : plan.terms) text += fmt::format("  {:>18}", noise::label(kGyro, t.term));
@@ -54,17 +54,15 @@ std::string plan_table(const Plan& plan) {
   }
   for (const auto& answer : plan.answers) {
     if (std::isfinite(answer.duration_s)) {
-      text += fmt::format("{} to {:.3g} %: record {}.\n", noise::label(kGyro, answer.term),
-                          100 * answer.relative_std, hours(answer.duration_s));
+      text += fmt::format("{} to {:.3g} %: record {}.\n", noise::label(kGyro, answer.term), 100 * answer.relative_std,
+                          hours(answer.duration_s));
     } else {
-      text += fmt::format("{} to {:.3g} %: no record of 1e15 samples would do.\n",
-                          noise::label(kGyro, answer.term), 100 * answer.relative_std);
+      text += fmt::format("{} to {:.3g} %: no record of 1e15 samples would do.\n", noise::label(kGyro, answer.term),
+                          100 * answer.relative_std);
     }
   }
   text +=
-      "\nFrom the Fisher information (Cramer-Rao). The fit reaches these figures below about 10 %; above, "
-      "they are "
-      "lower bounds (>=).\n";
+      "\nFrom the Fisher information (Cramer-Rao). The fit reaches these figures below about 10 %; above, they are lower bounds (>=).\n";
   return text;
 }
 

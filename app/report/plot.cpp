@@ -1,10 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/app/text/output.h"
 #include "gyrobudget/noise/units.h"
-#include "curves.h"
-#include "gnuplot.h"
-#include "report.h"
-#include "words.h"
 
 #include <fmt/format.h>
 
@@ -16,6 +12,11 @@
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "curves.h"
+#include "gnuplot.h"
+#include "report.h"
+#include "words.h"
 
 namespace gyrobudget::inline v0::report {
 namespace {
@@ -31,8 +32,7 @@ enum class Format { svg, png, pdf };
 Format format_of(const std::string& path) {
   const std::size_t dot = path.rfind('.');
   std::string ending = dot == std::string::npos ? "" : path.substr(dot);
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
+  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
   if (ending == ".svg") return Format::svg;
   if (ending == ".png") return Format::png;
   if (ending == ".pdf") return Format::pdf;
@@ -78,14 +78,11 @@ std::vector<Panel> panels_of(const LogResult& result) {
     const std::string unit(deviation_unit(axis));
     panels.push_back({&axis, axis_curves(axis, result.rate_hz), unit, noise::parse_unit(unit).to_si});
   }
-  if (panels.empty())
-    throw std::invalid_argument("there is no curve to draw: the result has no axis with points");
+  if (panels.empty()) throw std::invalid_argument("there is no curve to draw: the result has no axis with points");
   return panels;
 }
 
-bool comparable(const Panel& a, const Panel& b) {
-  return a.axis->signal == b.axis->signal && a.unit == b.unit;
-}
+bool comparable(const Panel& a, const Panel& b) { return a.axis->signal == b.axis->signal && a.unit == b.unit; }
 
 /// Axes that measure the same share their range, so that panels can be compared.
 void share_ranges(std::vector<Panel>& panels) {
@@ -111,21 +108,19 @@ std::string terminal(Format format, const Layout& layout) {
   const double height = single ? 680 : 560.0 * static_cast<double>(layout.rows);
   switch (format) {
     case Format::svg:
-      return fmt::format(
-          "set terminal svg enhanced dynamic size {},{} font 'sans-serif,14' background '#ffffff'\n", width,
-          height);
+      return fmt::format("set terminal svg enhanced dynamic size {},{} font 'sans-serif,14' background '#ffffff'\n",
+                         width, height);
     case Format::png: {
       constexpr double kPixels = 2;  // for screens and slides
-      return fmt::format(
-          "set terminal pngcairo enhanced size {},{} font 'sans,{}' linewidth {} pointscale {}\n",
-          kPixels * width, kPixels * height, kPixels * 10.5, kPixels, kPixels);
+      return fmt::format("set terminal pngcairo enhanced size {},{} font 'sans,{}' linewidth {} pointscale {}\n",
+                         kPixels * width, kPixels * height, kPixels * 10.5, kPixels, kPixels);
     }
     case Format::pdf:
       break;
   }
   constexpr double kPixelsPerInch = 100;
-  return fmt::format("set terminal pdfcairo enhanced size {}in,{}in font 'sans,10.5'\n",
-                     width / kPixelsPerInch, height / kPixelsPerInch);
+  return fmt::format("set terminal pdfcairo enhanced size {}in,{}in font 'sans,10.5'\n", width / kPixelsPerInch,
+                     height / kPixelsPerInch);
 }
 
 constexpr std::string_view kLook = R"(
@@ -155,8 +150,8 @@ std::string point_rows(const Panel& panel) {
     if (!(p.deviation > 0)) continue;  // a log scale has no zero
     // An interval that reaches zero runs out of the picture instead.
     const double lower = p.lower > 0 ? p.lower : panel.curves.deviation_low / 10;
-    fmt::format_to(std::back_inserter(rows), "{:.8g} {:.8g} {:.8g} {:.8g}\n", p.tau_s,
-                   p.deviation / panel.to_si, lower / panel.to_si, p.upper / panel.to_si);
+    fmt::format_to(std::back_inserter(rows), "{:.8g} {:.8g} {:.8g} {:.8g}\n", p.tau_s, p.deviation / panel.to_si,
+                   lower / panel.to_si, p.upper / panel.to_si);
   }
   return rows;
 }
@@ -177,8 +172,7 @@ std::string curve_rows(const Panel& panel) {
 std::string mark_rows(const Panel& panel) {
   std::string rows;
   for (const Mark& m : panel.curves.marks) {
-    fmt::format_to(std::back_inserter(rows), "{:.8g} {:.8g} \"{}\"\n", m.tau_s, m.deviation / panel.to_si,
-                   m.name);
+    fmt::format_to(std::back_inserter(rows), "{:.8g} {:.8g} \"{}\"\n", m.tau_s, m.deviation / panel.to_si, m.name);
   }
   return rows;
 }
@@ -194,30 +188,26 @@ std::vector<std::string> layers(const std::vector<Panel>& panels, std::size_t at
                               first_other ? "title 'other curves'" : "notitle"));
     first_other = false;
   }
-  out.push_back(
-      fmt::format("$points{} using 1:3:4 with filledcurves lc rgb '#7a8aa0' title '95 % interval'", at));
+  out.push_back(fmt::format("$points{} using 1:3:4 with filledcurves lc rgb '#7a8aa0' title '95 % interval'", at));
   for (std::size_t t = 0; t < panel.curves.terms.size(); ++t) {
     const TermCurve& curve = panel.curves.terms[t];
     const Style& style = style_of(curve.term);
     const std::string title =
         term_text(panel.axis->signal, curve, noise::datasheet_unit(panel.axis->signal, curve.term));
-    out.push_back(fmt::format("$curves{} using 1:{} with lines lc rgb '{}' lw 1.6 dt {} title {} noenhanced",
-                              at, t + 3, style.colour, curve.limit ? 3 : style.dash, gnuplot_string(title)));
+    out.push_back(fmt::format("$curves{} using 1:{} with lines lc rgb '{}' lw 1.6 dt {} title {} noenhanced", at, t + 3,
+                              style.colour, curve.limit ? 3 : style.dash, gnuplot_string(title)));
   }
   if (!panel.curves.model.empty()) {
-    out.push_back(
-        fmt::format("$curves{} using 1:2 with lines lc rgb '#d55e00' lw 2 title 'sum of the terms'", at));
+    out.push_back(fmt::format("$curves{} using 1:2 with lines lc rgb '#d55e00' lw 2 title 'sum of the terms'", at));
   }
-  out.push_back(
-      fmt::format("$points{} using 1:2 with points pt 7 ps 0.45 lc rgb '#1a1a1a' title 'measured'", at));
+  out.push_back(fmt::format("$points{} using 1:2 with points pt 7 ps 0.45 lc rgb '#1a1a1a' title 'measured'", at));
   if (!panel.curves.marks.empty()) {
-    out.push_back(
-        fmt::format("$marks{} using 1:2 with points pt 6 ps 1.5 lw 1.6 lc rgb '#000000' notitle", at));
+    out.push_back(fmt::format("$marks{} using 1:2 with points pt 6 ps 1.5 lw 1.6 lc rgb '#000000' notitle", at));
     // The flicker floor lies under the minimum: its name goes below, the others above.
-    out.push_back(fmt::format(
-        "$marks{} using 1:2:(strcol(3) eq 'B' ? '' : strcol(3)) with labels offset 1.3,0.8 notitle", at));
-    out.push_back(fmt::format(
-        "$marks{} using 1:2:(strcol(3) eq 'B' ? 'B' : '') with labels offset 1.3,-0.8 notitle", at));
+    out.push_back(
+        fmt::format("$marks{} using 1:2:(strcol(3) eq 'B' ? '' : strcol(3)) with labels offset 1.3,0.8 notitle", at));
+    out.push_back(
+        fmt::format("$marks{} using 1:2:(strcol(3) eq 'B' ? 'B' : '') with labels offset 1.3,-0.8 notitle", at));
   }
   return out;
 }
@@ -250,13 +240,11 @@ std::string title_of(const Panel& panel, const LogResult& result, bool single) {
 std::string unused_range(const Panel& panel) {
   if (!panel.axis->fit) return {};
   const fit::Result& fit = *panel.axis->fit;
-  const auto used_from =
-      std::find_if(fit.residuals.begin(), fit.residuals.end(), [](const auto& r) { return r.used; });
+  const auto used_from = std::find_if(fit.residuals.begin(), fit.residuals.end(), [](const auto& r) { return r.used; });
   if (used_from == fit.residuals.begin() || used_from == fit.residuals.end()) return {};
   const double edge = std::sqrt(used_from->tau_s * std::prev(used_from)->tau_s);
   return fmt::format(
-      "set object 1 rectangle from graph 0, graph 0 to first {:.8g}, graph 1 behind fc rgb '#f1ede4' "
-      "fs solid 1 noborder\n"
+      "set object 1 rectangle from graph 0, graph 0 to first {:.8g}, graph 1 behind fc rgb '#f1ede4' fs solid 1 noborder\n"
       "set label 1 'not used' at first {:.8g}, graph 0.03 right offset -0.6,0 tc rgb '#777777'\n",
       edge, edge);
 }
@@ -266,15 +254,12 @@ std::string panel_script(const std::vector<Panel>& panels, std::size_t at, const
   const AxisCurves& c = panel.curves;
   constexpr double kSide = 1.25;  // room beside the first and the last point
   std::string script = "unset object\nunset label\n" + unused_range(panel);
-  script +=
-      fmt::format("set title {} noenhanced offset 0,-0.4\n", title_of(panel, result, panels.size() == 1));
-  script +=
-      fmt::format("set ylabel {} noenhanced offset 0.6,0\n",
-                  gnuplot_string(fmt::format("{} [{}]", deviation_name(panel.axis->estimator), panel.unit)));
-  script += fmt::format(
-      "set xrange [{0:.8g}:{1:.8g}]\nset x2range [{0:.8g}:{1:.8g}]\nset yrange [{2:.8g}:{3:.8g}]\n",
-      c.tau_low_s / kSide, c.tau_high_s * kSide, c.deviation_low / panel.to_si,
-      c.deviation_high / panel.to_si);
+  script += fmt::format("set title {} noenhanced offset 0,-0.4\n", title_of(panel, result, panels.size() == 1));
+  script += fmt::format("set ylabel {} noenhanced offset 0.6,0\n",
+                        gnuplot_string(fmt::format("{} [{}]", deviation_name(panel.axis->estimator), panel.unit)));
+  script += fmt::format("set xrange [{0:.8g}:{1:.8g}]\nset x2range [{0:.8g}:{1:.8g}]\nset yrange [{2:.8g}:{3:.8g}]\n",
+                        c.tau_low_s / kSide, c.tau_high_s * kSide, c.deviation_low / panel.to_si,
+                        c.deviation_high / panel.to_si);
   if (!panel.axis->fit) script += "set key width 1\n";  // its names are short
   const auto list = layers(panels, at);
   return script + fmt::format("plot {}\n", fmt::join(list, ", \\\n     "));
@@ -287,8 +272,8 @@ std::string script_for(const LogResult& result, Format format) {
   std::string script = terminal(format, layout);
   script += kLook;
   for (std::size_t i = 0; i < panels.size(); ++i) {
-    script += data_block("points", i, point_rows(panels[i])) +
-              data_block("curves", i, curve_rows(panels[i])) + data_block("marks", i, mark_rows(panels[i]));
+    script += data_block("points", i, point_rows(panels[i])) + data_block("curves", i, curve_rows(panels[i])) +
+              data_block("marks", i, mark_rows(panels[i]));
   }
   if (panels.size() > 1) script += fmt::format("set multiplot layout {},{}\n", layout.rows, layout.columns);
   for (std::size_t i = 0; i < panels.size(); ++i) script += panel_script(panels, i, result);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "result.h"
-
 #include <string>
+
+#include "result.h"
 
 // A LogResult as people and programs want it. All forms share their words (words.h) and their curves (curves.h).
 // Numbers stand in datasheet units (deg/sqrt(h), deg/h, deg/h/sqrt(h); m/s/sqrt(h), ug, ug/sqrt(h)), the datasheets

@@ -72,7 +72,7 @@ struct AxisResult {
   noise::Signal signal = noise::Signal::angular_rate;  ///< decides units and names
   allan::Estimator estimator = allan::Estimator::oadev;
   double mean = 0;                            ///< of the signal, SI
-  std::vector<allan::DeviationPoint> points;         ///< ascending m; NaN deviations (no terms left) are not in it
+  std::vector<allan::DeviationPoint> points;  ///< ascending m; NaN deviations (no terms left) are not in it
   std::optional<fit::Result> fit;             ///< calibrate only
   std::optional<Chosen> chosen;               ///< where the terms were left to the record
   std::optional<CrossChecked> cross_checked;  ///< where asked for

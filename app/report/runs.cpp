@@ -1,14 +1,15 @@
 // SPDX-License-Identifier: MIT
 // Several records of one sensor type as text, and side by side.
 #include "gyrobudget/noise/units.h"
-#include "layout.h"
-#include "report.h"
-#include "words.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+
+#include "layout.h"
+#include "report.h"
+#include "words.h"
 
 namespace gyrobudget::inline v0::report {
 namespace {
@@ -38,8 +39,8 @@ std::string table_of_runs(const RunsResult& result, std::size_t axis) {
 
 std::string combined_table(const CombinedAxis& axis) {
   if (axis.coefficients.empty()) return "  No record can be quoted, so there is nothing to combine.\n";
-  TextTable table({Align::left, Align::left, Align::right, Align::right, Align::right, Align::right, Align::left,
-               Align::left});
+  TextTable table(
+      {Align::left, Align::left, Align::right, Align::right, Align::right, Align::right, Align::left, Align::left});
   table.row({"", "together", "value", "95 % interval", "spread", "95 % of another", "unit", "records"});
   for (const Term term : reading_order()) {
     const auto c = std::ranges::find(axis.coefficients, term, &fit::Combined::term);
@@ -78,20 +79,15 @@ std::string advice(const RunsResult& result, std::size_t axis) {
 
 std::string runs_datasheet(const RunsResult& result) {
   std::string out = fmt::format("{} records of one sensor type, each fitted by itself\n", result.runs.size());
-  for (const LogResult& run : result.runs)
-    out += fmt::format("  {}: {}\n", printable(run.source), record_text(run));
+  for (const LogResult& run : result.runs) out += fmt::format("  {}: {}\n", printable(run.source), record_text(run));
   for (std::size_t i = 0; i < result.combined.size(); ++i) {
     const CombinedAxis& axis = result.combined[i];
-    out +=
-        fmt::format("\n{}\n", printable(axis.name)) + table_of_runs(result, i) + '\n' + combined_table(axis);
+    out += fmt::format("\n{}\n", printable(axis.name)) + table_of_runs(result, i) + '\n' + combined_table(axis);
     out += wrapped(left_out(axis), "  ", "  ") + advice(result, i);
   }
   return out + '\n' +
          wrapped(
-             "Spread: standard deviation of the coefficient between records, beyond what the scatter of each "
-             "explains. The interval is that of the mean over all such records; another record's coefficient "
-             "lies in "
-             "the wider one, which takes three records to tell.",
+             "Spread: standard deviation of the coefficient between records, beyond what the scatter of each explains. The interval is that of the mean over all such records; another record's coefficient lies in the wider one, which takes three records to tell.",
              "", "");
 }
 

@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/noise/units.h"
-#include "layout.h"
-#include "report.h"
-#include "words.h"
 
 #include <fmt/format.h>
 
@@ -11,6 +8,10 @@
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "layout.h"
+#include "report.h"
+#include "words.h"
 
 namespace gyrobudget::inline v0::report {
 namespace {
@@ -32,8 +33,7 @@ std::string heading(const LogResult& result) {
 }
 
 std::string axis_heading(std::string_view name, const AxisResult& axis) {
-  return fmt::format("{}  (mean {})\n", printable(name),
-                     in_unit(axis.mean, noise::datasheet_unit(axis.signal)));
+  return fmt::format("{}  (mean {})\n", printable(name), in_unit(axis.mean, noise::datasheet_unit(axis.signal)));
 }
 
 std::string curve_table(const AxisResult& axis) {
@@ -70,8 +70,8 @@ std::string coefficient_table(const AxisResult& axis, const fit::Result& fit) {
       for (auto* text : {&datasheet.value, &datasheet.interval, &si.value, &si.interval})
         *text = fmt::format("[{}]", *text);
     }
-    table.row({std::string(1, static_cast<char>(term)), std::string(noise::label(axis.signal, term)),
-               datasheet.value, datasheet.interval, datasheet.unit, status_text(axis.signal, c, fit)});
+    table.row({std::string(1, static_cast<char>(term)), std::string(noise::label(axis.signal, term)), datasheet.value,
+               datasheet.interval, datasheet.unit, status_text(axis.signal, c, fit)});
     if (si.unit != datasheet.unit) table.row({"", "", si.value, si.interval, si.unit});
     if (const auto shape = shape_text(c); !shape.label.empty())
       table.row({"", "  " + shape.label, shape.value, shape.interval, shape.unit});
@@ -83,8 +83,8 @@ std::string left_out(const AxisResult& axis) {
   std::string names;
   for (const Term term : reading_order()) {
     if (is_fitted(*axis.fit, term) || find(*axis.fit, term) == nullptr) continue;
-    names += fmt::format("{}{} ({})", names.empty() ? "" : ", ", noise::label(axis.signal, term),
-                         static_cast<char>(term));
+    names +=
+        fmt::format("{}{} ({})", names.empty() ? "" : ", ", noise::label(axis.signal, term), static_cast<char>(term));
   }
   return names.empty() ? names : "Left out (not fitted): " + names + ".";
 }
@@ -103,8 +103,7 @@ std::string choice(const AxisResult& axis) {
 
 std::string axis_sheet(const AxisResult& axis, double rate_hz) {
   std::string out = '\n' + axis_heading(axis.name, axis);
-  if (!axis.fit)
-    return out + paragraph("No coefficients were fitted.") + bullets("What to know or do", axis.advice);
+  if (!axis.fit) return out + paragraph("No coefficients were fitted.") + bullets("What to know or do", axis.advice);
   const fit::Result& fit = *axis.fit;
   out += coefficient_table(axis, fit) + paragraph(left_out(axis)) + choice(axis);
   if (const std::string text = minimum_text(axis, rate_hz); !text.empty()) out += '\n' + paragraph(text);

@@ -2,13 +2,14 @@
 #include "words.h"
 
 #include "gyrobudget/noise/units.h"
-#include "curves.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+
+#include "curves.h"
 
 namespace gyrobudget::inline v0::report {
 namespace {
@@ -113,23 +114,19 @@ std::string join(const std::vector<std::string>& parts, std::string_view last_se
   return text;
 }
 
-std::string cut_range_text(const std::vector<const fit::Residual*>& cut, std::string_view side,
-                           double limit) {
+std::string cut_range_text(const std::vector<const fit::Residual*>& cut, std::string_view side, double limit) {
   if (cut.empty()) return {};
-  const auto& worst = **std::max_element(cut.begin(), cut.end(), [](const auto* a, const auto* b) {
-    return std::abs(a->misfit) < std::abs(b->misfit);
-  });
-  return fmt::format(
-      "Not used: {} averaging {} {} {}, where the curve departs from the model by up to {} (at {}). ",
-      cut.size(), cut.size() == 1 ? "time" : "times", side, tau_text(limit), signed_percent(worst.misfit),
-      tau_text(worst.tau_s));
+  const auto& worst = **std::max_element(
+      cut.begin(), cut.end(), [](const auto* a, const auto* b) { return std::abs(a->misfit) < std::abs(b->misfit); });
+  return fmt::format("Not used: {} averaging {} {} {}, where the curve departs from the model by up to {} (at {}). ",
+                     cut.size(), cut.size() == 1 ? "time" : "times", side, tau_text(limit),
+                     signed_percent(worst.misfit), tau_text(worst.tau_s));
 }
 
 std::string move_text(Signal signal, const fit::Move& move) {
   const auto unit = noise::datasheet_unit(signal, move.term);
-  std::string text =
-      fmt::format("{} from {} to {}", noise::label(signal, move.term),
-                  number(noise::from_si(move.from, unit)), quantity(signal, move.term, move.to, 4));
+  std::string text = fmt::format("{} from {} to {}", noise::label(signal, move.term),
+                                 number(noise::from_si(move.from, unit)), quantity(signal, move.term, move.to, 4));
   constexpr double kVisible = 5e-4;
   if (move.from > 0 && std::abs(move.to / move.from - 1) < kVisible) return text + " (unchanged)";
   return move.from > 0 ? text + fmt::format(" ({})", signed_percent(move.to / move.from - 1)) : text;
@@ -205,9 +202,7 @@ std::string si_unit(const noise::Dimension& dimension) {
     return text;
   };
   std::string text;
-  const auto multiply = [&](const std::string& factor) {
-    text += text.empty() ? factor : fmt::format("*{}", factor);
-  };
+  const auto multiply = [&](const std::string& factor) { text += text.empty() ? factor : fmt::format("*{}", factor); };
   if (dimension.angle > 0) multiply(power("rad", dimension.angle));
   if (dimension.length > 0) multiply(power("m", dimension.length));
   if (dimension.time > 0) multiply(power("s", dimension.time));
@@ -228,15 +223,13 @@ CoefficientText coefficient_text(const Coefficient& c, double si_per_unit, std::
   const double size = value > 0 ? value : upper;
   if (!(size > 0)) return {number(value), "-", std::move(unit)};
   const Resolution r = resolution(size, has_std ? std_dev : size / 10);
-  const std::string value_text =
-      has_std ? fmt::format("{} ± {}", fixed(value, r), fixed(std_dev, r)) : fixed(value, r);
+  const std::string value_text = has_std ? fmt::format("{} ± {}", fixed(value, r), fixed(std_dev, r)) : fixed(value, r);
   return {value == 0 ? "0" : with_exponent(value_text, r),
           with_exponent(fmt::format("{} to {}", fixed(lower, r), fixed(upper, r)), r), std::move(unit)};
 }
 
 CoefficientText datasheet_text(Signal signal, const Coefficient& c) {
-  return coefficient_text(c, si_per_datasheet_unit(signal, c.term),
-                          std::string(noise::datasheet_unit(signal, c.term)));
+  return coefficient_text(c, si_per_datasheet_unit(signal, c.term), std::string(noise::datasheet_unit(signal, c.term)));
 }
 
 CoefficientText si_text(Signal signal, const Coefficient& c) {
@@ -250,9 +243,7 @@ ShapeText shape_text(const Coefficient& c) {
   const Resolution r = resolution(c.shape, width > 0 ? width / 4 : c.shape / 1000);
   const auto text = [&](double v) { return with_exponent(fixed(v, r), r); };
   return {line ? "frequency" : "correlation time", text(c.shape),
-          width > 0
-              ? with_exponent(fmt::format("{} to {}", fixed(c.shape_lower, r), fixed(c.shape_upper, r)), r)
-              : "-",
+          width > 0 ? with_exponent(fmt::format("{} to {}", fixed(c.shape_lower, r), fixed(c.shape_upper, r)), r) : "-",
           line ? "Hz" : "s"};
 }
 
@@ -338,8 +329,7 @@ std::string status_text(Signal signal, const Coefficient& c, const fit::Result& 
 std::string cell_text(const AxisResult& axis, Term term) {
   const Coefficient* c = axis.fit ? find(*axis.fit, term) : nullptr;
   if (c == nullptr || !c->fitted || !is_quotable(*axis.fit)) return "-";
-  if (c->status == Status::identified || is_reading(axis.fit->method))
-    return datasheet_text(axis.signal, *c).value;
+  if (c->status == Status::identified || is_reading(axis.fit->method)) return datasheet_text(axis.signal, *c).value;
   if (!std::isfinite(c->upper)) return "no limit";
   return "< " + number(noise::from_si(c->upper, noise::datasheet_unit(axis.signal, term)), 2);
 }
@@ -435,8 +425,7 @@ std::vector<allan::Estimator> estimators_of(const LogResult& result) {
 }
 
 std::string curve_name(const AxisResult& axis, const LogResult& result) {
-  return estimators_of(result).size() < 2 ? axis.name
-                                          : fmt::format("{}, {}", axis.name, allan::name(axis.estimator));
+  return estimators_of(result).size() < 2 ? axis.name : fmt::format("{}, {}", axis.name, allan::name(axis.estimator));
 }
 
 std::string estimator_text(allan::Estimator estimator) {
@@ -487,50 +476,40 @@ std::string verdict_headline(const fit::Result& fit) {
 std::string verdict_text(const fit::Result& fit) {
   const std::string range = fmt::format("from {} to {}", tau_text(fit.tau_min_s), tau_text(fit.tau_max_s));
   const bool spectral = fit.method == Method::whittle;
-  const std::string misfit =
-      fmt::format("{} beyond its 95 % scatter, at {}{}", percent(fit.worst_misfit),
-                  spectral ? "half a period of " : "tau = ", tau_text(fit.worst_misfit_tau_s));
-  const std::string worst = fit.worst_misfit > 0
-                                ? "Worst misfit: " + misfit + "."
-                                : fmt::format("No {} departs by more than its 95 % scatter.",
-                                              spectral ? "band of the spectrum" : "averaging time");
+  const std::string misfit = fmt::format("{} beyond its 95 % scatter, at {}{}", percent(fit.worst_misfit),
+                                         spectral ? "half a period of " : "tau = ", tau_text(fit.worst_misfit_tau_s));
+  const std::string worst = fit.worst_misfit > 0 ? "Worst misfit: " + misfit + "."
+                                                 : fmt::format("No {} departs by more than its 95 % scatter.",
+                                                               spectral ? "band of the spectrum" : "averaging time");
   if (is_reading(fit.method)) return "Three points of the curve were read, as by eye. " + worst;
   if (!has_p_value(fit.method)) {
     return "This method ignores how averaging times are correlated, so it has no p-value. " + worst;
   }
   if (!is_tested(fit)) {
-    return "Too few averaging times have the 16 clusters that a test needs; the model was fitted " + range +
-           ".";
+    return "Too few averaging times have the 16 clusters that a test needs; the model was fitted " + range + ".";
   }
   const std::string chance = probability(fit.p_value);
   switch (fit.verdict) {
     case Verdict::described:
       return fmt::format(
-          "The model explains the {} {}: {}, so a record that follows it exactly would depart this "
-          "much or more in {} of cases. {}",
+          "The model explains the {} {}: {}, so a record that follows it exactly would depart this much or more in {} of cases. {}",
           spectral ? "spectrum" : "curve", range, chance, percent(fit.p_value), worst);
     case Verdict::described_within:
       return fmt::format(
-          "Chance alone does not explain how the curve departs from the model {} ({}), but the "
-          "departure is small: at most {}.",
+          "Chance alone does not explain how the curve departs from the model {} ({}), but the departure is small: at most {}.",
           range, chance, misfit);
     case Verdict::not_described:
       break;
   }
-  return fmt::format("The model does not describe the curve {}: {}, and it is off by up to {}.", range,
-                     chance, misfit);
+  return fmt::format("The model does not describe the curve {}: {}, and it is off by up to {}.", range, chance, misfit);
 }
 
 std::string consequence_text(const fit::Result& fit) {
   if (is_reading(fit.method)) {
-    return "Use these numbers only beside readings of others: the intervals are those of the points read, "
-           "and B so read holds N and K as well, so it comes out too large. The default fit gives a "
-           "datasheet.";
+    return "Use these numbers only beside readings of others: the intervals are those of the points read, and B so read holds N and K as well, so it comes out too large. The default fit gives a datasheet.";
   }
   if (!has_p_value(fit.method)) {
-    return "Use these numbers only beside fits of others: the default fit is more exact and says whether the "
-           "model "
-           "holds.";
+    return "Use these numbers only beside fits of others: the default fit is more exact and says whether the model holds.";
   }
   if (!fit.converged) return "Do not use these numbers: the fit stopped before it had settled.";
   if (!is_tested(fit)) return "Nothing here says whether the model fits; take a longer record.";
@@ -540,15 +519,12 @@ std::string consequence_text(const fit::Result& fit) {
                          tau_text(fit.tau_min_s));
     case Verdict::described_within:
       return fmt::format(
-          "Use the values, and allow {} of the deviation for what the model lacks; the intervals are widened "
-          "by the misfit.",
+          "Use the values, and allow {} of the deviation for what the model lacks; the intervals are widened by the misfit.",
           percent(fit.worst_misfit));
     case Verdict::not_described:
       break;
   }
-  return "Do not quote these coefficients as a datasheet: they are the nearest curve of this kind, and their "
-         "intervals "
-         "mean nothing.";
+  return "Do not quote these coefficients as a datasheet: they are the nearest curve of this kind, and their intervals mean nothing.";
 }
 
 std::string consequence_text(const AxisResult& axis) {
@@ -568,9 +544,8 @@ std::string consequence_text(const AxisResult& axis) {
   if (!is_usable(*axis.fit) || (spoilt.empty() && !disputed)) return consequence_text(*axis.fit);
   std::string text;
   if (!spoilt.empty()) {
-    text = fmt::format(
-        "Do not use these numbers yet: the record holds {} that the fit took for noise; see below.",
-        join(spoilt, " and "));
+    text = fmt::format("Do not use these numbers yet: the record holds {} that the fit took for noise; see below.",
+                       join(spoilt, " and "));
   }
   if (disputed) text += fmt::format("{}The likelihood does not confirm the fit.", text.empty() ? "" : " ");
   return text;
@@ -580,9 +555,7 @@ std::string minimum_text(const AxisResult& axis, double rate_hz) {
   if (!axis.fit || !(axis.fit->minimum_deviation > 0)) return {};
   const fit::Result& fit = *axis.fit;
   std::string text = fmt::format(
-      "Raw minimum of the curve up to a tenth of the record: {} at {}. Makers often quote it, or it divided "
-      "by 0.664 "
-      "({}), as bias instability.",
+      "Raw minimum of the curve up to a tenth of the record: {} at {}. Makers often quote it, or it divided by 0.664 ({}), as bias instability.",
       rate_text(axis.signal, fit.minimum_deviation), tau_text(fit.minimum_tau_s),
       rate_text(axis.signal, fit.minimum_deviation / kFlickerFloor));
   if (!is_usable(fit)) return text;
@@ -612,8 +585,7 @@ std::string beta_text(const fit::Result& fit) {
     return text + "the flicker floor does not stand out from the crossing of N and K; quote the limit of B.";
   }
   if (fit.beta < kCoveredBeta) {
-    return text +
-           "below about 0.3, N and K cover the flicker floor; only a much longer record can tell B well.";
+    return text + "below about 0.3, N and K cover the flicker floor; only a much longer record can tell B well.";
   }
   if (fit.beta < 1) {
     return text + "N and K cover part of the flicker floor; B can be told, with a wide interval.";
@@ -629,8 +601,7 @@ std::string cut_text(const AxisResult& axis) {
     if (!r.used && r.tau_s < fit.tau_min_s) below.push_back(&r);
     if (!r.used && r.tau_s > fit.tau_max_s) above.push_back(&r);
   }
-  std::string text =
-      cut_range_text(below, "below", fit.tau_min_s) + cut_range_text(above, "above", fit.tau_max_s);
+  std::string text = cut_range_text(below, "below", fit.tau_min_s) + cut_range_text(above, "above", fit.tau_max_s);
   std::vector<std::string> moves;
   for (const fit::Move& move : fit.moved) moves.push_back(move_text(axis.signal, move));
   if (!moves.empty()) text += fmt::format("Leaving them out moved {}.", join(moves, " and "));
@@ -643,17 +614,16 @@ std::string cross_check_text(const AxisResult& axis) {
   const fit::CrossCheck& check = axis.cross_checked->check;
   std::vector<std::string> parts;
   for (const fit::Agreement& a : check.coefficients) {
-    parts.push_back(fmt::format(
-        "{} {} (the squares are {:.2g} standard deviations apart, at most {:.2g} expected)",
-        noise::label(axis.signal, a.term), quantity(axis.signal, a.term, a.second), a.difference, a.limit));
+    parts.push_back(fmt::format("{} {} (the squares are {:.2g} standard deviations apart, at most {:.2g} expected)",
+                                noise::label(axis.signal, a.term), quantity(axis.signal, a.term, a.second),
+                                a.difference, a.limit));
   }
-  std::string text =
-      fmt::format("Cross-check: the likelihood of the record itself, made without the curve, gives {}.",
-                  join(parts, " and "));
-  text += check.agrees ? " The two agree."
-                       : " THE TWO DO NOT AGREE: a filter, spectral lines or a model that lacks a term do "
-                         "this; look at the "
-                         "spectrum (gyrobudget allan --psd welch --report) before quoting either.";
+  std::string text = fmt::format("Cross-check: the likelihood of the record itself, made without the curve, gives {}.",
+                                 join(parts, " and "));
+  text +=
+      check.agrees
+          ? " The two agree."
+          : " THE TWO DO NOT AGREE: a filter, spectral lines or a model that lacks a term do this; look at the spectrum (gyrobudget allan --psd welch --report) before quoting either.";
   const fit::Result& likelihood = axis.cross_checked->likelihood;
   if (axis.findings && 10 * likelihood.samples < 9 * axis.findings->samples) {
     text += fmt::format(" It is of {} samples only, the longest stretch without a gap, so it is less exact.",
@@ -680,16 +650,13 @@ std::vector<std::string> weighed_texts(const AxisResult& axis) {
 std::string selection_text(const AxisResult& axis) {
   if (!axis.chosen) return {};
   const fit::Selection& s = axis.chosen->selection;
-  if (s.terms.empty())
-    return "No terms could be chosen: the record has no stretch of samples to weigh them on.";
-  std::string text = fmt::format(
-      "Terms chosen by likelihood ratios: {}. Of records without any further term, 5 % "
-      "would get one.",
-      letters(s.terms));
+  if (s.terms.empty()) return "No terms could be chosen: the record has no stretch of samples to weigh them on.";
+  std::string text =
+      fmt::format("Terms chosen by likelihood ratios: {}. Of records without any further term, 5 % would get one.",
+                  letters(s.terms));
   if (!s.dropped.empty())
     text += fmt::format(" Kept at first, then made needless by a later one: {}.", letters(s.dropped));
-  if (s.tau_min_s)
-    text += fmt::format(" Weighed and fitted over averaging times from {} on.", tau_text(*s.tau_min_s));
+  if (s.tau_min_s) text += fmt::format(" Weighed and fitted over averaging times from {} on.", tau_text(*s.tau_min_s));
   return text;
 }
 
@@ -704,25 +671,21 @@ std::string meaning(Signal signal, const fit::Result& fit) {
   };
   add(Term::gauss_markov, [](const Coefficient& c, const std::string& size) {
     return fmt::format(
-        "the bias wanders within {} (1 sigma) and forgets itself in {}: averages over longer times gain "
-        "again, and one state of a filter describes it",
+        "the bias wanders within {} (1 sigma) and forgets itself in {}: averages over longer times gain again, and one state of a filter describes it",
         size, tau_text(c.shape));
   });
   add(Term::flicker, [](const Coefficient&, const std::string& size) {
     return fmt::format(
-        "the bias wanders on every time scale with B = {}: averaging longer gains nothing below the "
-        "floor, 0.664 B, and a filter needs several states to follow it",
+        "the bias wanders on every time scale with B = {}: averaging longer gains nothing below the floor, 0.664 B, and a filter needs several states to follow it",
         size);
   });
   add(Term::rate_random_walk, [](const Coefficient&, const std::string& size) {
     return fmt::format(
-        "the bias walks away without bound, by K = {}: averaging longer loses, and one state of a filter "
-        "follows it",
+        "the bias walks away without bound, by K = {}: averaging longer loses, and one state of a filter follows it",
         size);
   });
   add(Term::rate_ramp, [](const Coefficient&, const std::string& size) {
-    return fmt::format("the bias drifts along a straight line, by R = {}: a line fitted to it takes it off",
-                       size);
+    return fmt::format("the bias drifts along a straight line, by R = {}: a line fitted to it takes it off", size);
   });
   return parts.empty() ? "the bias stays where it is" : fmt::format("{}", fmt::join(parts, "; "));
 }
@@ -730,18 +693,13 @@ std::string meaning(Signal signal, const fit::Result& fit) {
 }  // namespace
 
 std::string alternative_text(const AxisResult& axis) {
-  if (!axis.chosen || !axis.chosen->selection.alternative || !axis.chosen->alternative_fit || !axis.fit)
-    return {};
+  if (!axis.chosen || !axis.chosen->selection.alternative || !axis.chosen->alternative_fit || !axis.fit) return {};
   const auto& alternative = *axis.chosen->selection.alternative;
   return fmt::format(
-      "The record cannot tell {} from {} (ln L {:.2g} {} with the other). With {}, {}. With {}, {}. Only a "
-      "longer "
-      "record "
-      "decides; plan with the worse of the two for your use.",
+      "The record cannot tell {} from {} (ln L {:.2g} {} with the other). With {}, {}. With {}, {}. Only a longer record decides; plan with the worse of the two for your use.",
       letters(axis.chosen->selection.terms), letters(alternative.terms),
-      std::abs(alternative.log_likelihood_difference),
-      alternative.log_likelihood_difference > 0 ? "lower" : "higher", letters(axis.chosen->selection.terms),
-      meaning(axis.signal, *axis.fit), letters(alternative.terms),
+      std::abs(alternative.log_likelihood_difference), alternative.log_likelihood_difference > 0 ? "lower" : "higher",
+      letters(axis.chosen->selection.terms), meaning(axis.signal, *axis.fit), letters(alternative.terms),
       meaning(axis.signal, *axis.chosen->alternative_fit));
 }
 

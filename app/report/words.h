@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "result.h"
-
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "result.h"
 
 // How results are put into words and digits: the terminal and the page say the same, in the same figures.
 namespace gyrobudget::inline v0::report {

@@ -2,7 +2,6 @@
 #include "sensor_file.h"
 
 #include "gyrobudget/app/text/text.h"
-#include "yaml_reader.h"
 
 #include <fmt/format.h>
 
@@ -15,6 +14,8 @@
 #include <stdexcept>
 #include <utility>
 #include <vector>
+
+#include "yaml_reader.h"
 
 namespace gyrobudget::inline v0::sensor_file {
 namespace {
@@ -91,8 +92,7 @@ std::string_view unit_of(const Field<Process>& field, Signal signal) {
 
 class Reader : private YamlReader {
  public:
-  explicit Reader(const std::string& path)
-      : YamlReader(path, "a sensor file", "arw: 0.15 deg/sqrt(h)", "gyro:") {}
+  explicit Reader(const std::string& path) : YamlReader(path, "a sensor file", "arw: 0.15 deg/sqrt(h)", "gyro:") {}
 
   SensorModel read() {
     if (root()["gyro"] || root()["accelerometer"]) return own_form();
@@ -155,8 +155,8 @@ class Reader : private YamlReader {
   bool read_entry(const std::string& key, const Node& value, Signal signal, ErrorModel& model) const {
     for (const Term t : kCoefficients) {
       if (key != noise::key(signal, t)) continue;
-      model[t] = quantity(key, value, noise::dimension_of(signal, t),
-                          t == Term::rate_ramp ? Sign::any : Sign::not_negative);
+      model[t] =
+          quantity(key, value, noise::dimension_of(signal, t), t == Term::rate_ramp ? Sign::any : Sign::not_negative);
       return true;
     }
     for (const auto& e : kPerAxis) {
@@ -188,15 +188,12 @@ class Reader : private YamlReader {
   }
 
   /// One quantity for each axis, in a list.
-  std::array<double, 3> three(std::string_view key, const Node& value, const Dimension& expected,
-                              Sign sign) const {
+  std::array<double, 3> three(std::string_view key, const Node& value, const Dimension& expected, Sign sign) const {
     std::array<double, 3> result{};
     if (!value.IsSequence() || value.size() != result.size()) {
-      fail_here(value,
-                fmt::format("{}: found {}, expected a list of three, [x, y, z], each a number and a "
-                            "unit ({})",
-                            key, value.IsSequence() ? fmt::format("a list of {}", value.size()) : kind(value),
-                            noise::example_units(expected)));
+      fail_here(value, fmt::format("{}: found {}, expected a list of three, [x, y, z], each a number and a unit ({})",
+                                   key, value.IsSequence() ? fmt::format("a list of {}", value.size()) : kind(value),
+                                   noise::example_units(expected)));
     }
     for (std::size_t i = 0; i < result.size(); ++i) result[i] = quantity(key, value[i], expected, sign);
     return result;
@@ -212,8 +209,8 @@ class Reader : private YamlReader {
   std::vector<Process> list(std::string_view key, const Node& node, const Field<Process> (&fields)[n],
                             Signal signal) const {
     if (!node.IsSequence()) {
-      fail_here(node, fmt::format("{}: found {}, expected a list like [{{{}: ..., {}: ...}}]", key,
-                                  kind(node), fields[0].key, fields[1].key));
+      fail_here(node, fmt::format("{}: found {}, expected a list like [{{{}: ..., {}: ...}}]", key, kind(node),
+                                  fields[0].key, fields[1].key));
     }
     std::vector<Process> result;
     for (const Node& entry : node) result.push_back(process(key, entry, fields, signal));
@@ -221,23 +218,20 @@ class Reader : private YamlReader {
   }
 
   template <class Process, std::size_t n>
-  Process process(std::string_view where, const Node& entry, const Field<Process> (&fields)[n],
-                  Signal signal) const {
+  Process process(std::string_view where, const Node& entry, const Field<Process> (&fields)[n], Signal signal) const {
     Process result;
     std::vector<std::string> known, found;
     for (const auto& field : fields) known.emplace_back(field.key);
     for_each(entry, where, [&](const Node& key, const Node& value) {
       const auto* field = std::ranges::find(fields, key.Scalar(), &Field<Process>::key);
       if (field == std::end(fields)) fail_unknown_key(key, where, known);
-      result.*field->member =
-          quantity(field->key, value, noise::parse_unit(unit_of(*field, signal)).dimension,
-                   field->above_zero ? Sign::above_zero : Sign::any);
+      result.*field->member = quantity(field->key, value, noise::parse_unit(unit_of(*field, signal)).dimension,
+                                       field->above_zero ? Sign::above_zero : Sign::any);
       found.push_back(key.Scalar());
     });
     for (const auto& field : fields) {
       if (!field.needed || std::ranges::find(found, field.key) != found.end()) continue;
-      fail_here(entry,
-                fmt::format("{}: found no {}, expected one beside the others", where, text::quoted(field.key)));
+      fail_here(entry, fmt::format("{}: found no {}, expected one beside the others", where, text::quoted(field.key)));
     }
     return result;
   }
@@ -284,15 +278,13 @@ class Reader : private YamlReader {
     return model;
   }
 
-  ErrorModel imu_utils_triad(const Node& triad, const char* white, const char* minimum,
-                             const Dimension& signal) const {
+  ErrorModel imu_utils_triad(const Node& triad, const char* white, const char* minimum, const Dimension& signal) const {
     if (!triad.IsMap()) fail_here(triad, fmt::format("found {}, expected avg-axis below it", kind(triad)));
     const double to_si = triad["unit"] ? unit_factor(triad["unit"], signal) : 1;
     const Node axis = triad["avg-axis"] ? triad["avg-axis"] : triad["x-axis"];
     if (!axis || !axis.IsMap()) fail_here(triad, "found no avg-axis, expected one as imu_utils writes it");
     ErrorModel model;
-    const double flat =
-        std::sqrt(2 * std::numbers::ln2 / std::numbers::pi);  // of the deviation of flicker with B = 1
+    const double flat = std::sqrt(2 * std::numbers::ln2 / std::numbers::pi);  // of the deviation of flicker with B = 1
     model.white = to_si * number(axis, white);
     model.bias_instability = to_si * number(axis, minimum) / flat;
     return model;
@@ -304,8 +296,7 @@ class Reader : private YamlReader {
       if (parsed.dimension == expected) return parsed.to_si;
     } catch (const std::invalid_argument&) {
     }
-    fail_here(unit, fmt::format("unit: found {}, expected one like {}", kind(unit),
-                                noise::example_units(expected)));
+    fail_here(unit, fmt::format("unit: found {}, expected one like {}", kind(unit), noise::example_units(expected)));
   }
 
   double number(const Node& map, const char* key) const {
@@ -316,8 +307,8 @@ class Reader : private YamlReader {
     double result = 0;
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), result);
     if (error != std::errc{} || end != text.data() + text.size() || !std::isfinite(result)) {
-      fail_here(value, fmt::format("{}: found {}, expected a plain number (SI, continuous time)", key,
-                                   text::quoted(text)));
+      fail_here(value,
+                fmt::format("{}: found {}, expected a plain number (SI, continuous time)", key, text::quoted(text)));
     }
     check_sign(key, value, result, Sign::not_negative);
     return result;
@@ -333,9 +324,9 @@ class Reader : private YamlReader {
     }
     fail_here(
         root(),
-        fmt::format("found the key{} {}, expected \"gyro:\" (a sensor file), \"gyroscope_noise_density:\" "
-                    "(Kalibr, OpenVINS), \"gyr_n:\" (VINS) or \"Gyr:\" (imu_utils)",
-                    found.size() == 1 ? "" : "s", text::listing(found)));
+        fmt::format(
+            "found the key{} {}, expected \"gyro:\" (a sensor file), \"gyroscope_noise_density:\" (Kalibr, OpenVINS), \"gyr_n:\" (VINS) or \"Gyr:\" (imu_utils)",
+            found.size() == 1 ? "" : "s", text::listing(found)));
   }
 };
 
@@ -347,8 +338,7 @@ std::string exact_quantity(double si, std::string_view unit, std::string_view si
   const double value = si / to_si;
   constexpr int kDigits = 17;
   for (int digits = 1; digits <= kDigits; ++digits) {
-    for (const double candidate :
-         {value, std::nextafter(value, HUGE_VAL), std::nextafter(value, -HUGE_VAL)}) {
+    for (const double candidate : {value, std::nextafter(value, HUGE_VAL), std::nextafter(value, -HUGE_VAL)}) {
       const std::string text = fmt::format("{:.{}g}", candidate, digits);
       double read = 0;
       std::from_chars(text.data(), text.data() + text.size(), read);
@@ -393,14 +383,12 @@ class Writer {
     text_ += fmt::format("{}:\n", name);
     for (const Term t : kCoefficients) {
       const bool always = t == Term::white || t == Term::flicker || t == Term::rate_random_walk;
-      if (always || model[t] != 0)
-        line(noise::key(signal, t), quantity(model[t], noise::datasheet_unit(signal, t)));
+      if (always || model[t] != 0) line(noise::key(signal, t), quantity(model[t], noise::datasheet_unit(signal, t)));
     }
     list(noise::key(signal, Term::gauss_markov), model.gauss_markov, kGaussMarkov, signal);
     list(noise::key(signal, Term::sinusoid), model.sinusoids, kSinusoid, signal);
     for (const auto& e : kPerAxis) {
-      if (model.*e.member && !unit_of(e, signal).empty())
-        line(e.key, per_axis(*(model.*e.member), unit_of(e, signal)));
+      if (model.*e.member && !unit_of(e, signal).empty()) line(e.key, per_axis(*(model.*e.member), unit_of(e, signal)));
     }
     for (const auto& e : kForAll) {
       if (model.*e.member) line(e.key, quantity(*(model.*e.member), unit_of(e, signal)));
@@ -408,9 +396,7 @@ class Writer {
     if (model.filter_order != 1) line(kFilterOrder, std::to_string(model.filter_order));
   }
 
-  void line(std::string_view key, const std::string& value) {
-    text_ += fmt::format("  {}: {}\n", key, value);
-  }
+  void line(std::string_view key, const std::string& value) { text_ += fmt::format("  {}: {}\n", key, value); }
 
   template <class Process, std::size_t n>
   void list(std::string_view key, const std::vector<Process>& entries, const Field<Process> (&fields)[n],
@@ -433,8 +419,7 @@ class Writer {
   }
 
   static std::string three(const PerAxis& value, std::string_view unit) {
-    return fmt::format("[{}, {}, {}]", quantity(value[0], unit), quantity(value[1], unit),
-                       quantity(value[2], unit));
+    return fmt::format("[{}, {}, {}]", quantity(value[0], unit), quantity(value[1], unit), quantity(value[2], unit));
   }
   static std::string per_axis(const PerAxis& value, std::string_view unit) {
     return value.is_uniform() ? quantity(value[0], unit) : three(value, unit);
@@ -443,14 +428,13 @@ class Writer {
   /// Quoted where YAML could read something else into it.
   static std::string scalar(const std::string& text) {
     const auto plain = [](char c) {
-      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == ' ' ||
-             c == '-' || c == '_' || c == '.' || c == ',' || c == '(' || c == ')' || c == '/';
+      return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == ' ' || c == '-' ||
+             c == '_' || c == '.' || c == ',' || c == '(' || c == ')' || c == '/';
     };
     const bool starts_with_letter =
         !text.empty() && ((text[0] >= 'a' && text[0] <= 'z') || (text[0] >= 'A' && text[0] <= 'Z'));
     const bool ambiguous = text.find(' ') == std::string::npos && text.size() <= 5;  // yes, null, false
-    if (starts_with_letter && !ambiguous && text.back() != ' ' && std::ranges::all_of(text, plain))
-      return text;
+    if (starts_with_letter && !ambiguous && text.back() != ' ' && std::ranges::all_of(text, plain)) return text;
     std::string result = "\"";
     for (const char c : text) {
       const auto byte = static_cast<unsigned char>(c);
@@ -465,10 +449,9 @@ class Writer {
 
 std::string kalibr_triad(std::string_view name, const ErrorModel* model, std::string_view white_unit,
                          std::string_view walk_unit) {
-  if (!model)
-    return fmt::format("# {}_noise_density and {}_random_walk are not known: fill them in\n", name, name);
-  return fmt::format("{}_noise_density: {}  # [{}]\n{}_random_walk: {}  # [{}]\n", name, model->white,
-                     white_unit, name, model->rate_random_walk, walk_unit);
+  if (!model) return fmt::format("# {}_noise_density and {}_random_walk are not known: fill them in\n", name, name);
+  return fmt::format("{}_noise_density: {}  # [{}]\n{}_random_walk: {}  # [{}]\n", name, model->white, white_unit, name,
+                     model->rate_random_walk, walk_unit);
 }
 
 std::string kalibr_left_out(std::string_view name, const ErrorModel& model, Signal signal) {
@@ -484,9 +467,9 @@ std::string kalibr_left_out(std::string_view name, const ErrorModel& model, Sign
                         noise::quantity_text(g.sigma, noise::datasheet_unit(signal)), g.correlation_time);
   }
   for (const auto& s : model.sinusoids) {
-    text += fmt::format("# {} {}: {} at {:.6g} Hz has no place in this form\n", name,
-                        noise::label(signal, Term::sinusoid),
-                        noise::quantity_text(s.amplitude, noise::datasheet_unit(signal)), s.frequency);
+    text +=
+        fmt::format("# {} {}: {} at {:.6g} Hz has no place in this form\n", name, noise::label(signal, Term::sinusoid),
+                    noise::quantity_text(s.amplitude, noise::datasheet_unit(signal)), s.frequency);
   }
   return text;
 }
@@ -495,14 +478,11 @@ std::string kalibr_left_out(std::string_view name, const ErrorModel& model, Sign
 
 SensorModel read_sensor(const std::string& path) { return Reader(path).read(); }
 
-std::string sensor_yaml(const SensorModel& model, std::string_view comment) {
-  return Writer(comment).write(model);
-}
+std::string sensor_yaml(const SensorModel& model, std::string_view comment) { return Writer(comment).write(model); }
 
 std::string kalibr_yaml(const SensorModel& model, double update_rate_hz) {
   if (!(std::isfinite(update_rate_hz) && update_rate_hz > 0)) {
-    throw std::invalid_argument(
-        fmt::format("update_rate_hz is {} Hz; it must be above 0 and finite", update_rate_hz));
+    throw std::invalid_argument(fmt::format("update_rate_hz is {} Hz; it must be above 0 and finite", update_rate_hz));
   }
   const ErrorModel* accelerometer = model.accelerometer ? &*model.accelerometer : nullptr;
   std::string text = "# Kalibr imu.yaml: continuous-time densities, two-sided, SI\n";

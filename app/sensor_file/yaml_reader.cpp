@@ -14,8 +14,7 @@ namespace gyrobudget::inline v0::sensor_file {
 
 using YAML::Node;
 
-YamlReader::YamlReader(const std::string& path, std::string_view what, std::string_view line,
-                       std::string_view key)
+YamlReader::YamlReader(const std::string& path, std::string_view what, std::string_view line, std::string_view key)
     : name_(text::input_name(path)) {
   constexpr std::size_t kLargest = std::size_t{1} << 20;
   std::string text = text::read_text(path, kLargest, what);
@@ -24,7 +23,7 @@ YamlReader::YamlReader(const std::string& path, std::string_view what, std::stri
     root_ = YAML::Load(text);
   } catch (const YAML::Exception& error) {
     text::fail_at(name(), error.mark.line + 1, error.mark.column + 1,
-            fmt::format("no YAML: {}; expected lines like \"{}\"", error.msg, line));
+                  fmt::format("no YAML: {}; expected lines like \"{}\"", error.msg, line));
   }
   if (!root_.IsMap()) fail_here(root_, fmt::format("found {}, expected keys like \"{}\"", kind(root_), key));
 }
@@ -48,12 +47,10 @@ std::string YamlReader::kind(const Node& node) {
 
 void YamlReader::for_each(const Node& map, std::string_view what,
                           const std::function<void(const Node& key, const Node& value)>& visit) const {
-  if (!map.IsMap())
-    fail_here(map, fmt::format("{}: found {}, expected keys and values below it", what, kind(map)));
+  if (!map.IsMap()) fail_here(map, fmt::format("{}: found {}, expected keys and values below it", what, kind(map)));
   std::vector<std::string> seen;
   for (const auto& entry : map) {
-    if (!entry.first.IsScalar())
-      fail_here(entry.first, fmt::format("found {}, expected a key", kind(entry.first)));
+    if (!entry.first.IsScalar()) fail_here(entry.first, fmt::format("found {}, expected a key", kind(entry.first)));
     const std::string& key = entry.first.Scalar();
     if (std::ranges::find(seen, key) != seen.end())
       fail_here(entry.first, fmt::format("{} is given twice", text::quoted(key)));
@@ -90,8 +87,8 @@ int YamlReader::whole(std::string_view key, const Node& value, int lowest, int h
   const auto [end, error] = std::from_chars(words.data(), words.data() + words.size(), number);
   const bool read = error == std::errc{} && end == words.data() + words.size();
   if (read && number >= lowest && number <= highest) return number;
-  fail_here(value, fmt::format("{}: found {}, expected a whole number from {} to {}", key, text::quoted(words),
-                               lowest, highest));
+  fail_here(value, fmt::format("{}: found {}, expected a whole number from {} to {}", key, text::quoted(words), lowest,
+                               highest));
 }
 
 double YamlReader::number(std::string_view key, const Node& value) const {
@@ -100,8 +97,7 @@ double YamlReader::number(std::string_view key, const Node& value) const {
   fail_here(value, fmt::format("{}: found {}, expected a plain number", key, text::quoted(value.Scalar())));
 }
 
-std::size_t YamlReader::one_of(std::string_view key, const Node& value,
-                               const std::vector<std::string>& words) const {
+std::size_t YamlReader::one_of(std::string_view key, const Node& value, const std::vector<std::string>& words) const {
   const std::string word = text(key, value);
   const auto at = std::ranges::find(words, word);
   if (at != words.end()) return static_cast<std::size_t>(at - words.begin());

@@ -61,8 +61,7 @@ class YamlReader {
   [[nodiscard]] std::size_t one_of(std::string_view key, const YAML::Node& value,
                                    const std::vector<std::string>& words) const;
   /// "10 ms" in SI.
-  [[nodiscard]] double quantity(std::string_view key, const YAML::Node& value, const noise::Dimension&,
-                                Sign) const;
+  [[nodiscard]] double quantity(std::string_view key, const YAML::Node& value, const noise::Dimension&, Sign) const;
   void check_sign(std::string_view key, const YAML::Node& value, double number, Sign) const;
 
  private:

@@ -2,13 +2,13 @@
 // Inside io: decimal digits as integers, eight at a time, and such integers as correctly rounded doubles.
 #pragma once
 
-#include "text.h"
-
 #include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+
+#include "text.h"
 
 namespace gyrobudget::inline v0::text {
 
@@ -47,8 +47,7 @@ inline constexpr std::ptrdiff_t kDecimalRoom = 64;
     if (others != 0) {
       const int bits = std::countr_zero(others) & ~7;  // of the digits in front; they move to the top
       const auto count = static_cast<std::size_t>(bits / 8);
-      digits = digits * static_cast<std::uint64_t>(kPowersOfTen[count]) +
-               value_of_eight((word << 1) << (63 - bits));
+      digits = digits * static_cast<std::uint64_t>(kPowersOfTen[count]) + value_of_eight((word << 1) << (63 - bits));
       return at + count;
     }
     digits = digits * 100'000'000 + value_of_eight(word);
@@ -124,11 +123,11 @@ inline constexpr std::ptrdiff_t kDecimalRoom = 64;
   }();
   double magnitude = 0;
   if (d.digits <= kExact && d.exponent <= 0 && d.exponent >= -kMostExact) {  // both exact: one rounding
-    magnitude = static_cast<double>(static_cast<std::int64_t>(d.digits)) /
-                kPowers[static_cast<std::size_t>(-d.exponent)];
+    magnitude =
+        static_cast<double>(static_cast<std::int64_t>(d.digits)) / kPowers[static_cast<std::size_t>(-d.exponent)];
   } else if (d.digits <= kExact && d.exponent > 0 && d.exponent <= kMostExact) {
-    magnitude = static_cast<double>(static_cast<std::int64_t>(d.digits)) *
-                kPowers[static_cast<std::size_t>(d.exponent)];
+    magnitude =
+        static_cast<double>(static_cast<std::int64_t>(d.digits)) * kPowers[static_cast<std::size_t>(d.exponent)];
   } else if (d.digits != 0 && d.exponent < 0 && d.exponent >= -kMostPlaces) {
     magnitude = divided_by_power_of_ten(d.digits, -d.exponent);
   } else {

@@ -99,16 +99,16 @@ std::string read_text(const std::string& path, std::size_t most, std::string_vie
 
 void check_text(std::string_view name, std::string_view text) {
   for (const Signature& s : kSignatures) {
-    if (text.starts_with(s.bytes))
-      fail(name, fmt::format("found {}, expected a text file; {}", s.what, s.mend));
+    if (text.starts_with(s.bytes)) fail(name, fmt::format("found {}, expected a text file; {}", s.what, s.mend));
   }
   const std::string_view head = text.substr(0, kTextHead);
   const auto* control = std::ranges::find_if(head, is_control);
   if (control == head.end()) return;
-  fail(name,
-       fmt::format("found the byte 0x{:02x} at offset {}, expected a text file; this is binary data or a "
-                   "damaged copy: export it as CSV first",
-                   static_cast<unsigned char>(*control), control - head.begin()));
+  fail(
+      name,
+      fmt::format(
+          "found the byte 0x{:02x} at offset {}, expected a text file; this is binary data or a damaged copy: export it as CSV first",
+          static_cast<unsigned char>(*control), control - head.begin()));
 }
 
 }  // namespace gyrobudget::inline v0::text

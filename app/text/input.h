@@ -2,11 +2,11 @@
 // Inputs before anyone knows what is in them.
 #pragma once
 
-#include "text.h"
-
 #include <cstddef>
 #include <string>
 #include <string_view>
+
+#include "text.h"
 
 namespace gyrobudget::inline v0::text {
 

@@ -1,21 +1,21 @@
 // SPDX-License-Identifier: MIT
 #include "number.h"
 
-#include "decimal.h"
-#include "text.h"
-
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
 #include <string>
 
+#include "decimal.h"
+#include "text.h"
+
 namespace gyrobudget::inline v0::text {
 namespace {
 
 /// What programs write where there is no number, beside what from_chars reads as NaN and Inf.
-constexpr std::array<std::string_view, 11> kMissing = {
-    "na", "n/a", "null", "none", "nil", "-", "1.#qnan", "-1.#ind", "1.#ind", "1.#inf", "-1.#inf"};
+constexpr std::array<std::string_view, 11> kMissing = {"na",      "n/a",     "null",   "none",   "nil",    "-",
+                                                       "1.#qnan", "-1.#ind", "1.#ind", "1.#inf", "-1.#inf"};
 
 bool is_missing_word(std::string_view cell) {
   constexpr std::size_t kLongest = 8;
@@ -24,8 +24,7 @@ bool is_missing_word(std::string_view cell) {
 
 std::string_view unquoted(std::string_view cell) {
   cell = trim(cell);
-  if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"')
-    return trim(cell.substr(1, cell.size() - 2));
+  if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"') return trim(cell.substr(1, cell.size() - 2));
   return cell;
 }
 
@@ -74,8 +73,7 @@ const char* read_decimal(const char* at, const char* end, char point, Decimal& d
     const auto [stop, error] = std::from_chars(first, end, exponent);
     if (error == std::errc::invalid_argument) return nullptr;
     constexpr int kEnough = 1000;
-    d.exponent +=
-        error == std::errc{} ? std::clamp(exponent, -kEnough, kEnough) : (*first == '-' ? -kEnough : kEnough);
+    d.exponent += error == std::errc{} ? std::clamp(exponent, -kEnough, kEnough) : (*first == '-' ? -kEnough : kEnough);
     at = stop;
   }
   return at;

@@ -84,8 +84,7 @@ std::string mend(int error) {
 
 /// Names of descriptors, which cannot be replaced even where a regular file is behind them.
 bool names_a_descriptor(const std::string& path) {
-  return path == "/dev/stdout" || path == "/dev/stderr" || path.starts_with("/dev/fd/") ||
-         path.starts_with("/proc/");
+  return path == "/dev/stdout" || path == "/dev/stderr" || path.starts_with("/dev/fd/") || path.starts_with("/proc/");
 }
 
 /// The path with links resolved; as it is where it does not exist yet.
@@ -106,8 +105,7 @@ constexpr unsigned kPermissionBits = 07777;
 }  // namespace
 
 OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
-  if (path_.empty())
-    throw OutputError("the name of an output file is empty; name a file, or - for standard output");
+  if (path_.empty()) throw OutputError("the name of an output file is empty; name a file, or - for standard output");
   if (path_ == "-") {
     descriptor_ = ::fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, 0);
     if (descriptor_ < 0) fail(path_, errno);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "error.h"
-
 #include <string>
 #include <string_view>
+
+#include "error.h"
 
 namespace gyrobudget::inline v0::text {
 

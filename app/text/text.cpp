@@ -27,11 +27,7 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 bool is_utf8(std::string_view text) {
   for (std::size_t i = 0; i < text.size(); ++i) {
     const auto lead = static_cast<unsigned char>(text[i]);
-    const int following = lead < 0x80       ? 0
-                          : lead >> 5 == 6  ? 1
-                          : lead >> 4 == 14 ? 2
-                          : lead >> 3 == 30 ? 3
-                                            : -1;
+    const int following = lead < 0x80 ? 0 : lead >> 5 == 6 ? 1 : lead >> 4 == 14 ? 2 : lead >> 3 == 30 ? 3 : -1;
     if (following < 0) return false;
     for (int k = 0; k < following; ++k) {
       if (++i >= text.size() || static_cast<unsigned char>(text[i]) >> 6 != 2) return false;
@@ -111,9 +107,7 @@ std::string listing(std::span<const std::string> words, std::string_view last) {
   return result;
 }
 
-void fail(std::string_view name, std::string_view message) {
-  throw InputError(fmt::format("{}: {}", name, message));
-}
+void fail(std::string_view name, std::string_view message) { throw InputError(fmt::format("{}: {}", name, message)); }
 
 void fail_at(std::string_view name, std::int64_t line, std::int64_t column, std::string_view message) {
   throw InputError(fmt::format("{}:{}:{}: {}", name, line, column, message));

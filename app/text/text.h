@@ -2,12 +2,12 @@
 // Inside io: words, messages and places in files.
 #pragma once
 
-#include "error.h"
-
 #include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
+
+#include "error.h"
 
 namespace gyrobudget::inline v0::text {
 
@@ -30,7 +30,6 @@ namespace gyrobudget::inline v0::text {
 /// @throws InputError "name: message"
 [[noreturn]] void fail(std::string_view name, std::string_view message);
 /// @throws InputError "name:line:column: message"; line and column count from 1, columns in bytes.
-[[noreturn]] void fail_at(std::string_view name, std::int64_t line, std::int64_t column,
-                          std::string_view message);
+[[noreturn]] void fail_at(std::string_view name, std::int64_t line, std::int64_t column, std::string_view message);
 
 }  // namespace gyrobudget::inline v0::text

@@ -16,7 +16,8 @@ using Eigen::Vector3d;
 
 constexpr double kSameTime = 1e-9;  // [s]
 
-using Rows = Eigen::Matrix<double, navigation::kCoreStates, Eigen::Dynamic, 0, navigation::kCoreStates, navigation::kMaxStates>;
+using Rows =
+    Eigen::Matrix<double, navigation::kCoreStates, Eigen::Dynamic, 0, navigation::kCoreStates, navigation::kMaxStates>;
 
 // x+ = (I - k h) x + k v for [core | estimates], whose gain and row have the sign of an estimate.
 void back_through_fix(const FrozenGains& gains, std::size_t index, const Timeline& timeline, Rows& lambda,
@@ -189,11 +190,12 @@ class SinceEpoch {
 };
 
 navigation::CoreMatrix of_white(const Adjoint& adjoint, const Timeline& timeline, int first, double n,
-                    const navigation::Epoch& epoch) {
+                                const navigation::Epoch& epoch) {
   navigation::CoreMatrix covariance = navigation::CoreMatrix::Zero();
   Eigen::Matrix<double, navigation::kCoreStates, 3> sum = Eigen::Matrix<double, navigation::kCoreStates, 3>::Zero();
   for (std::size_t k = 0; k < adjoint.steps; ++k) {
-    const Eigen::Matrix<double, navigation::kCoreStates, 3> input = by_errors(adjoint, timeline, k).middleCols<3>(first);
+    const Eigen::Matrix<double, navigation::kCoreStates, 3> input =
+        by_errors(adjoint, timeline, k).middleCols<3>(first);
     covariance += n * n / timeline.steps()[k].input.dt * input * input.transpose();
     sum += input;
   }
@@ -204,7 +206,8 @@ navigation::CoreMatrix of_white(const Adjoint& adjoint, const Timeline& timeline
 }  // namespace
 
 navigation::CoreMatrix process_response(const Adjoint& adjoint, const Timeline& timeline, navigation::Carrier carrier,
-                            const noise::Process& process, const navigation::Epoch& epoch, double imu_interval) {
+                                        const noise::Process& process, const navigation::Epoch& epoch,
+                                        double imu_interval) {
   const noise::Term term = noise::term(process);
   if (term == noise::Term::quantization || term == noise::Term::rate_ramp || term == noise::Term::sinusoid)
     throw std::invalid_argument("quantization, ramp and sinusoid have no response by a structure function");
@@ -215,13 +218,11 @@ navigation::CoreMatrix process_response(const Adjoint& adjoint, const Timeline& 
   const double longest =
       timeline.end() - timeline.start() + epoch.powered_on_before + epoch.calibrated_over.value_or(0);
   if (!(longest / imu_interval <= kMostSamples))
-    throw std::invalid_argument(
-        fmt::format("a process over {} s by samples of {} s, expected at most {:g} of them", longest,
-                    imu_interval, kMostSamples));
+    throw std::invalid_argument(fmt::format("a process over {} s by samples of {} s, expected at most {:g} of them",
+                                            longest, imu_interval, kMostSamples));
   const int first = carrier == navigation::Carrier::gyro ? 0 : 3;
   if (adjoint.steps == 0) return navigation::CoreMatrix::Zero();
-  if (term == noise::Term::white)
-    return of_white(adjoint, timeline, first, noise::coefficient(process), epoch);
+  if (term == noise::Term::white) return of_white(adjoint, timeline, first, noise::coefficient(process), epoch);
 
   // A Gauss-Markov process is stationary, not zero at power-on.
   navigation::Epoch from = epoch;
@@ -237,8 +238,8 @@ navigation::CoreMatrix process_response(const Adjoint& adjoint, const Timeline& 
       const Block& a = blocks[static_cast<std::size_t>(k)];
       const Block& b = blocks[static_cast<std::size_t>(l)];
       const double lag = k == l ? (a.to - a.from) / 3 : (b.from + b.to - a.from - a.to) / 2;
-      R(k, l) = R(l, k) = stationary ? variance - structure(lag) / 2
-                                     : since(static_cast<std::size_t>(k), static_cast<std::size_t>(l));
+      R(k, l) = R(l, k) =
+          stationary ? variance - structure(lag) / 2 : since(static_cast<std::size_t>(k), static_cast<std::size_t>(l));
     }
   navigation::CoreMatrix covariance = navigation::CoreMatrix::Zero();
   MatrixXd column(navigation::kCoreStates, K);
@@ -289,7 +290,8 @@ class States {
     for (int signal = 0; signal < 6; ++signal) add(step.input_noise[signal], by.col(signal));
     for (Eigen::Index j = 0; j < by_state_.cols(); ++j) {
       const navigation::Transition::Term& term = step.terms[static_cast<std::size_t>(j)];
-      Eigen::Matrix<double, navigation::kCoreStates, 1> by_signal = Eigen::Matrix<double, navigation::kCoreStates, 1>::Zero();
+      Eigen::Matrix<double, navigation::kCoreStates, 1> by_signal =
+          Eigen::Matrix<double, navigation::kCoreStates, 1>::Zero();
       if (term.signal >= 0) by_signal = by.col(term.signal);
       if (source_.shape) by_signal *= source_.shape(input, static_cast<std::size_t>(j));
       add(term.noise, by_signal * term.spill + by_state_.col(j));
@@ -327,12 +329,11 @@ navigation::CoreMatrix state_response(const Adjoint& adjoint, const Timeline& ti
 }
 
 navigation::CoreMatrix response(const Adjoint& adjoint, const Timeline& timeline, const Source& source,
-                    double imu_interval) {
+                                double imu_interval) {
   if (!source.slow) return state_response(adjoint, timeline, source);
   navigation::CoreMatrix covariance = navigation::CoreMatrix::Zero();
   for (const auto& process : source.slow->processes)
-    covariance +=
-        process_response(adjoint, timeline, source.slow->carrier, process, source.slow->epoch, imu_interval);
+    covariance += process_response(adjoint, timeline, source.slow->carrier, process, source.slow->epoch, imu_interval);
   return covariance;
 }
 

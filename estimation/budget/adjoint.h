@@ -8,11 +8,12 @@
 // approximated by states here, so this checks the route that does. Source: Gelb (1974), section 9.2 (adjoint).
 #pragma once
 
-#include "error_budget.h"
 #include "gyrobudget/estimation/navigation/sensor_states.h"
 #include "gyrobudget/noise/process.h"
 
 #include <vector>
+
+#include "error_budget.h"
 
 namespace gyrobudget::inline v0::budget {
 
@@ -23,8 +24,8 @@ struct Adjoint {
   std::vector<navigation::InputMatrix> input;  ///< [step] by mean errors of gyro x y z, accelerometer x y z
   navigation::InputMatrix through_start =
       navigation::InputMatrix::Zero();  ///< by these for a second of the pad, through the alignment
-  std::vector<Eigen::Matrix<double, navigation::kCoreStates, 3>> fix;  ///< [fix] by errors of its rows
-  navigation::CoreMatrix initial = navigation::CoreMatrix::Identity();             ///< by the errors at the scene's start
+  std::vector<Eigen::Matrix<double, navigation::kCoreStates, 3>> fix;   ///< [fix] by errors of its rows
+  navigation::CoreMatrix initial = navigation::CoreMatrix::Identity();  ///< by the errors at the scene's start
 };
 
 /// By all of what a step's mean errors do. @param sensed Source::sensed
@@ -43,8 +44,9 @@ struct Adjoint {
 /// @throws std::invalid_argument for quantization, ramp and sinusoid, an interval that is not positive, and more than
 /// 2^62 of them since the epoch.
 /// Time O(steps^2), 0.1 s for 2000; beyond these the process is held over so many neighbouring steps that 2000 are left.
-[[nodiscard]] navigation::CoreMatrix process_response(const Adjoint&, const Timeline&, navigation::Carrier, const noise::Process&,
-                                          const navigation::Epoch&, double imu_interval);
+[[nodiscard]] navigation::CoreMatrix process_response(const Adjoint&, const Timeline&, navigation::Carrier,
+                                                      const noise::Process&, const navigation::Epoch&,
+                                                      double imu_interval);
 
 /// Covariance from a source by its states, whatever they are: white noise, terms, initial core covariance and, where it
 /// is an aid, the white noise of that aid's fixes. What error_budget finds going forwards, to rounding, in O(steps).

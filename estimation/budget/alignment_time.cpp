@@ -61,8 +61,7 @@ AlignmentTime alignment_time(const navigation::Scenario& scenario, const earth::
   Search search(scenario, trajectory, question, at, axes);
   AlignmentTime best{false, 0, std::numeric_limits<double>::infinity()};
   double before = 0;
-  for (double duration = kShortestAlignment;;
-       duration = std::min(kAlignmentFactor * duration, kLongestAlignment)) {
+  for (double duration = kShortestAlignment;; duration = std::min(kAlignmentFactor * duration, kLongestAlignment)) {
     const double found = search.sigma(duration);
     if (found <= limit) {
       const AlignmentTime met{true, duration, found};

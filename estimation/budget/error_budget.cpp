@@ -30,7 +30,6 @@ void require(bool good, std::string_view what, double value, std::string_view ex
 
 // --- The filter's gains -------------------------------------------------------------------------------------------
 
-
 namespace {
 
 class GainRun {
@@ -59,15 +58,17 @@ class GainRun {
       use(fixes[result_.of_fix.size()]);
     const auto& report = timeline_.report();
     if (result_.claimed.size() < report.size() && report[result_.claimed.size()] <= time + kSameTime)
-      result_.claimed.emplace_back(covariance_.matrix().topLeftCorner<navigation::kCoreStates, navigation::kCoreStates>());
+      result_.claimed.emplace_back(
+          covariance_.matrix().topLeftCorner<navigation::kCoreStates, navigation::kCoreStates>());
   }
 
   void use(const navigation::PlannedFix& planned) {
-    const navigation::Measurement measurement = navigation::linearise(planned, timeline_.at(planned.time), lineariser_.model());
+    const navigation::Measurement measurement =
+        navigation::linearise(planned, timeline_.at(planned.time), lineariser_.model());
     auto& gains = result_.of_fix.emplace_back();
     for (std::size_t i = 0; i < static_cast<std::size_t>(measurement.rows); ++i)
-      gains.emplace_back(covariance_.update(
-          measurement.row[i], {considered_.data(), static_cast<std::size_t>(covariance_.size())}));
+      gains.emplace_back(
+          covariance_.update(measurement.row[i], {considered_.data(), static_cast<std::size_t>(covariance_.size())}));
   }
 
   const Timeline& timeline_;
@@ -81,8 +82,7 @@ class GainRun {
 
 FrozenGains frozen_gains(const Timeline& timeline, const std::optional<Design>& design) {
   if (design) return GainRun(timeline, *design)();
-  if (!timeline.fixes().empty())
-    throw std::invalid_argument("the scene has fixes but no filter that would use them");
+  if (!timeline.fixes().empty()) throw std::invalid_argument("the scene has fixes but no filter that would use them");
   return {};
 }
 
@@ -134,7 +134,8 @@ class AlignedStart {
     return cross + cross.transpose() + by_start_ * own_ * by_start_.transpose();
   }
   // Before: what the rest of the pad will add to psi_0, in one step of it.
-  [[nodiscard]] navigation::StateMatrix joining(const navigation::Transition& rest, const navigation::StateMatrix& P) const {
+  [[nodiscard]] navigation::StateMatrix joining(const navigation::Transition& rest,
+                                                const navigation::StateMatrix& P) const {
     AlignedStart ahead = *this;
     (void)ahead.gather(rest, P);
     return ahead.joining();
@@ -162,8 +163,7 @@ class AlignedStart {
     }
     const Eigen::Matrix3d so_far = of_states.transpose() * with_;
     const Columns by_states = P * of_states;
-    own_ += so_far + so_far.transpose() + of_states.transpose() * by_states +
-            G * variance.asDiagonal() * G.transpose();
+    own_ += so_far + so_far.transpose() + of_states.transpose() * by_states + G * variance.asDiagonal() * G.transpose();
     with_ += by_states;
     return noise;
   }
@@ -198,7 +198,8 @@ class Passage {
 
   void update(const Timeline& timeline, std::size_t fix, std::span<const Eigen::VectorXd> filter_gains) {
     const navigation::PlannedFix& planned = timeline.fixes()[fix];
-    navigation::Measurement measurement = navigation::linearise(planned, timeline.at(planned.time), lineariser_.model());
+    navigation::Measurement measurement =
+        navigation::linearise(planned, timeline.at(planned.time), lineariser_.model());
     const bool own_noise = source_.aid >= 0 && source_.aid == navigation::aid_of(planned);
     const auto n = static_cast<Eigen::Index>(estimates_);
     navigation::StateVector gain = navigation::StateVector::Zero(covariance_.size());
@@ -236,9 +237,8 @@ class Passage {
   [[nodiscard]] navigation::Covariance initial() const {
     const auto m = static_cast<Eigen::Index>(source_.model.terms.size());
     if (source_.initial.rows() != m || source_.initial.cols() != m)
-      throw std::invalid_argument(fmt::format("source {}: initial covariance of {} x {} for {} terms",
-                                              source_.name, source_.initial.rows(), source_.initial.cols(),
-                                              m));
+      throw std::invalid_argument(fmt::format("source {}: initial covariance of {} x {} for {} terms", source_.name,
+                                              source_.initial.rows(), source_.initial.cols(), m));
     const Eigen::Index crossed = source_.cross.cols();
     if (crossed != 0 && crossed != m)
       throw std::invalid_argument(
@@ -302,16 +302,14 @@ class Propagation {
 
  private:
   void fixes_at(double time) {
-    for (; next_fix_ < timeline_.fixes().size() && timeline_.fixes()[next_fix_].time <= time + kSameTime;
-         ++next_fix_)
+    for (; next_fix_ < timeline_.fixes().size() && timeline_.fixes()[next_fix_].time <= time + kSameTime; ++next_fix_)
       for (auto& passage : passages_) passage.update(timeline_, next_fix_, gains_.of_fix[next_fix_]);
   }
 
   void require_finite() const {
     if (budget_.total.back().allFinite()) return;
     throw std::invalid_argument(fmt::format(
-        "errors grow beyond all numbers within {} s, as the vertical channel does without a height (by e in "
-        "570 s): give the scene a height aid, or end it earlier",
+        "errors grow beyond all numbers within {} s, as the vertical channel does without a height (by e in 570 s): give the scene a height aid, or end it earlier",
         timeline_.end()));
   }
 
@@ -337,8 +335,7 @@ class Propagation {
 
 }  // namespace
 
-Budget error_budget(const Timeline& timeline, std::span<const Source> sources,
-                    const std::optional<Design>& design) {
+Budget error_budget(const Timeline& timeline, std::span<const Source> sources, const std::optional<Design>& design) {
   return error_budget(timeline, sources, frozen_gains(timeline, design));
 }
 

@@ -18,8 +18,6 @@
 // Control, vol. 1 (1979), section 6.8.
 #pragma once
 
-#include "timeline.h"
-
 #include "gyrobudget/estimation/navigation/aiding.h"
 #include "gyrobudget/estimation/navigation/covariance.h"
 #include "gyrobudget/estimation/navigation/error_state.h"
@@ -35,6 +33,8 @@
 #include <variant>
 #include <vector>
 
+#include "timeline.h"
+
 namespace gyrobudget::inline v0::budget {
 
 /// psi_e at the scene's start by mean errors over the pad, true minus sensed, of gyro x, y, z and accelerometer
@@ -43,10 +43,11 @@ using AlignmentGain = Eigen::Matrix<double, 3, 6>;
 
 /// One line of the budget: something that is wrong, with its true size, and nothing else.
 struct Source {
-  std::string name;                      ///< "gyro.arw", "initial.heading", "aid.gnss.position"
-  navigation::ErrorStateModel model;                 ///< white noise and terms of this source
-  navigation::StateMatrix initial;                   ///< covariance of model.terms at the scene's start
-  navigation::CoreMatrix core = navigation::CoreMatrix::Zero();  ///< covariance of position, velocity, attitude there, axes of e
+  std::string name;                   ///< "gyro.arw", "initial.heading", "aid.gnss.position"
+  navigation::ErrorStateModel model;  ///< white noise and terms of this source
+  navigation::StateMatrix initial;    ///< covariance of model.terms at the scene's start
+  navigation::CoreMatrix core =
+      navigation::CoreMatrix::Zero();  ///< covariance of position, velocity, attitude there, axes of e
   /// Covariance of these with the terms, where both are one error; empty: none.
   Eigen::Matrix<double, navigation::kCoreStates, Eigen::Dynamic> cross;
   int aid = -1;  ///< the white noise of this aid's fixes is the source
@@ -66,8 +67,7 @@ struct Source {
   /// Where given, each term's effect is multiplied by it [any unit]: errors that are fixed in other axes than
   /// the body's, such as Earth's rate left out or an error of gravity.
   std::function<double(const navigation::StepInput&, std::size_t term)> shape;
-  bool sensed =
-      true;  ///< false: the navigator makes it, no sensor: an alignment of what is sensed is free of it
+  bool sensed = true;  ///< false: the navigator makes it, no sensor: an alignment of what is sensed is free of it
 };
 
 /// The filter as it is designed: it sets the gains.
@@ -80,9 +80,9 @@ struct Design {
 
 /// Gains of every row of every fix, from the design alone.
 struct FrozenGains {
-  navigation::ErrorStateModel model;                             ///< of the design; empty: no filter
+  navigation::ErrorStateModel model;                 ///< of the design; empty: no filter
   std::vector<std::vector<Eigen::VectorXd>> of_fix;  ///< [fix][row], core and model.terms
-  std::vector<navigation::CoreMatrix> claimed;                   ///< the design's own covariance at the times of interest
+  std::vector<navigation::CoreMatrix> claimed;       ///< the design's own covariance at the times of interest
   std::optional<AlignmentGain> alignment;            ///< of the attitude at the start; none: by no sensor
 };
 /// @throws std::invalid_argument for fixes without a design, and what Covariance refuses.
@@ -94,7 +94,7 @@ struct Budget {
     std::vector<navigation::CoreMatrix> covariance;  ///< true errors of p, v, psi at each time, axes of e
   };
   std::vector<double> times;
-  std::vector<Contribution> lines;          ///< one a source, in their order
+  std::vector<Contribution> lines;              ///< one a source, in their order
   std::vector<navigation::CoreMatrix> total;    ///< their sum
   std::vector<navigation::CoreMatrix> claimed;  ///< what the filter believes; empty without a design
   std::size_t steps = 0;
@@ -106,7 +106,6 @@ struct Budget {
 /// @throws std::invalid_argument for sources whose initial covariance does not fit their terms, more states than
 /// navigation::kMaxStates together with the filter's, fixes without a design, and errors that grow beyond all numbers.
 [[nodiscard]] Budget error_budget(const Timeline&, std::span<const Source>, const FrozenGains&);
-[[nodiscard]] Budget error_budget(const Timeline&, std::span<const Source>,
-                                  const std::optional<Design>& = {});
+[[nodiscard]] Budget error_budget(const Timeline&, std::span<const Source>, const std::optional<Design>& = {});
 
 }  // namespace gyrobudget::inline v0::budget

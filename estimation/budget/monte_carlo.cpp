@@ -2,7 +2,6 @@
 #include "monte_carlo.h"
 
 #include "gyrobudget/vehicle/earth/attitude.h"
-#include "simulated_navigator.h"
 
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -13,6 +12,8 @@
 #include <mutex>
 #include <stdexcept>
 #include <utility>
+
+#include "simulated_navigator.h"
 
 namespace gyrobudget::inline v0::budget {
 namespace {
@@ -108,10 +109,9 @@ MonteCarlo::Nees MonteCarlo::nees(std::size_t i, const navigation::CoreMatrix& P
   return result;
 }
 
-MonteCarlo monte_carlo(const Timeline& timeline, const noise::SensorModel& sensor,
-                       const InitialErrors& initial, const Eigen::Matrix3d& C_el,
-                       const std::optional<Design>& design, const MonteCarlo::AidErrors& aids,
-                       const MonteCarlo::Options& options) {
+MonteCarlo monte_carlo(const Timeline& timeline, const noise::SensorModel& sensor, const InitialErrors& initial,
+                       const Eigen::Matrix3d& C_el, const std::optional<Design>& design,
+                       const MonteCarlo::AidErrors& aids, const MonteCarlo::Options& options) {
   const SimulatedScene scene(timeline, sensor, initial, C_el, design, aids, options);
   MonteCarlo result;
   result.times = timeline.report();

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "error_budget.h"
-#include "sources.h"
 #include "gyrobudget/estimation/navigation/consistency.h"
 #include "gyrobudget/estimation/navigation/filter.h"
 #include "gyrobudget/noise/imu.h"
@@ -12,6 +10,9 @@
 #include <functional>
 #include <optional>
 #include <vector>
+
+#include "error_budget.h"
+#include "sources.h"
 
 namespace gyrobudget::inline v0::budget {
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "scene.h"
 
+#include "gyrobudget/estimation/navigation/alignment.h"
 #include "gyrobudget/vehicle/earth/frames.h"
 #include "gyrobudget/vehicle/earth/gravity.h"
-#include "gyrobudget/estimation/navigation/alignment.h"
 
 #include <fmt/format.h>
 
@@ -97,8 +97,7 @@ class Builder {
       const navigation::Aid& aid = scenario_.aids[i];
       check(aid);
       if (!aid.used || (aid.kind == navigation::Aid::Kind::rest && pad_ > 0)) continue;
-      plan(aid, static_cast<int>(i), std::max(aid.valid.from, 0.0),
-           std::min(aid.valid.to, trajectory_.duration()));
+      plan(aid, static_cast<int>(i), std::max(aid.valid.from, 0.0), std::min(aid.valid.to, trajectory_.duration()));
     }
     if (pad_ > 0) rest_on_the_pad();
   }
@@ -106,7 +105,8 @@ class Builder {
   void plan(const navigation::Aid& aid, int number, double from, double to) {
     navigation::FixPlan plan{from, to, 1 / aid.rate, {}};
     for (const navigation::Span& outage : aid.outages) plan.outages.emplace_back(outage.from, outage.to);
-    const bool starts = std::ranges::any_of(starts_, [&](const auto& fix) { return navigation::aid_of(fix) == number; });
+    const bool starts =
+        std::ranges::any_of(starts_, [&](const auto& fix) { return navigation::aid_of(fix) == number; });
     for (const double t : navigation::fix_times(plan))
       if (!starts || t > -pad_) fixes_.push_back({t, fix(aid, number, t)});  // a fix is used once
   }
@@ -114,15 +114,15 @@ class Builder {
   // The fixes that the start is taken from. Of an aid that the filter never sees, its sigma is all that counts.
   void plan_start() {
     const navigation::AlignmentPlan& a = scenario_.alignment;
-    for (const navigation::FromAid* from : {std::get_if<navigation::FromAid>(&a.position), std::get_if<navigation::FromAid>(&a.velocity),
-                                std::get_if<navigation::FromAid>(&a.attitude)}) {
+    for (const navigation::FromAid* from :
+         {std::get_if<navigation::FromAid>(&a.position), std::get_if<navigation::FromAid>(&a.velocity),
+          std::get_if<navigation::FromAid>(&a.attitude)}) {
       if (from == nullptr) continue;
       const navigation::Aid& aid = scenario_.aids.at(from->aid);
       check(aid);
       if (pad_ == 0 && !holds(aid, 0))
         throw std::invalid_argument(fmt::format(
-            "{}: the start is taken from it, and at 0 s it gives no fix: mend its valid span or outages, "
-            "or give the start",
+            "{}: the start is taken from it, and at 0 s it gives no fix: mend its valid span or outages, or give the start",
             aid.name));
       if (aid.used) starts_.push_back({-pad_, fix(aid, static_cast<int>(from->aid), 0)});
     }
@@ -139,8 +139,9 @@ class Builder {
   }
 
   void rest_on_the_pad() {
-    const auto rest = std::find_if(scenario_.aids.begin(), scenario_.aids.end(),
-                                   [](const navigation::Aid& aid) { return aid.used && aid.kind == navigation::Aid::Kind::rest; });
+    const auto rest = std::find_if(scenario_.aids.begin(), scenario_.aids.end(), [](const navigation::Aid& aid) {
+      return aid.used && aid.kind == navigation::Aid::Kind::rest;
+    });
     const bool given = rest != scenario_.aids.end();
     rest_ = given ? static_cast<int>(rest - scenario_.aids.begin()) : static_cast<int>(scenario_.aids.size());
     const Vector3d sigma = given ? rest->sigma : Vector3d::Constant(kSway);
@@ -154,8 +155,9 @@ class Builder {
         fixes_.push_back({t, navigation::VelocityFix{Vector3d::Zero(), sigma, C_enu_, Vector3d::Zero(), rest_}});
   }
 
-  [[nodiscard]] std::variant<navigation::PositionFix, navigation::VelocityFix, navigation::HeightFix, navigation::AttitudeFix> fix(const navigation::Aid& aid, int number,
-                                                                                   double t) const {
+  [[nodiscard]] std::variant<navigation::PositionFix, navigation::VelocityFix, navigation::HeightFix,
+                             navigation::AttitudeFix>
+  fix(const navigation::Aid& aid, int number, double t) const {
     const earth::TrajectoryPoint truth = trajectory_.at(t);
     const Matrix3d C = truth.q_eb.toRotationMatrix();
     const earth::Geodetic at = earth::to_geodetic(truth.p_eb_e);
@@ -171,7 +173,7 @@ class Builder {
       default:
         if (aid.kind == navigation::Aid::Kind::rest) check_rest(aid, truth.v_eb_e.norm(), t);
         return navigation::VelocityFix{truth.v_eb_e + C * w_eb_b.cross(aid.lever_arm), aid.sigma, axes, aid.lever_arm,
-                           number};
+                                       number};
     }
   }
 
@@ -179,10 +181,9 @@ class Builder {
   static void check_rest(const navigation::Aid& aid, double speed, double t) {
     constexpr double kSigmas = 5;
     if (speed > kSigmas * aid.sigma.maxCoeff())
-      throw std::invalid_argument(
-          fmt::format("{}: at {:g} s, where it says rest, the trajectory moves with {:.3g} m/s; end it "
-                      "before, as in until: 8 s",
-                      aid.name, t, speed));
+      throw std::invalid_argument(fmt::format(
+          "{}: at {:g} s, where it says rest, the trajectory moves with {:.3g} m/s; end it before, as in until: 8 s",
+          aid.name, t, speed));
   }
 
   // --- Start ---
@@ -215,9 +216,10 @@ class Builder {
     const Matrix3d C_en = earth::C_e_ned(at.latitude, at.longitude);
     if (self.heading)
       options.heading = navigation::heading_of(Eigen::Quaterniond(C_en).conjugate() * start.q_eb, initial_.heading);
-    const navigation::Alignment found = navigation::align(navigation::StaticMeans{-(C_be * earth::normal_gravity(start.p_eb_e)),
-                                              C_be * Vector3d(0, 0, earth::wgs84::kEarthRate), self.duration},
-                                  options);
+    const navigation::Alignment found =
+        navigation::align(navigation::StaticMeans{-(C_be * earth::normal_gravity(start.p_eb_e)),
+                                                  C_be * Vector3d(0, 0, earth::wgs84::kEarthRate), self.duration},
+                          options);
     const Vector3d sigma = found.sigma();
     const auto trusted_less = [](double one) {
       return std::clamp(BudgetScene::kCoarse * one, kFinest, std::max(one, kLinear));
@@ -261,9 +263,7 @@ class Builder {
       }
       if (peak < *range) continue;
       scene.warnings.push_back(fmt::format(
-          "{} {} is cut off from {:.4g} s on: it senses up to {:.3g} {} where its range is {:.3g}; the "
-          "covariance "
-          "knows nothing of that and does not hold, look at Monte Carlo",
+          "{} {} is cut off from {:.4g} s on: it senses up to {:.3g} {} where its range is {:.3g}; the covariance knows nothing of that and does not hold, look at Monte Carlo",
           gyro ? "gyro" : "accelerometer", "xyz"[axis], from, peak, gyro ? "rad/s" : "m/s^2", *range));
     }
   }
@@ -352,8 +352,7 @@ class Builder {
     const navigation::SensorStates states = navigation::sensor_states(scenario_.sensor, state_options());
     Design design;
     design.model = states.model;
-    design.model.terms.insert(design.model.terms.end(), scene.aids.model.terms.begin(),
-                              scene.aids.model.terms.end());
+    design.model.terms.insert(design.model.terms.end(), scene.aids.model.terms.begin(), scene.aids.model.terms.end());
     const auto n = states.initial.rows(), m = scene.aids.initial.rows();
     navigation::StateMatrix terms = navigation::StateMatrix::Zero(n + m, n + m);
     terms.topLeftCorner(n, n) = states.initial;
@@ -385,7 +384,8 @@ class Builder {
     const Eigen::Index m = scene.aids.initial.rows(), first = P0.rows() - m;
     for (const navigation::PlannedFix& fix : starts_) {
       if (told_sigma(fix)) continue;
-      const navigation::StartFromFix start = navigation::start_from(fix, scene.timeline.at(scene.timeline.start()), scene.aids.model);
+      const navigation::StartFromFix start =
+          navigation::start_from(fix, scene.timeline.at(scene.timeline.start()), scene.aids.model);
       const Eigen::Matrix<double, navigation::kCoreStates, Eigen::Dynamic> cross = start.by_terms * scene.aids.initial;
       P0.topLeftCorner<navigation::kCoreStates, navigation::kCoreStates>() +=
           start.white + navigation::CoreMatrix(cross * start.by_terms.transpose());
@@ -410,7 +410,8 @@ class Builder {
 
 // Traces of position, velocity and attitude.
 Vector3d totals(const navigation::CoreMatrix& P) {
-  return {P.block<3, 3>(navigation::kPosition, navigation::kPosition).trace(), P.block<3, 3>(navigation::kVelocity, navigation::kVelocity).trace(),
+  return {P.block<3, 3>(navigation::kPosition, navigation::kPosition).trace(),
+          P.block<3, 3>(navigation::kVelocity, navigation::kVelocity).trace(),
           P.block<3, 3>(navigation::kAttitude, navigation::kAttitude).trace()};
 }
 
@@ -467,9 +468,8 @@ std::vector<Negligible> leave_out(BudgetScene& scene, const FrozenGains& gains, 
     for (std::size_t t = 0; t < times.size(); ++t)
       position = std::max(position, std::sqrt(row[static_cast<Eigen::Index>(3 * t)]));
     left_out.push_back({scene.sources[s].name, position,
-                        row.isZero(0)
-                            ? "has no effect in this scene"
-                            : fmt::format("{:.2g} of the total's variance at most", largest_share(s))});
+                        row.isZero(0) ? "has no effect in this scene"
+                                      : fmt::format("{:.2g} of the total's variance at most", largest_share(s))});
   }
   std::size_t next = 0;
   std::erase_if(scene.sources, [&](const Source&) { return gone[next++]; });
@@ -491,10 +491,9 @@ double allowed_factor(const Budget& budget, std::size_t i, std::string_view sour
   const auto variance = [&](const navigation::CoreMatrix& P) {
     return (axes.transpose() * P.block<3, 3>(navigation::kPosition, navigation::kPosition) * axes).trace();
   };
-  const auto line = std::find_if(budget.lines.begin(), budget.lines.end(),
-                                 [&](const auto& one) { return one.name == source; });
-  if (line == budget.lines.end())
-    throw std::invalid_argument(fmt::format("the budget has no source '{}'", source));
+  const auto line =
+      std::find_if(budget.lines.begin(), budget.lines.end(), [&](const auto& one) { return one.name == source; });
+  if (line == budget.lines.end()) throw std::invalid_argument(fmt::format("the budget has no source '{}'", source));
   const double own = variance(line->covariance[i]);
   const double room = limit * limit - (variance(budget.total[i]) - own);
   if (room <= 0) return 0;

@@ -2,15 +2,16 @@
 // From a scene to its error budget: what is flown, what is wrong, what the filter is designed for.
 #pragma once
 
-#include "gyrobudget/vehicle/earth/trajectory.h"
-#include "adjoint.h"
-#include "error_budget.h"
-#include "sources.h"
-#include "monte_carlo.h"
 #include "gyrobudget/estimation/navigation/scenario.h"
+#include "gyrobudget/vehicle/earth/trajectory.h"
 
 #include <string>
 #include <vector>
+
+#include "adjoint.h"
+#include "error_budget.h"
+#include "monte_carlo.h"
+#include "sources.h"
 
 namespace gyrobudget::inline v0::budget {
 
@@ -39,8 +40,7 @@ struct BudgetScene {
   MonteCarlo::AidErrors aids;
   bool self_alignment = false;
   std::optional<double> heading_sigma;  ///< of a heading that the alignment is given [rad]
-  std::vector<std::string>
-      warnings;  ///< heading not observable, samples that will be out of a sensor's range
+  std::vector<std::string> warnings;    ///< heading not observable, samples that will be out of a sensor's range
   std::vector<navigation::SensorStates::LeftOut> left_out;  ///< by linear covariance and why
 };
 
@@ -74,8 +74,8 @@ struct Negligible {
 /// `times` by more than `tolerance` of it. By the adjoint, exact at these times, gains frozen. Sources that have no
 /// response are always taken out; none is where one grows beyond all numbers. Times must be times of interest of the timeline.
 /// @throws std::invalid_argument unless 0 <= tolerance < 1.
-[[nodiscard]] std::vector<Negligible> leave_out(BudgetScene&, const FrozenGains&,
-                                                std::span<const double> times, double tolerance);
+[[nodiscard]] std::vector<Negligible> leave_out(BudgetScene&, const FrozenGains&, std::span<const double> times,
+                                                double tolerance);
 
 /// dR/dp p/R of the total's position rss R at times[i] by each source's size p: its share of the variance.
 [[nodiscard]] std::vector<double> shares(const Budget&, std::size_t i);

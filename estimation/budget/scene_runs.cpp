@@ -41,21 +41,19 @@ MonteCarlo fly(const BudgetScene& scene, const navigation::Scenario& scenario, M
                      whole_scene(scene, scenario, std::move(options)));
 }
 
-std::optional<MonteCarlo> fly_alone(const BudgetScene& scene, const navigation::Scenario& scenario, const Source& source,
-                                    MonteCarlo::Options options) {
+std::optional<MonteCarlo> fly_alone(const BudgetScene& scene, const navigation::Scenario& scenario,
+                                    const Source& source, MonteCarlo::Options options) {
   options = of_scene(scene, scenario, std::move(options));
   options.noisy_aid = source.aid;
   options.imu.gyro = options.imu.accelerometer = {};
   if (source.sensor)
     (source.sensor->carrier == navigation::Carrier::gyro ? options.imu.gyro
-                                             : options.imu.accelerometer) = {source.sensor->error};
+                                                         : options.imu.accelerometer) = {source.sensor->error};
   if (of_the_world(source)) options.world.push_back(source);
   options.filter.strapdown.earth_rate_in_attitude = source.name != kUncompensatedEarthRate;
-  options.filter.covariance_interval =
-      std::max(options.filter.covariance_interval, longest_step(scene.timeline));
+  options.filter.covariance_interval = std::max(options.filter.covariance_interval, longest_step(scene.timeline));
   const InitialErrors initial = only(scene.initial, source.name);
-  if (scene.self_alignment && (initial.level > 0 || (initial.heading > 0 && !scene.heading_sigma)))
-    return std::nullopt;
+  if (scene.self_alignment && (initial.level > 0 || (initial.heading > 0 && !scene.heading_sigma))) return std::nullopt;
   MonteCarlo::AidErrors aids;
   const auto& terms = source.model.terms;
   if (!terms.empty() && terms.front().carrier == navigation::Carrier::aid) aids = {source.model, source.initial, {}};

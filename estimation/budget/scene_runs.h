@@ -2,10 +2,10 @@
 // Monte Carlo of a scene's budget: all of it, and each source alone.
 #pragma once
 
+#include <optional>
+
 #include "monte_carlo.h"
 #include "scene.h"
-
-#include <optional>
 
 namespace gyrobudget::inline v0::budget {
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "simulated_navigator.h"
 
+#include "gyrobudget/estimation/navigation/alignment.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/ellipsoid.h"
 #include "gyrobudget/vehicle/earth/frames.h"
 #include "gyrobudget/vehicle/earth/gravity.h"
-#include "gyrobudget/estimation/navigation/alignment.h"
 
 #include <fmt/format.h>
 
@@ -77,17 +77,15 @@ void check(const Timeline& timeline, const MonteCarlo::Options& options) {
   if (!(options.imu_interval > 0))
     throw std::invalid_argument(fmt::format("IMU interval of {} s, expected above 0", options.imu_interval));
   if (!(options.imu_interval <= timeline.end()))
-    throw std::invalid_argument(
-        fmt::format("IMU interval of {} s, expected at most the {} s of the trajectory", options.imu_interval,
-                    timeline.end()));
+    throw std::invalid_argument(fmt::format("IMU interval of {} s, expected at most the {} s of the trajectory",
+                                            options.imu_interval, timeline.end()));
 }
 
 }  // namespace
 
-SimulatedScene::SimulatedScene(const Timeline& timeline, const noise::SensorModel& sensor,
-                               const InitialErrors& initial, const Matrix3d& C_el,
-                               const std::optional<Design>& design, const MonteCarlo::AidErrors& aids,
-                               const MonteCarlo::Options& options)
+SimulatedScene::SimulatedScene(const Timeline& timeline, const noise::SensorModel& sensor, const InitialErrors& initial,
+                               const Matrix3d& C_el, const std::optional<Design>& design,
+                               const MonteCarlo::AidErrors& aids, const MonteCarlo::Options& options)
     : timeline_(timeline),
       sensor_(sensor),
       initial_(initial),
@@ -129,9 +127,8 @@ void SimulatedScene::add_world(const Source& source) {
     input.p_eb_e = at.state.p_eb_e;
     input.C_eb = at.state.q_eb.toRotationMatrix();
     for (std::size_t v = 0; v < vectors; ++v)
-      world_[world_.size() - vectors + v].unit.emplace_back(dt * Vector3d(source.shape(input, 3 * v),
-                                                                          source.shape(input, 3 * v + 1),
-                                                                          source.shape(input, 3 * v + 2)));
+      world_[world_.size() - vectors + v].unit.emplace_back(
+          dt * Vector3d(source.shape(input, 3 * v), source.shape(input, 3 * v + 1), source.shape(input, 3 * v + 2)));
   }
 }
 
@@ -277,8 +274,6 @@ void SimulatedNavigator::move_aids() {
   }
 }
 
-Saturated SimulatedNavigator::saturated() const {
-  return {imu_.gyro_saturated(), imu_.accelerometer_saturated()};
-}
+Saturated SimulatedNavigator::saturated() const { return {imu_.gyro_saturated(), imu_.accelerometer_saturated()}; }
 
 }  // namespace gyrobudget::inline v0::budget

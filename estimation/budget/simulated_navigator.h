@@ -2,8 +2,6 @@
 // One navigator with all that is wrong with it in one run: its IMU, its start and the fixes it is given.
 #pragma once
 
-#include "error_budget.h"
-#include "monte_carlo.h"
 #include "gyrobudget/estimation/navigation/strapdown.h"
 #include "gyrobudget/noise/imu.h"
 #include "gyrobudget/noise/normal.h"
@@ -14,6 +12,8 @@
 #include <optional>
 #include <vector>
 
+#include "error_budget.h"
+#include "monte_carlo.h"
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
@@ -25,9 +25,8 @@ class SimulatedScene {
  public:
   /// The arguments are those of monte_carlo() and must outlive it.
   /// @throws std::invalid_argument as monte_carlo().
-  SimulatedScene(const Timeline&, const noise::SensorModel&, const InitialErrors&,
-                 const Eigen::Matrix3d& C_el, const std::optional<Design>&, const MonteCarlo::AidErrors&,
-                 const MonteCarlo::Options&);
+  SimulatedScene(const Timeline&, const noise::SensorModel&, const InitialErrors&, const Eigen::Matrix3d& C_el,
+                 const std::optional<Design>&, const MonteCarlo::AidErrors&, const MonteCarlo::Options&);
 
   [[nodiscard]] const Timeline& timeline() const { return timeline_; }
   /// Samples on the pad, at rest.
@@ -93,7 +92,7 @@ class SimulatedNavigator {
   [[nodiscard]] const navigation::NavigationState& state() const {
     return filter_ ? filter_->state() : strapdown_->state();
   }
-  [[nodiscard]] std::int64_t fixes() const { return fixes_; }  ///< so far, those that the filter refused too
+  [[nodiscard]] std::int64_t fixes() const { return fixes_; }      ///< so far, those that the filter refused too
   [[nodiscard]] std::int64_t refused() const { return refused_; }  ///< by the filter's gate
   [[nodiscard]] const std::optional<navigation::Filter>& filter() const { return filter_; }
   [[nodiscard]] const earth::ImuIncrement& sensed() const { return sensed_; }  ///< last

@@ -48,8 +48,7 @@ std::vector<SingleError> single_errors(const noise::ErrorModel& all, Signal sign
   };
   const auto add_constant = [&](std::string name, noise::ErrorSource source,
                                 std::optional<noise::PerAxis> noise::ErrorModel::*member) {
-    add(std::move(name), source, (all.*member).value_or(noise::PerAxis(0)) != noise::PerAxis(0),
-        alone(all, member));
+    add(std::move(name), source, (all.*member).value_or(noise::PerAxis(0)) != noise::PerAxis(0), alone(all, member));
   };
   add_term(Term::white, white, &noise::ErrorModel::white);
   add_term(Term::flicker, flicker, &noise::ErrorModel::bias_instability);
@@ -58,11 +57,9 @@ std::vector<SingleError> single_errors(const noise::ErrorModel& all, Signal sign
   add_constant("turn_on_bias", turn_on_bias, &noise::ErrorModel::turn_on_bias);
   add_constant("scale_factor", scale_factor, &noise::ErrorModel::scale_factor);
   add_constant("misalignment", misalignment, &noise::ErrorModel::misalignment);
-  if (signal == Signal::angular_rate)
-    add_constant("g_sensitivity", g_sensitivity, &noise::ErrorModel::g_sensitivity);
+  if (signal == Signal::angular_rate) add_constant("g_sensitivity", g_sensitivity, &noise::ErrorModel::g_sensitivity);
   add_constant("g2_sensitivity", g2_sensitivity, &noise::ErrorModel::g2_sensitivity);
-  add_constant("vibration_rectification", vibration_rectification,
-               &noise::ErrorModel::vibration_rectification);
+  add_constant("vibration_rectification", vibration_rectification, &noise::ErrorModel::vibration_rectification);
   return list;
 }
 
@@ -108,7 +105,8 @@ SensorSources sensor_sources(const noise::SensorModel& sensor, const navigation:
   all.scale_factor = all.misalignment = all.g_sensitivity = navigation::Use::estimated;
   SensorSources result;
   const auto add = [&](const noise::ErrorModel& errors, Signal signal, std::string_view triad) {
-    const navigation::Carrier carrier = signal == Signal::angular_rate ? navigation::Carrier::gyro : navigation::Carrier::accelerometer;
+    const navigation::Carrier carrier =
+        signal == Signal::angular_rate ? navigation::Carrier::gyro : navigation::Carrier::accelerometer;
     for (auto& [name, error, model] : single_errors(errors, signal)) {
       noise::SensorModel one;
       Source& source = result.sources.emplace_back();
@@ -174,15 +172,15 @@ Source gravity_error(double sigma) {
 
 Source deflection_of_the_vertical(double sigma) {
   require_size(sigma, "deflection of the vertical [rad]");
-  return vectors(
-      "deflection", navigation::Carrier::accelerometer, 2, [sigma](const navigation::StepInput& input, int direction) -> Vector3d {
-        const Vector3d z = up(input);
-        // Any horizontal direction and the one across it: equal sigmas make a circle.
-        const Vector3d level =
-            (std::abs(z.z()) < 0.9 ? Vector3d::UnitZ() : Vector3d::UnitX()).cross(z).normalized();
-        const double g = earth::normal_gravity(input.p_eb_e).norm();
-        return sigma * g * (input.C_eb.transpose() * (direction == 0 ? level : Vector3d(z.cross(level))));
-      });
+  return vectors("deflection", navigation::Carrier::accelerometer, 2,
+                 [sigma](const navigation::StepInput& input, int direction) -> Vector3d {
+                   const Vector3d z = up(input);
+                   // Any horizontal direction and the one across it: equal sigmas make a circle.
+                   const Vector3d level =
+                       (std::abs(z.z()) < 0.9 ? Vector3d::UnitZ() : Vector3d::UnitX()).cross(z).normalized();
+                   const double g = earth::normal_gravity(input.p_eb_e).norm();
+                   return sigma * g * (input.C_eb.transpose() * (direction == 0 ? level : Vector3d(z.cross(level))));
+                 });
 }
 
 }  // namespace gyrobudget::inline v0::budget

@@ -2,13 +2,14 @@
 // The lines of a budget: each error of a sensor, of the start and of the world as a Source of its own.
 #pragma once
 
-#include "gyrobudget/vehicle/earth/ellipsoid.h"
-#include "error_budget.h"
 #include "gyrobudget/estimation/navigation/sensor_states.h"
+#include "gyrobudget/vehicle/earth/ellipsoid.h"
 
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "error_budget.h"
 
 namespace gyrobudget::inline v0::budget {
 

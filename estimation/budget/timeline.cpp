@@ -28,10 +28,7 @@ void require(bool good, std::string_view what, double value, std::string_view ex
 }  // namespace
 
 Timeline::Timeline(earth::Trajectory trajectory, std::vector<navigation::PlannedFix> fixes, const Options& options)
-    : trajectory_(std::move(trajectory)),
-      fixes_(std::move(fixes)),
-      pad_(options.pad),
-      report_(options.report) {
+    : trajectory_(std::move(trajectory)), fixes_(std::move(fixes)), pad_(options.pad), report_(options.report) {
   require(options.step > 0 && std::isfinite(options.step), "covariance step [s]", options.step, "above 0");
   require(options.pad >= 0 && std::isfinite(options.pad), "time on the pad [s]", options.pad, "0 or more");
   if (pad_ > 0)
@@ -40,8 +37,7 @@ Timeline::Timeline(earth::Trajectory trajectory, std::vector<navigation::Planned
   const auto inside = [&](double t) { return t >= start() && t <= end(); };
   for (const double t : report_) require(inside(t), "time of interest [s]", t, "within the scene");
   for (const auto& fix : fixes_) require(inside(fix.time), "time of a fix [s]", fix.time, "within the scene");
-  std::stable_sort(fixes_.begin(), fixes_.end(),
-                   [](const auto& a, const auto& b) { return a.time < b.time; });
+  std::stable_sort(fixes_.begin(), fixes_.end(), [](const auto& a, const auto& b) { return a.time < b.time; });
   report_.push_back(end());
   std::sort(report_.begin(), report_.end());
   report_.erase(std::unique(report_.begin(), report_.end()), report_.end());
@@ -98,8 +94,7 @@ navigation::Instant Timeline::at(double time) const {
   }
   const Matrix3d C = point.q_eb.toRotationMatrix();
   instant.w_eb_b = point.w_ib_b - C.transpose() * kEarthRate;
-  instant.a_eb_e =
-      C * point.f_ib_b + earth::normal_gravity(point.p_eb_e) - 2 * kEarthRate.cross(point.v_eb_e);
+  instant.a_eb_e = C * point.f_ib_b + earth::normal_gravity(point.p_eb_e) - 2 * kEarthRate.cross(point.v_eb_e);
   return instant;
 }
 

@@ -34,7 +34,7 @@ class Timeline {
   [[nodiscard]] double end() const { return trajectory_.duration(); }
   [[nodiscard]] const std::vector<Step>& steps() const { return steps_; }
   [[nodiscard]] const std::vector<navigation::PlannedFix>& fixes() const { return fixes_; }  ///< by time
-  [[nodiscard]] const std::vector<double>& report() const { return report_; }    ///< ascending
+  [[nodiscard]] const std::vector<double>& report() const { return report_; }                ///< ascending
   [[nodiscard]] navigation::Instant at(double time) const;
 
  private:

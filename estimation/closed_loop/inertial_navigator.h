@@ -2,9 +2,9 @@
 // What joins flight and navigation: a simulated IMU and what navigates on it, as navigator of the closed loop.
 #pragma once
 
+#include "gyrobudget/estimation/budget/simulated_navigator.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/flight/body.h"
-#include "gyrobudget/estimation/budget/simulated_navigator.h"
 
 #include <cstdint>
 

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "study.h"
 
-#include "inertial_navigator.h"
+#include "gyrobudget/estimation/budget/scene_runs.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/frames.h"
-#include "gyrobudget/estimation/budget/scene_runs.h"
 
 #include <fmt/format.h>
 #include <oneapi/tbb/parallel_for.h>
@@ -16,6 +15,8 @@
 #include <mutex>
 #include <stdexcept>
 #include <utility>
+
+#include "inertial_navigator.h"
 
 namespace gyrobudget::inline v0::closed_loop {
 namespace {
@@ -34,8 +35,7 @@ flight::Plan whole_periods(flight::Plan plan) {
   flight::Flight& f = plan.flight;
   const double duration = std::isnan(f.duration) ? f.vehicle.burn_time : f.duration;
   constexpr double kRounding = 1e-9;
-  if (f.period > 0 && duration >= f.period)
-    f.duration = f.period * std::floor(duration / f.period * (1 + kRounding));
+  if (f.period > 0 && duration >= f.period) f.duration = f.period * std::floor(duration / f.period * (1 + kRounding));
   return plan;
 }
 
@@ -57,8 +57,7 @@ MarginsAt margins_along(const flight::Plan& plan, const FlightRecord& nominal) {
     result.until = p.t;
     for (const double factor : kModeFactors) {
       if (factor != 1 && !vehicle.bending) continue;
-      result.points.push_back(
-          margins(vehicle, control, {p.t, p.flow.thrust, p.flow.dynamic_pressure, factor}));
+      result.points.push_back(margins(vehicle, control, {p.t, p.flow.thrust, p.flow.dynamic_pressure, factor}));
     }
   }
   return result;
@@ -87,8 +86,7 @@ class Flyer {
         seed_(seed) {}
 
   // With the sensors of a run; none where they found no heading on the pad.
-  [[nodiscard]] std::optional<FlightRecord> with_sensors(const flight::Flight& flown,
-                                                         std::uint64_t run) const {
+  [[nodiscard]] std::optional<FlightRecord> with_sensors(const flight::Flight& flown, std::uint64_t run) const {
     InertialNavigator navigator(*scene_, run);
     if (!navigator.inside().aligned()) return std::nullopt;
     return fly(plan_, flown, reference_, navigator);
@@ -143,8 +141,7 @@ struct Kind {
 };
 
 // All kinds of one run, run after run, so that what was stopped early has as many of each.
-void fly_many(Study& study, const Flyer& flyer, const std::vector<Kind>& kinds,
-              const Study::Options& options) {
+void fly_many(Study& study, const Flyer& flyer, const std::vector<Kind>& kinds, const Study::Options& options) {
   const auto kinds_count = static_cast<int>(kinds.size());
   const int flights = options.runs * kinds_count;
   for (const Kind& kind : kinds) kind.flights->outcomes.resize(static_cast<std::size_t>(options.runs));
@@ -173,9 +170,7 @@ void fly_many(Study& study, const Flyer& flyer, const std::vector<Kind>& kinds,
 }  // namespace
 
 int Flights::complete() const { return static_cast<int>(std::ranges::count_if(outcomes, &Outcome::counts)); }
-int Flights::unaligned() const {
-  return static_cast<int>(std::ranges::count(outcomes, false, &Outcome::aligned));
-}
+int Flights::unaligned() const { return static_cast<int>(std::ranges::count(outcomes, false, &Outcome::aligned)); }
 int Flights::lost() const { return static_cast<int>(outcomes.size()) - complete() - unaligned(); }
 
 Flights::Spread Flights::spread(Vector3d Outcome::*member) const {
@@ -198,10 +193,9 @@ CoreMatrix Flights::navigation_error() const {
   return sum / std::max(complete(), 1);
 }
 
-Study study(const flight::Plan& asked, const flight::Dispersion& dispersion,
-            const navigation::Scenario& scenario, const Study::Options& options) {
-  if (options.runs < 0)
-    throw std::invalid_argument(fmt::format("{} runs, expected none or more", options.runs));
+Study study(const flight::Plan& asked, const flight::Dispersion& dispersion, const navigation::Scenario& scenario,
+            const Study::Options& options) {
+  if (options.runs < 0) throw std::invalid_argument(fmt::format("{} runs, expected none or more", options.runs));
   const flight::Plan plan = whole_periods(asked);
   Study result;
   result.seed = options.seed;
@@ -225,8 +219,8 @@ Study study(const flight::Plan& asked, const flight::Dispersion& dispersion,
   simulated.seed = options.seed;
   simulated.imu_interval = plan.flight.period;
   simulated = whole_scene(scene, scenario, simulated);
-  const budget::SimulatedScene simulation(scene.timeline, scenario.sensor, scene.initial, scene.C_enu,
-                                              scene.design, scene.aids, simulated);
+  const budget::SimulatedScene simulation(scene.timeline, scenario.sensor, scene.initial, scene.C_enu, scene.design,
+                                          scene.aids, simulated);
   const Flyer flyer(plan, dispersion, result.nominal, &simulation, result.C_launch, options.seed);
   result.flown = flyer.with_sensors(plan.flight, 0);
   if (options.runs == 0) return result;

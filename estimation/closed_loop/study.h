@@ -2,12 +2,12 @@
 // What sensors and vehicle do to a flight in closed loop.
 #pragma once
 
+#include "gyrobudget/estimation/budget/scene.h"
+#include "gyrobudget/estimation/navigation/consistency.h"
+#include "gyrobudget/estimation/navigation/scenario.h"
 #include "gyrobudget/vehicle/flight/dispersion.h"
 #include "gyrobudget/vehicle/flight/margins.h"
 #include "gyrobudget/vehicle/flight/plan.h"
-#include "gyrobudget/estimation/navigation/consistency.h"
-#include "gyrobudget/estimation/navigation/scenario.h"
-#include "gyrobudget/estimation/budget/scene.h"
 
 #include <cstdint>
 #include <functional>
@@ -70,10 +70,9 @@ struct Study {
     std::function<bool(int, int)> progress;
   };
 
-  flight::FlightRecord nominal;  ///< perfect navigation, the vehicle as planned, the program alone
-  std::optional<flight::FlightRecord>
-      flown;                        ///< with the sensors of run 0; none where it could not be aligned
-  Eigen::Matrix3d C_enu, C_launch;  ///< east, north, up; downrange, crossrange, up at the pad
+  flight::FlightRecord nominal;               ///< perfect navigation, the vehicle as planned, the program alone
+  std::optional<flight::FlightRecord> flown;  ///< with the sensors of run 0; none where it could not be aligned
+  Eigen::Matrix3d C_enu, C_launch;            ///< east, north, up; downrange, crossrange, up at the pad
   double azimuth = 0;
   MarginsAt margins;
   /// Of the nominal flight in open loop, by linear covariance; none for a flight too short to navigate.

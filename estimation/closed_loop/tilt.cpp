@@ -37,8 +37,7 @@ struct Moved {
 
 }  // namespace
 
-TiltResponse::TiltResponse(const flight::Plan& plan)
-    : nominal_(flown(plan)), step_(kEvery * plan.flight.period) {
+TiltResponse::TiltResponse(const flight::Plan& plan) : nominal_(flown(plan)), step_(kEvery * plan.flight.period) {
   const flight::Vehicle& vehicle = plan.flight.vehicle;
   const double w = plan.control.frequency;
   for (std::size_t i = 0; i + 1 < nominal_.points.size(); ++i) {
@@ -49,8 +48,7 @@ TiltResponse::TiltResponse(const flight::Plan& plan)
     const auto last = std::min(first + kEvery, nominal_.increments.size());
     for (std::size_t k = first; k < last; ++k) point.f += point.C * nominal_.increments[k].velocity / step_;
     const double speed = std::max(p.flow.speed, kLeastSpeed);
-    const double force =
-        p.flow.dynamic_pressure / speed * vehicle.reference_area * vehicle.normal_force_slope;
+    const double force = p.flow.dynamic_pressure / speed * vehicle.reference_area * vehicle.normal_force_slope;
     const double least = plan.control.least_thrust * vehicle.mean_thrust();
     const double authority = p.flow.thrust / std::max(burn.vacuum_thrust, least);
     point.lateral = force / burn.mass;
@@ -92,9 +90,7 @@ Vector3d TiltResponse::position_of_standing_error() const {
 
 Matrix3d TiltResponse::covariance(const noise::ErrorModel& gyro) const {
   Matrix3d sum = Matrix3d::Zero();
-  const auto add = [&](double size, const Vector3d& effect) {
-    sum += size * size * effect * effect.transpose();
-  };
+  const auto add = [&](double size, const Vector3d& effect) { sum += size * size * effect * effect.transpose(); };
   const double dt = kNoise * step_;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     // What a step of the angle at each instant does, the last first; summed up, what a step of the rate does.

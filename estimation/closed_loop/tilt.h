@@ -2,8 +2,8 @@
 // What a wrong attitude does to a flight, to first order: the closed form beside the flights themselves.
 #pragma once
 
-#include "gyrobudget/vehicle/flight/plan.h"
 #include "gyrobudget/noise/sensor.h"
+#include "gyrobudget/vehicle/flight/plan.h"
 
 #include <functional>
 #include <vector>
@@ -49,9 +49,7 @@ class TiltResponse {
     double lateral;        ///< L/m [1/s]
     double trim;           ///< h/l
     double yielding;       ///< k [s/m]
-    [[nodiscard]] Eigen::Vector3d across(const Eigen::Vector3d& u) const {
-      return u - C.col(0).dot(u) * C.col(0);
-    }
+    [[nodiscard]] Eigen::Vector3d across(const Eigen::Vector3d& u) const { return u - C.col(0).dot(u) * C.col(0); }
   };
   [[nodiscard]] const Point& point(double t) const;
   [[nodiscard]] Eigen::Vector3d answer(const Tilt&, std::size_t from = 0) const;

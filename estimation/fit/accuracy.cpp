@@ -3,7 +3,6 @@
 
 #include "gyrobudget/allan/factors.h"
 #include "gyrobudget/estimation/fit/detail/judge.h"
-#include "information.h"
 #include "gyrobudget/noise/generate.h"
 
 #include <fmt/format.h>
@@ -14,6 +13,8 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+
+#include "information.h"
 
 namespace gyrobudget::inline v0::fit {
 namespace {
@@ -28,9 +29,7 @@ std::size_t block_size(const AccuracyOptions& o) {
   return static_cast<std::size_t>(std::clamp(kSamplesTogether / o.samples, kFewest, kMost));
 }
 
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 // What is kept of one record.
 struct One {
@@ -41,16 +40,13 @@ struct One {
 bool cancelled(const AccuracyOptions& o) { return o.cancel && o.cancel->load(std::memory_order_relaxed); }
 
 void check(const std::vector<noise::Process>& truth, const AccuracyOptions& o) {
-  const bool any =
-      std::any_of(truth.begin(), truth.end(), [](const auto& p) { return noise::coefficient(p) > 0; });
+  const bool any = std::any_of(truth.begin(), truth.end(), [](const auto& p) { return noise::coefficient(p) > 0; });
   if (!any) throw std::invalid_argument("a sensor without noise has no accuracy to measure");
   if (o.methods.empty()) throw std::invalid_argument("no method to measure");
   constexpr std::int64_t kFewestSamples = 16;
   if (o.samples < kFewestSamples)
-    throw std::invalid_argument(
-        fmt::format("{} samples are too few; at least {}", o.samples, kFewestSamples));
-  if (o.records < 1)
-    throw std::invalid_argument(fmt::format("{} records are too few; at least 1", o.records));
+    throw std::invalid_argument(fmt::format("{} samples are too few; at least {}", o.samples, kFewestSamples));
+  if (o.records < 1) throw std::invalid_argument(fmt::format("{} records are too few; at least 1", o.records));
 }
 
 // The truth's correlation time and frequency go to the fits that need them given.
@@ -146,14 +142,14 @@ CoefficientAccuracy summarise(const std::vector<One>& all, std::size_t method, T
   return a;
 }
 
-MethodAccuracy summarise(const std::vector<One>& all, std::size_t method,
-                         const std::vector<noise::Process>& truth, const AccuracyOptions& o) {
+MethodAccuracy summarise(const std::vector<One>& all, std::size_t method, const std::vector<noise::Process>& truth,
+                         const AccuracyOptions& o) {
   MethodAccuracy m;
   m.method = o.methods[method];
   for (const Term t : in_order(o.fit.terms)) {
-    const bool has = std::any_of(all.front().results[method].coefficients.begin(),
-                                 all.front().results[method].coefficients.end(),
-                                 [=](const auto& c) { return c.term == t; });
+    const bool has =
+        std::any_of(all.front().results[method].coefficients.begin(), all.front().results[method].coefficients.end(),
+                    [=](const auto& c) { return c.term == t; });
     if (!has) continue;  // slope and visual know no G, no S
     m.coefficients.push_back(summarise(all, method, t, truth_of(truth, t)));
     m.coefficients.back().bound = bound_of(truth, t, o);

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "fit.h"
 #include "gyrobudget/noise/process.h"
 
 #include <atomic>
 #include <cstdint>
 #include <functional>
 #include <vector>
+
+#include "fit.h"
 
 namespace gyrobudget::inline v0::fit {
 
@@ -20,8 +21,8 @@ struct CoefficientAccuracy {
   double rmse = 0;   ///< root mean square of value/truth - 1
   double bound = 0;  ///< Cramer-Rao bound on it (see information.h); NaN for a ramp or a line
   double over_likelihood =
-      0;  ///< rmse over that of Method::whittle on the same records; NaN where it was not asked for
-  double coverage = 0;             ///< [lower, upper_two_sided] holds the truth
+      0;                ///< rmse over that of Method::whittle on the same records; NaN where it was not asked for
+  double coverage = 0;  ///< [lower, upper_two_sided] holds the truth
   double coverage_by_status = 0;   ///< [lower, upper], whose upper is one-sided where zero is not excluded
   double coverage_identified = 0;  ///< [lower, upper] holds the truth, of the records that call it identified
   double identified = 0;           ///< zero is excluded: for a truth of 0 the rate of false terms
@@ -62,8 +63,7 @@ struct AccuracyOptions {
   Options fit;  ///< terms, range and limits of every fit; its method is ignored
   /// Called from one thread at a time after each block of records.
   std::function<void(int done, int of)> progress;
-  const std::atomic<bool>* cancel =
-      nullptr;  ///< set from anywhere: the blocks finished so far are the result
+  const std::atomic<bool>* cancel = nullptr;  ///< set from anywhere: the blocks finished so far are the result
 };
 
 /// Simulates records of the truth (exact generator, record i from stream i of the seed), fits each by every method and
@@ -75,7 +75,6 @@ struct AccuracyOptions {
 ///   are simulated all the same.
 /// @throws std::invalid_argument for an empty truth or list of methods, fewer than 16 samples or 1 record, and what fit
 ///   and noise::RecordGenerator refuse.
-[[nodiscard]] Accuracy measure_accuracy(const std::vector<noise::Process>& truth,
-                                        const AccuracyOptions& = {});
+[[nodiscard]] Accuracy measure_accuracy(const std::vector<noise::Process>& truth, const AccuracyOptions& = {});
 
 }  // namespace gyrobudget::inline v0::fit

@@ -16,8 +16,7 @@ namespace gyrobudget::inline v0::fit {
 namespace {
 
 using noise::Term;
-constexpr std::array kTerms{Term::quantization, Term::white, Term::flicker, Term::rate_random_walk,
-                            Term::rate_ramp};
+constexpr std::array kTerms{Term::quantization, Term::white, Term::flicker, Term::rate_random_walk, Term::rate_ramp};
 constexpr double kNormal95 = 1.959963984540054;
 
 struct Sample {
@@ -46,9 +45,7 @@ double between_variance(const Sample& s) {
   return 0.5 * (low + high);
 }
 
-double student95(double dof) {
-  return boost::math::quantile(complement(boost::math::students_t(dof), 0.025));
-}
+double student95(double dof) { return boost::math::quantile(complement(boost::math::students_t(dof), 0.025)); }
 
 double deviation_of(const Coefficient& c, double unit) {
   const auto square = [=](double x) { return (x / unit) * (x / unit); };

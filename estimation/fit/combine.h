@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "fit.h"
-
 #include <cstddef>
 #include <span>
 #include <vector>
+
+#include "fit.h"
 
 namespace gyrobudget::inline v0::fit {
 
@@ -16,7 +16,7 @@ struct Combined {
   std::size_t identified = 0;   ///< of these
   double value = 0;             ///< root of the mean of c^2
   double lower = 0, upper = 0;  ///< 95 % of that mean
-  double spread = 0;  ///< standard deviation of c between records, beyond what each one's scatter explains
+  double spread = 0;            ///< standard deviation of c between records, beyond what each one's scatter explains
   double next_lower = 0,
          next_upper = 0;  ///< 95 % for the true coefficient of another record; equal to the above at
                           ///< fewer than 3 records, where nothing is known of it

@@ -6,8 +6,6 @@
 #include "gyrobudget/estimation/fit/detail/judge.h"
 #include "gyrobudget/estimation/fit/detail/refine.h"
 #include "gyrobudget/estimation/fit/detail/weighted.h"
-#include "visual.h"
-#include "whittle.h"
 
 #include <fmt/format.h>
 
@@ -19,6 +17,8 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "visual.h"
+#include "whittle.h"
 #include <Eigen/Cholesky>
 
 namespace gyrobudget::inline v0::fit {
@@ -27,8 +27,7 @@ namespace {
 using noise::Term;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr std::int64_t kTestedClusters =
-    16;  // goodness of fit over n/m >= 16: beyond, s is too skewed for chi-square
+constexpr std::int64_t kTestedClusters = 16;  // goodness of fit over n/m >= 16: beyond, s is too skewed for chi-square
 constexpr double kScatter95 = 1.96;
 constexpr double kNegligible = 0.01;   // of the deviation
 constexpr double kCutBelow = 1e-4;     // p-value of the whole curve below which short taus may be cut
@@ -49,13 +48,11 @@ struct Prepared {
   std::optional<allan::CurveCovariance> covariance;  // of rows x columns
 
   [[nodiscard]] Eigen::Index tested_until() const {  // rows with n/m >= 16 come first
-    return std::partition_point(m.begin(), m.end(), [&](auto x) { return x * kTestedClusters <= samples; }) -
-           m.begin();
+    return std::partition_point(m.begin(), m.end(), [&](auto x) { return x * kTestedClusters <= samples; }) - m.begin();
   }
 };
 
-Prepared prepare(const allan::Curve& curve, const allan::CurveCovariance& covariance,
-                 const Options& options) {
+Prepared prepare(const allan::Curve& curve, const allan::CurveCovariance& covariance, const Options& options) {
   Prepared p;
   p.terms = in_order(options.terms);
   p.dt = curve.dt;
@@ -66,8 +63,7 @@ Prepared prepare(const allan::Curve& curve, const allan::CurveCovariance& covari
   }
   for (const Term t : p.terms) {
     const auto& have = covariance.processes();
-    const auto at =
-        std::find_if(have.begin(), have.end(), [&](const auto& x) { return noise::term(x) == t; });
+    const auto at = std::find_if(have.begin(), have.end(), [&](const auto& x) { return noise::term(x) == t; });
     if (at == have.end()) {
       throw std::invalid_argument(fmt::format("the covariance lacks term {}", static_cast<char>(t)));
     }
@@ -76,8 +72,8 @@ Prepared prepare(const allan::Curve& curve, const allan::CurveCovariance& covari
   for (std::size_t i = 0; i < curve.points.size(); ++i) {
     const auto& point = curve.points[i];
     if (point.m != covariance.factors()[i]) {
-      throw std::invalid_argument(fmt::format("the covariance is of factor {} where the curve has {}",
-                                              covariance.factors()[i], point.m));
+      throw std::invalid_argument(
+          fmt::format("the covariance is of factor {} where the curve has {}", covariance.factors()[i], point.m));
     }
     const bool late = options.tau_max_s && curve.tau(i) > *options.tau_max_s * (1 + 1e-9);
     if (point.terms < 1 || !std::isfinite(point.variance) || late) continue;
@@ -89,8 +85,7 @@ Prepared prepare(const allan::Curve& curve, const allan::CurveCovariance& covari
                                             p.rows.size(), p.terms.size(), p.terms.size() + 1));
   }
   p.s.resize(static_cast<Eigen::Index>(p.rows.size()));
-  for (std::size_t i = 0; i < p.rows.size(); ++i)
-    p.s(static_cast<Eigen::Index>(i)) = curve.points[p.rows[i]].variance;
+  for (std::size_t i = 0; i < p.rows.size(); ++i) p.s(static_cast<Eigen::Index>(i)) = curve.points[p.rows[i]].variance;
   if (p.s.maxCoeff() > 0) p.scale = std::exp2(std::floor(std::log2(p.s.maxCoeff())));
   p.s /= p.scale;
   p.covariance = covariance.subset(p.rows, p.columns);
@@ -137,8 +132,7 @@ void solve(TestedFit& run, Method method) {
     run.solution = iterate_gls(run.model);
     return;
   }
-  WeightedSolution weighted =
-      method == Method::edf ? weigh_by_variance(run.model) : fit_logarithms(run.model);
+  WeightedSolution weighted = method == Method::edf ? weigh_by_variance(run.model) : fit_logarithms(run.model);
   run.solution = std::move(weighted.solution);
   run.covariance = std::move(weighted.covariance);
 }
@@ -164,8 +158,8 @@ TestedFit run_from_tau(const Prepared& p, double tau_min_s, Method method) {
   const auto first = std::partition_point(
       p.m.begin(), p.m.end(), [&](auto m) { return static_cast<double>(m) * p.dt < tau_min_s * (1 - 1e-9); });
   if (p.m.end() - first <= static_cast<std::ptrdiff_t>(p.terms.size())) {
-    throw std::invalid_argument(fmt::format("only {} taus from {} s on: too few to fit {} terms",
-                                            p.m.end() - first, tau_min_s, p.terms.size()));
+    throw std::invalid_argument(fmt::format("only {} taus from {} s on: too few to fit {} terms", p.m.end() - first,
+                                            tau_min_s, p.terms.size()));
   }
   return fit_from(p, first - p.m.begin(), false, method);
 }
@@ -272,21 +266,19 @@ void add_coefficients(Result& result, const TestedFit& run, double scale, const 
   for (std::size_t i = 0; i < run.terms.size(); ++i) {
     const auto j = static_cast<Eigen::Index>(i);
     const double theta = run.solution.theta(j);
-    Coefficient c = settled ? judge(run.terms[i], theta, deviation(j), scale, cuts,
-                                    held_test(run, j, deviation(j)), options.intervals)
+    Coefficient c = settled ? judge(run.terms[i], theta, deviation(j), scale, cuts, held_test(run, j, deviation(j)),
+                                    options.intervals)
                             : without_answer(run.terms[i], theta, scale);
-    if (settled && options.intervals && negligible(run, j, c.upper * (c.upper / scale)))
-      c.status = Status::left_out;
+    if (settled && options.intervals && negligible(run, j, c.upper * (c.upper / scale))) c.status = Status::left_out;
     const noise::Process process = shaped_process(c.term, options);
     if (const auto* g = std::get_if<noise::GaussMarkov>(&process)) c.shape = g->correlation_time;
     if (const auto* line = std::get_if<noise::Sinusoid>(&process)) c.shape = line->frequency;
     c.shape_lower = c.shape_upper = c.shape;
     result.coefficients.push_back(c);
   }
-  for (const Term t :
-       options.terms) {  // quantization that a cut run could not hold; G, S are listed when asked for
-    const bool listed = std::any_of(result.coefficients.begin(), result.coefficients.end(),
-                                    [=](const auto& c) { return c.term == t; });
+  for (const Term t : options.terms) {  // quantization that a cut run could not hold; G, S are listed when asked for
+    const bool listed =
+        std::any_of(result.coefficients.begin(), result.coefficients.end(), [=](const auto& c) { return c.term == t; });
     if (!listed) result.coefficients.push_back({.term = t});
   }
   complete(result.coefficients);
@@ -296,8 +288,7 @@ void add_coefficients(Result& result, const TestedFit& run, double scale, const 
 void add_residuals(Result& result, const Prepared& p, const TestedFit& run, const allan::Curve& curve) {
   std::vector<std::size_t> columns;
   for (const Term t : run.terms) {
-    columns.push_back(
-        static_cast<std::size_t>(std::find(p.terms.begin(), p.terms.end(), t) - p.terms.begin()));
+    columns.push_back(static_cast<std::size_t>(std::find(p.terms.begin(), p.terms.end(), t) - p.terms.begin()));
   }
   const LinearModel all = linear_model(p, 0, columns);
   const Eigen::VectorXd model = all.A * run.solution.theta;
@@ -380,8 +371,7 @@ allan::CurveCovariance covariance_of(const allan::Curve& curve, const Options& o
 }  // namespace
 
 const Coefficient& Result::operator[](Term t) const {
-  const auto at =
-      std::find_if(coefficients.begin(), coefficients.end(), [&](const auto& c) { return c.term == t; });
+  const auto at = std::find_if(coefficients.begin(), coefficients.end(), [&](const auto& c) { return c.term == t; });
   if (at == coefficients.end())
     throw std::invalid_argument(fmt::format("term {} is no coefficient of this fit", static_cast<char>(t)));
   return *at;
@@ -470,8 +460,7 @@ Result fit_scaled(const Data& record, const Options& options, int exponent) {
 }
 
 bool is_open(Term t, const Options& options) {
-  return (t == Term::gauss_markov && !options.correlation_time_s) ||
-         (t == Term::sinusoid && !options.frequency_hz);
+  return (t == Term::gauss_markov && !options.correlation_time_s) || (t == Term::sinusoid && !options.frequency_hz);
 }
 
 // The likelihood's correlation time and frequency, where the options leave them open; a term for which it has none
@@ -482,8 +471,7 @@ std::vector<Coefficient> take_shapes(const Data& record, Options& options) {
     return shaped;
   Options search = options;
   // What was seen before may lie where a fit of its own choice would cut the band.
-  if ((options.near_correlation_time_s || options.near_frequency_hz) && !search.tau_min_s)
-    search.tau_min_s = record.dt;
+  if ((options.near_correlation_time_s || options.near_frequency_hz) && !search.tau_min_s) search.tau_min_s = record.dt;
   const Result found = fit_likelihood(record.rate, record.dt, search);
   for (const auto& c : found.coefficients) {
     if (is_open(c.term, options)) shaped.push_back(c);
@@ -515,8 +503,7 @@ void give_shapes(Result& result, const std::vector<Coefficient>& shaped) {
 
 Result fit(const Data& record, const Options& asked) {
   if (record.rate.empty() && !record.curve) throw std::invalid_argument("a fit needs samples or their curve");
-  if (const int exponent = record.curve ? 0 : extreme_exponent(record.rate))
-    return fit_scaled(record, asked, exponent);
+  if (const int exponent = record.curve ? 0 : extreme_exponent(record.rate)) return fit_scaled(record, asked, exponent);
   if (asked.method == Method::whittle) return fit_likelihood(record.rate, record.dt, asked);
   Options options = asked;
   const auto shaped = take_shapes(record, options);

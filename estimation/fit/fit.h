@@ -19,11 +19,11 @@ namespace gyrobudget::inline v0::fit {
 /// How coefficients are taken from a record. RMSE in 10 h at 1 Hz of (N, B, K) for the paper's MEMS gyro in brackets;
 /// fit_study makes the whole table.
 enum class Method {
-  gls,     ///< generalised least squares with the curve's exact covariance: the default (0.41 %, 20 %, 13 %)
-  edf,     ///< least squares weighted with each tau's own variance, correlations ignored (0.42 %, 20 %, 14 %)
-  loglog,  ///< unweighted least squares of logarithms, as most published tools do (5 %, 91 %, 47 %)
-  slope,   ///< tangents of slope -1/2, 0, +1/2, as MATLAB's example does (see visual.h)
-  visual,  ///< three points read off the plot, as the source paper did; here to show what that costs (see visual.h)
+  gls,      ///< generalised least squares with the curve's exact covariance: the default (0.41 %, 20 %, 13 %)
+  edf,      ///< least squares weighted with each tau's own variance, correlations ignored (0.42 %, 20 %, 14 %)
+  loglog,   ///< unweighted least squares of logarithms, as most published tools do (5 %, 91 %, 47 %)
+  slope,    ///< tangents of slope -1/2, 0, +1/2, as MATLAB's example does (see visual.h)
+  visual,   ///< three points read off the plot, as the source paper did; here to show what that costs (see visual.h)
   whittle,  ///< maximum likelihood of the record itself, without its Allan curve (see whittle.h); as good as gls
 };
 inline constexpr std::array kMethods{Method::gls,   Method::edf,    Method::loglog,
@@ -50,13 +50,11 @@ inline constexpr double kIntervalCut = 3.841;
 struct Coefficient {
   noise::Term term = noise::Term::white;
   double value = 0;
-  double lower = 0;  ///< 95 %; 0 where the interval reaches it
-  double upper = 0;  ///< 95 %: two-sided for `identified`, one-sided for `upper_bound` and zero `left_out`
-  double upper_two_sided =
-      0;  ///< 95 %, two-sided whatever the status: [lower, this] covers 95 % of all records
-  double relative_std =
-      0;  ///< one sigma over value, from the Gauss-Newton covariance; infinite where value is 0
-  double boundary_test = 0;  ///< T(0); infinite where nothing but this term can explain the curve
+  double lower = 0;            ///< 95 %; 0 where the interval reaches it
+  double upper = 0;            ///< 95 %: two-sided for `identified`, one-sided for `upper_bound` and zero `left_out`
+  double upper_two_sided = 0;  ///< 95 %, two-sided whatever the status: [lower, this] covers 95 % of all records
+  double relative_std = 0;     ///< one sigma over value, from the Gauss-Newton covariance; infinite where value is 0
+  double boundary_test = 0;    ///< T(0); infinite where nothing but this term can explain the curve
   /// Correlation time [s] of G, frequency [Hz] of S; 0 for others. The limits are 95 %, and equal to it where it was
   /// given or the data do not bound it.
   double shape = 0, shape_lower = 0, shape_upper = 0;
@@ -97,18 +95,16 @@ struct Move {
 };
 
 /// N, B and K: what datasheets give and most records hold.
-inline constexpr std::array kDefaultTerms{noise::Term::white, noise::Term::flicker,
-                                          noise::Term::rate_random_walk};
+inline constexpr std::array kDefaultTerms{noise::Term::white, noise::Term::flicker, noise::Term::rate_random_walk};
 
 struct Options {
   std::vector<noise::Term> terms{kDefaultTerms.begin(), kDefaultTerms.end()};
   Method method = Method::gls;
-  std::optional<double>
-      tau_min_s;  ///< start of the fit; unset: start of the longest run that the model describes
-  std::optional<double> tau_max_s;           ///< end of the fit; unset: the last tau of the curve
-  double p_value_limit = 0.01;               ///< a run is described when its p-value is at least this
-  double misfit_limit = 0.10;                ///< largest misfit of `described_within`
-  bool intervals = true;                     ///< false: values only, for studies that need no intervals
+  std::optional<double> tau_min_s;  ///< start of the fit; unset: start of the longest run that the model describes
+  std::optional<double> tau_max_s;  ///< end of the fit; unset: the last tau of the curve
+  double p_value_limit = 0.01;      ///< a run is described when its p-value is at least this
+  double misfit_limit = 0.10;       ///< largest misfit of `described_within`
+  bool intervals = true;            ///< false: values only, for studies that need no intervals
   std::optional<double> correlation_time_s;  ///< of G; unset: fitted, by the likelihood
   std::optional<double> frequency_hz;        ///< of S; unset: fitted, by the likelihood
   /// Where unset shapes were seen before (Selection has them): the correlation time is then searched within a factor of
@@ -118,10 +114,9 @@ struct Options {
 
 struct Result {
   Method method = Method::gls;
-  std::vector<Coefficient>
-      coefficients;  ///< Q, N, B, K, R, in this order, fitted or not; then G, S if asked for
+  std::vector<Coefficient> coefficients;  ///< Q, N, B, K, R, in this order, fitted or not; then G, S if asked for
   std::vector<noise::Term> fitted_terms;  ///< order of `covariance`
-  Eigen::MatrixXd covariance;  ///< of the fitted coefficients (not squares); NaN rows where value is 0
+  Eigen::MatrixXd covariance;             ///< of the fitted coefficients (not squares); NaN rows where value is 0
   double tau_min_s = 0;
   double tau_max_s = 0;
   double chi2 = 0;  ///< r' S^-1 r over the used taus with n/m >= 16, linear residuals
@@ -140,10 +135,9 @@ struct Result {
   double seconds = 0;  ///< wall time, covariance matrices excluded
   // Of Method::whittle only:
   std::vector<SpectralResidual> spectrum;
-  std::int64_t first_sample =
-      0;                      ///< the likelihood is of samples [first_sample, first_sample + samples): the
-  std::int64_t samples = 0;   ///< longest stretch without a gap, trimmed to a length of a fast transform
-  double log_likelihood = 0;  ///< up to a constant of the record: differences between models count
+  std::int64_t first_sample = 0;  ///< the likelihood is of samples [first_sample, first_sample + samples): the
+  std::int64_t samples = 0;       ///< longest stretch without a gap, trimmed to a length of a fast transform
+  double log_likelihood = 0;      ///< up to a constant of the record: differences between models count
 
   /// @throws std::invalid_argument for G or S where it was not asked for.
   [[nodiscard]] const Coefficient& operator[](noise::Term) const;
@@ -153,9 +147,8 @@ struct Result {
 
 /// What a method may need of one axis.
 struct Data {
-  std::span<const double>
-      rate;       ///< samples [signal], NaN where missing; needed by `whittle` and where curve is null
-  double dt = 1;  ///< sample interval [s]
+  std::span<const double> rate;  ///< samples [signal], NaN where missing; needed by `whittle` and where curve is null
+  double dt = 1;                 ///< sample interval [s]
   const allan::Curve* curve = nullptr;                 ///< octaves of it; null: made from `rate`
   const allan::CurveCovariance* covariance = nullptr;  ///< of the curve, with the terms asked for; null: made
 };
@@ -205,8 +198,7 @@ struct Data {
 ///                    Method::whittle, which needs samples.
 /// Sources: theory of generalised least squares; IEEE Std 952-2020 annex C for the model; the interval construction
 /// and its measured coverage are this project's own (tests/fit, fit_study).
-[[nodiscard]] Result fit(const allan::Curve& curve, const allan::CurveCovariance& covariance,
-                         const Options& = {});
+[[nodiscard]] Result fit(const allan::Curve& curve, const allan::CurveCovariance& covariance, const Options& = {});
 /// The same for a single curve, making the covariance on the way.
 [[nodiscard]] Result fit(const allan::Curve& curve, const Options& = {});
 

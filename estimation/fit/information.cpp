@@ -22,10 +22,7 @@ constexpr double kFewestSamples = 16;
 class Information {
  public:
   Information(std::span<const noise::Process> processes, double samples, double dt)
-      : processes_(processes),
-        samples_(samples),
-        dt_(dt),
-        share_(static_cast<Eigen::Index>(processes.size())) {
+      : processes_(processes), samples_(samples), dt_(dt), share_(static_cast<Eigen::Index>(processes.size())) {
     matrix_.setZero(share_.size(), share_.size());
   }
 
@@ -71,18 +68,16 @@ class Information {
 
 void check(std::span<const noise::Process> processes, double samples, double dt) {
   if (processes.empty()) throw std::invalid_argument("the information needs at least one process");
-  if (!(samples >= 3))
-    throw std::invalid_argument(fmt::format("{} samples are too few; at least 3", samples));
+  if (!(samples >= 3)) throw std::invalid_argument(fmt::format("{} samples are too few; at least 3", samples));
   if (!(dt > 0) || !std::isfinite(dt))
     throw std::invalid_argument(fmt::format("sample interval {} s is not above 0", dt));
   for (const auto& process : processes) {
     const auto t = noise::term(process);
     const bool random = t != noise::Term::rate_ramp && t != noise::Term::sinusoid;
     if (!random || !(noise::coefficient(process) > 0)) {
-      throw std::invalid_argument(
-          fmt::format("term {} with coefficient {}: only random processes with a coefficient above 0 have "
-                      "this information",
-                      static_cast<char>(t), noise::coefficient(process)));
+      throw std::invalid_argument(fmt::format(
+          "term {} with coefficient {}: only random processes with a coefficient above 0 have this information",
+          static_cast<char>(t), noise::coefficient(process)));
     }
   }
 }
@@ -91,16 +86,14 @@ Eigen::VectorXd bound(std::span<const noise::Process> processes, double samples,
   const Eigen::MatrixXd information = Information(processes, samples, dt).compute();
   // Unit diagonal first: the informations of N and K differ by decades.
   const Eigen::VectorXd length = information.diagonal().cwiseSqrt();
-  const Eigen::MatrixXd unit =
-      length.cwiseInverse().asDiagonal() * information * length.cwiseInverse().asDiagonal();
+  const Eigen::MatrixXd unit = length.cwiseInverse().asDiagonal() * information * length.cwiseInverse().asDiagonal();
   const Eigen::MatrixXd inverse = unit.llt().solve(Eigen::MatrixXd::Identity(unit.rows(), unit.cols()));
   return 0.5 * inverse.diagonal().cwiseSqrt().cwiseQuotient(length);
 }
 
 }  // namespace
 
-Eigen::MatrixXd fisher_information(std::span<const noise::Process> processes, std::int64_t samples,
-                                   double dt) {
+Eigen::MatrixXd fisher_information(std::span<const noise::Process> processes, std::int64_t samples, double dt) {
   check(processes, static_cast<double>(samples), dt);
   return Information(processes, static_cast<double>(samples), dt).compute();
 }
@@ -110,17 +103,14 @@ Eigen::VectorXd relative_bound(std::span<const noise::Process> processes, std::i
   return bound(processes, static_cast<double>(samples), dt);
 }
 
-double duration_for(std::span<const noise::Process> processes, std::size_t index, double relative_std,
-                    double dt) {
+double duration_for(std::span<const noise::Process> processes, std::size_t index, double relative_std, double dt) {
   check(processes, kFewestSamples, dt);
   if (index >= processes.size() || !(relative_std > 0)) {
-    throw std::invalid_argument(
-        fmt::format("relative standard deviation {} of process {} of {}: must be above 0", relative_std,
-                    index, processes.size()));
+    throw std::invalid_argument(fmt::format("relative standard deviation {} of process {} of {}: must be above 0",
+                                            relative_std, index, processes.size()));
   }
   const auto enough = [&](double log_samples) {
-    return bound(processes, std::floor(std::exp(log_samples)), dt)(static_cast<Eigen::Index>(index)) <=
-           relative_std;
+    return bound(processes, std::floor(std::exp(log_samples)), dt)(static_cast<Eigen::Index>(index)) <= relative_std;
   };
   double low = std::log(kFewestSamples), high = std::log(kMostSamples);
   if (enough(low)) return kFewestSamples * dt;

@@ -19,8 +19,8 @@ namespace gyrobudget::inline v0::fit {
 /// @param processes  random processes (Q, N, B, K, G) with coefficients above zero; samples >= 3, dt > 0.
 /// @throws std::invalid_argument otherwise.
 /// Source: Whittle's approximation to the Gaussian likelihood; see the project's theory of the DST likelihood.
-[[nodiscard]] Eigen::MatrixXd fisher_information(std::span<const noise::Process> processes,
-                                                 std::int64_t samples, double dt);
+[[nodiscard]] Eigen::MatrixXd fisher_information(std::span<const noise::Process> processes, std::int64_t samples,
+                                                 double dt);
 
 /// Cramer-Rao bound on the relative standard deviation of each coefficient, sqrt(diag(I^-1))/2.
 /// Reached by the fit for bounds below about 10 %; a lower bound above that (the fit of B is 3 to 15 % worse).
@@ -30,7 +30,7 @@ namespace gyrobudget::inline v0::fit {
 /// The shortest record, in seconds, whose bound on coefficient `index` is `relative_std`.
 /// Solved to 1e-6 relative in the logarithm of the length; between 16 samples and 1e15 samples.
 /// @return infinity where no record of 1e15 samples would do.
-[[nodiscard]] double duration_for(std::span<const noise::Process> processes, std::size_t index,
-                                  double relative_std, double dt);
+[[nodiscard]] double duration_for(std::span<const noise::Process> processes, std::size_t index, double relative_std,
+                                  double dt);
 
 }  // namespace gyrobudget::inline v0::fit

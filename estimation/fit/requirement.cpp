@@ -84,8 +84,7 @@ class Reader {
  private:
   [[noreturn]] void fail(std::size_t at, const std::string& why) const {
     const auto found = at < text_.size() ? fmt::format("'{}'", text_.substr(at, 20)) : std::string("the end");
-    throw std::invalid_argument(
-        fmt::format("requirement \"{}\", column {}: found {}; {}", text_, at + 1, found, why));
+    throw std::invalid_argument(fmt::format("requirement \"{}\", column {}: found {}; {}", text_, at + 1, found, why));
   }
 
   void skip_spaces() {
@@ -138,8 +137,7 @@ class Reader {
       } else if (term && !r.term) {
         r.term = term;
       } else {
-        fail(start,
-             fmt::format("expected a quantity ({}), or a method or coefficient before it", quantities()));
+        fail(start, fmt::format("expected a quantity ({}), or a method or coefficient before it", quantities()));
       }
       if (!take(".")) fail(at_, "expected '.' and a quantity");
     }
@@ -239,8 +237,7 @@ std::vector<Check> check(const std::vector<Requirement>& requirements, const Acc
       checks.push_back(judged(r, m->method, {}, value_of(r.quantity, *m)));
     } else if (m != accuracy.methods.end()) {
       for (const CoefficientAccuracy& c : m->coefficients) {
-        if (r.term ? c.term == *r.term : c.truth > 0)
-          checks.push_back(judged(r, m->method, c.term, value_of(r, c)));
+        if (r.term ? c.term == *r.term : c.truth > 0) checks.push_back(judged(r, m->method, c.term, value_of(r, c)));
       }
     }
     if (checks.size() == before) checks.push_back(judged(r, r.method.value_or(Method::gls), r.term, kNaN));

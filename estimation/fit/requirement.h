@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "accuracy.h"
-
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "accuracy.h"
 
 namespace gyrobudget::inline v0::fit {
 

@@ -27,10 +27,8 @@ namespace {
 using noise::Term;
 using Terms = std::vector<Term>;
 constexpr double kIndistinguishable = 2;  // in ln L
-constexpr double kMuchBetter =
-    5;  // in ln L: what lets a Gauss-Markov process go before a term with less freedom
-constexpr std::array kReplacements{Term::flicker, Term::rate_random_walk, Term::rate_ramp,
-                                   Term::gauss_markov};
+constexpr double kMuchBetter = 5;  // in ln L: what lets a Gauss-Markov process go before a term with less freedom
+constexpr std::array kReplacements{Term::flicker, Term::rate_random_walk, Term::rate_ramp, Term::gauss_markov};
 constexpr double kTimeRatio = 1.9952623149688795;  // 10^0.3, of the grid of correlation times
 
 bool holds(const Terms& terms, Term t) { return std::find(terms.begin(), terms.end(), t) != terms.end(); }
@@ -158,15 +156,11 @@ class Search {
   }
 
  private:
-  [[nodiscard]] double cost(const Terms& terms) const {
-    return Family(bins_, terms, time_).best().point.cost;
-  }
+  [[nodiscard]] double cost(const Terms& terms) const { return Family(bins_, terms, time_).best().point.cost; }
 
   [[nodiscard]] double refined_time(const Terms& terms) const {
     const double near = Family(bins_, terms).best().time;
-    const auto at = [&](double log_time) {
-      return Family(bins_, terms, std::exp(log_time)).best().point.cost;
-    };
+    const auto at = [&](double log_time) { return Family(bins_, terms, std::exp(log_time)).best().point.cost; };
     std::uintmax_t budget = 40;
     const double step = std::log(kTimeRatio);
     const auto found =
@@ -236,8 +230,7 @@ class Search {
     for (std::size_t f = 0; f < families.size(); ++f) {
       std::sort(sorted[f].begin(), sorted[f].end(), std::greater<>());
       for (std::size_t i = 0; i < replicas; ++i) {
-        const auto place =
-            std::lower_bound(sorted[f].begin(), sorted[f].end(), gains[f][i], std::greater<>());
+        const auto place = std::lower_bound(sorted[f].begin(), sorted[f].end(), gains[f][i], std::greater<>());
         highest[i] = std::min(highest[i], static_cast<std::size_t>(place - sorted[f].begin()));
       }
     }
@@ -272,8 +265,7 @@ class Search {
 
   void remove_line(const Terms& terms) {
     const Eigen::ArrayXd reference = bins_.reference;
-    for (int round = 0; round < 2;
-         ++round) {  // a strong line raises the spectrum that it is first seen against
+    for (int round = 0; round < 2; ++round) {  // a strong line raises the spectrum that it is first seen against
       const Family family(bins_, terms, time_);
       const auto model = family.best();
       const Sine line = find_sine(*model.likelihood, model.point, t_.coefficients, {});
@@ -306,8 +298,8 @@ class Search {
   void replace_gauss_markov(Selection& s) const {
     const double here = cost(s.terms);
     const Terms rest = without(s.terms, Term::gauss_markov);
-    for (const Terms& instead : {Terms{Term::flicker}, Terms{Term::rate_random_walk},
-                                 Terms{Term::flicker, Term::rate_random_walk}}) {
+    for (const Terms& instead :
+         {Terms{Term::flicker}, Terms{Term::rate_random_walk}, Terms{Term::flicker, Term::rate_random_walk}}) {
       Terms other = rest;
       for (const Term t : instead) {
         if (is_candidate(t) && !holds(other, t)) other = with(other, t);
@@ -335,8 +327,7 @@ class Search {
         const auto best = Family(bins_, other).best();
         const double difference = 0.5 * (best.point.cost - here);
         const bool likelier = !s.alternative || difference < s.alternative->log_likelihood_difference;
-        if (difference >= kIndistinguishable || !likelier || cost(rest) - best.point.cost < kBoundaryCut)
-          continue;
+        if (difference >= kIndistinguishable || !likelier || cost(rest) - best.point.cost < kBoundaryCut) continue;
         s.alternative = Alternative{other, std::nullopt, difference};
         if (in == Term::gauss_markov) s.alternative->correlation_time_s = best.time;
       }
@@ -363,8 +354,7 @@ void check(double dt, const SelectionOptions& o) {
     throw std::invalid_argument(fmt::format("rate {} of false terms must be in (0, 0.5]", o.false_rate));
   constexpr int kFewestReplicas = 50;
   if (o.replicas < kFewestReplicas)
-    throw std::invalid_argument(
-        fmt::format("{} replicas are too few; at least {}", o.replicas, kFewestReplicas));
+    throw std::invalid_argument(fmt::format("{} replicas are too few; at least {}", o.replicas, kFewestReplicas));
 }
 
 }  // namespace

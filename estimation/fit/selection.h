@@ -39,9 +39,8 @@ struct Alternative {
 };
 
 struct Selection {
-  std::vector<noise::Term>
-      terms;                     ///< chosen, in the order Q N B K R G S; empty where the record has no answer
-  std::vector<Weighed> weighed;  ///< in the order in which they were
+  std::vector<noise::Term> terms;    ///< chosen, in the order Q N B K R G S; empty where the record has no answer
+  std::vector<Weighed> weighed;      ///< in the order in which they were
   std::vector<noise::Term> dropped;  ///< kept at first and made needless by a later one
   /// With one of flicker, walk and ramp in place of another, a Gauss-Markov process in place of flicker, the likeliest of
   /// these; or the Gauss-Markov process that flicker, walk or both replaced.

@@ -30,8 +30,7 @@ std::vector<Reading> readable_points(const allan::Curve& curve) {
     const auto& p = curve.points[i];
     if (p.terms > 0 && p.variance > 0) points.push_back({p.m, curve.tau(i), std::sqrt(p.variance)});
   }
-  if (points.size() < 2)
-    throw std::invalid_argument("a visual reading needs at least two taus with a deviation");
+  if (points.size() < 2) throw std::invalid_argument("a visual reading needs at least two taus with a deviation");
   return points;
 }
 
@@ -41,8 +40,7 @@ double slope(const Reading& a, const Reading& b) {
 
 // The deviation at 1 s by interpolation in log-log, or along -1/2 from the nearer end.
 Reading read_white(const std::vector<Reading>& points) {
-  const auto after =
-      std::partition_point(points.begin(), points.end(), [](const auto& p) { return p.tau < 1; });
+  const auto after = std::partition_point(points.begin(), points.end(), [](const auto& p) { return p.tau < 1; });
   if (after == points.begin() || after == points.end()) {
     const Reading& end = after == points.begin() ? points.front() : points.back();
     return {end.m, 1, end.deviation * std::sqrt(end.tau)};
@@ -74,8 +72,7 @@ Reading read_walk(const std::vector<Reading>& points, std::size_t minimum) {
 
 Coefficient coefficient(Term term, const Reading& reading, double value, const allan::Curve& curve) {
   const std::array mix{noise::unit_process(term)};
-  const double edf =
-      allan::equivalent_dof(curve.samples, reading.m, curve.dt, mix, curve.form, curve.mask.get());
+  const double edf = allan::equivalent_dof(curve.samples, reading.m, curve.dt, mix, curve.form, curve.mask.get());
   const auto interval = allan::chi_square_interval(value * value, edf);
   Coefficient c;
   c.term = term;
@@ -95,8 +92,8 @@ void compare_with_model(Result& result, const std::vector<Reading>& points, cons
   for (const auto& p : points) {
     Residual r{.m = p.m, .tau_s = p.tau, .measured = p.deviation, .used = true};
     r.model = std::sqrt(noise::allan_variance(mix, p.m, curve.dt));
-    r.relative_std = 1 / std::sqrt(2 * allan::equivalent_dof(curve.samples, p.m, curve.dt, mix, curve.form,
-                                                             curve.mask.get()));
+    r.relative_std =
+        1 / std::sqrt(2 * allan::equivalent_dof(curve.samples, p.m, curve.dt, mix, curve.form, curve.mask.get()));
     r.misfit = r.measured / r.model - 1;
     const double beyond = std::abs(r.misfit) - 1.96 * r.relative_std;
     if (p.m * 16 <= curve.samples && beyond > result.worst_misfit) {
@@ -104,8 +101,7 @@ void compare_with_model(Result& result, const std::vector<Reading>& points, cons
     }
     result.residuals.push_back(r);
   }
-  result.verdict =
-      result.worst_misfit <= options.misfit_limit ? Verdict::described_within : Verdict::not_described;
+  result.verdict = result.worst_misfit <= options.misfit_limit ? Verdict::described_within : Verdict::not_described;
 }
 
 // The point whose slope to the next is nearest to `wanted`.
@@ -126,8 +122,8 @@ struct Readings {
   Reading white, flat, walk;
 };
 
-Result result_of(Method method, const Readings& read, const std::vector<Reading>& points,
-                 const allan::Curve& curve, const Options& options, Clock::time_point start) {
+Result result_of(Method method, const Readings& read, const std::vector<Reading>& points, const allan::Curve& curve,
+                 const Options& options, Clock::time_point start) {
   const double flat_of_one = std::sqrt(2 * std::numbers::ln2 / std::numbers::pi);
   Result result;
   result.method = method;

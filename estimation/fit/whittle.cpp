@@ -56,8 +56,8 @@ Model model_of(const Options& options, bool drop_quantization) {
       m.processes.push_back(shaped_process(t, options));
     }
   }
-  m.search_time = !m.processes.empty() && noise::term(m.processes.back()) == Term::gauss_markov &&
-                  !options.correlation_time_s;
+  m.search_time =
+      !m.processes.empty() && noise::term(m.processes.back()) == Term::gauss_markov && !options.correlation_time_s;
   return m;
 }
 
@@ -74,8 +74,7 @@ struct Fitted {
   std::vector<SpectralResidual> spectrum;
 };
 
-SineBins bins_of(const Transformed& t, std::span<const double> coefficients, std::int64_t first,
-                 std::int64_t last) {
+SineBins bins_of(const Transformed& t, std::span<const double> coefficients, std::int64_t first, std::int64_t last) {
   SineBins bins(coefficients, t.used.count, t.dt, last);
   for (Eigen::Index b = 0; b < bins.count.size(); ++b) {
     if (bins.first[static_cast<std::size_t>(b)] < first) bins.count(b) = 0;
@@ -83,9 +82,7 @@ SineBins bins_of(const Transformed& t, std::span<const double> coefficients, std
   return bins;
 }
 
-double& correlation_time(Model& m) {
-  return std::get<noise::GaussMarkov>(m.processes.back()).correlation_time;
-}
+double& correlation_time(Model& m) { return std::get<noise::GaussMarkov>(m.processes.back()).correlation_time; }
 
 // Derivative of the least cost by the logarithm of the correlation time: with the rest at its best only the spectrum's
 // own change counts.
@@ -110,9 +107,8 @@ double polished(const Slope& slope, double minimum, double reach) {
   const double low = slope(minimum - reach), high = slope(minimum + reach);
   if (!(low < 0 && high > 0)) return minimum;
   std::uintmax_t budget = 60;
-  const auto bracket =
-      boost::math::tools::toms748_solve(slope, minimum - reach, minimum + reach, low, high,
-                                        boost::math::tools::eps_tolerance<double>(48), budget);
+  const auto bracket = boost::math::tools::toms748_solve(slope, minimum - reach, minimum + reach, low, high,
+                                                         boost::math::tools::eps_tolerance<double>(48), budget);
   return 0.5 * (bracket.first + bracket.second);
 }
 
@@ -135,8 +131,8 @@ void search_time(Fitted& f, const SineBins& bins, std::optional<double> near) {
     if (c < least - kTie) least = c, best = std::min(x, to);
   }
   std::uintmax_t budget = 40;
-  const auto found = boost::math::tools::brent_find_minima(cost, std::max(low, best - step),
-                                                           std::min(high, best + step), 14, budget);
+  const auto found =
+      boost::math::tools::brent_find_minima(cost, std::max(low, best - step), std::min(high, best + step), 14, budget);
   if (found.second < least - kTie) {
     constexpr double kReach = 0.01;
     best = polished([&](double x) { return cost_slope(f.model, bins, x); }, found.first, kReach);
@@ -170,8 +166,7 @@ double deviate(double x, double dof) {
 
 void test_fit(Fitted& f) {
   const SineBins& bins = f.likelihood->bins();
-  const Eigen::ArrayXd scaled =
-      bins.count * f.likelihood->power(f.point.ramp) / f.likelihood->variance(f.point.theta);
+  const Eigen::ArrayXd scaled = bins.count * f.likelihood->power(f.point.ramp) / f.likelihood->variance(f.point.theta);
   const double ratio = std::pow(static_cast<double>(f.last) + 1, 1.0 / kBands);
   f.spectrum.clear(), f.chi2 = 0;
   double edge = ratio, chi = 0, count = 0;
@@ -185,8 +180,8 @@ void test_fit(Fitted& f) {
     if (count > 0) {
       f.chi2 += std::pow(deviate(chi, count), 2);
       const double k = std::sqrt(static_cast<double>(first) * static_cast<double>(end - 1));
-      f.spectrum.push_back({k / (2 * static_cast<double>(bins.samples) * bins.dt), count,
-                            std::sqrt(chi / count) - 1, std::sqrt(0.5 / count)});
+      f.spectrum.push_back({k / (2 * static_cast<double>(bins.samples) * bins.dt), count, std::sqrt(chi / count) - 1,
+                            std::sqrt(0.5 / count)});
     }
     while (edge <= static_cast<double>(end) * (1 + 1e-9)) edge *= ratio;
     chi = count = 0, first = 0;
@@ -237,8 +232,7 @@ Fitted fit_band(const Transformed& t, const Band& band, const Options& options, 
 Fitted choose_band(const Transformed& t, const Options& options) {
   const double n = static_cast<double>(t.used.count);
   Band band{1, t.used.count - 1};
-  if (options.tau_max_s)
-    band.first = std::max<std::int64_t>(1, std::llround(n * t.dt / *options.tau_max_s / 2));
+  if (options.tau_max_s) band.first = std::max<std::int64_t>(1, std::llround(n * t.dt / *options.tau_max_s / 2));
   if (options.tau_min_s)
     band.last = std::clamp<std::int64_t>(std::llround(n * t.dt / *options.tau_min_s), 1, band.last);
   Fitted whole = fit_band(t, band, options, false);
@@ -326,12 +320,10 @@ void add_covariance(Result& result, const Fitted& f, double unit) {
   if (free.empty()) return;
   // In units of the coefficients themselves: information of ln theta first, its diagonal is of order 1 to n.
   const Eigen::VectorXd theta = f.point.theta(free);
-  const Eigen::MatrixXd relative = theta.asDiagonal() *
-                                   Eigen::MatrixXd(f.likelihood->information(f.point.theta)(free, free)) *
-                                   theta.asDiagonal();
+  const Eigen::MatrixXd relative =
+      theta.asDiagonal() * Eigen::MatrixXd(f.likelihood->information(f.point.theta)(free, free)) * theta.asDiagonal();
   const Eigen::VectorXd length = relative.diagonal().cwiseSqrt();
-  const Eigen::MatrixXd scaled =
-      length.cwiseInverse().asDiagonal() * relative * length.cwiseInverse().asDiagonal();
+  const Eigen::MatrixXd scaled = length.cwiseInverse().asDiagonal() * relative * length.cwiseInverse().asDiagonal();
   const Eigen::MatrixXd inverse = scaled.llt().solve(Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols()));
   const Eigen::VectorXd c = 0.5 * unit * theta.cwiseSqrt().cwiseQuotient(length);
   std::vector<Eigen::Index> places;
@@ -363,11 +355,9 @@ void add_coefficients(Result& result, const Fitted& f, const Transformed& t, con
     const auto j = static_cast<Eigen::Index>(i);
     const Term term = noise::term(f.model.processes[i]);
     const double theta = f.point.theta(j), deviation = std::sqrt(inverse(j, j)) / length(j);
-    Coefficient c = f.point.converged
-                        ? judge(term, theta, deviation, 1, cuts, theta_test(f, j), options.intervals)
-                        : without_answer(term, theta, 1);
-    if (f.point.converged && options.intervals && negligible(f, j, c.upper * c.upper))
-      c.status = Status::left_out;
+    Coefficient c = f.point.converged ? judge(term, theta, deviation, 1, cuts, theta_test(f, j), options.intervals)
+                                      : without_answer(term, theta, 1);
+    if (f.point.converged && options.intervals && negligible(f, j, c.upper * c.upper)) c.status = Status::left_out;
     for (double* v : {&c.value, &c.lower, &c.upper, &c.upper_two_sided}) *v *= unit;
     if (const auto* g = std::get_if<noise::GaussMarkov>(&f.model.processes[i])) {
       c.shape = c.shape_lower = c.shape_upper = g->correlation_time;
@@ -392,8 +382,7 @@ void judge_fit(Result& result, const Fitted& f, const Options& options) {
   result.spectrum = f.spectrum;
   for (const SpectralResidual& r : f.spectrum) {
     const double beyond = std::abs(r.misfit) - kScatter95 * r.relative_std;
-    if (beyond > result.worst_misfit)
-      result.worst_misfit = beyond, result.worst_misfit_tau_s = 0.5 / r.frequency_hz;
+    if (beyond > result.worst_misfit) result.worst_misfit = beyond, result.worst_misfit_tau_s = 0.5 / r.frequency_hz;
   }
   result.verdict = verdict_of(result, options);
 }
@@ -423,8 +412,7 @@ void check(double dt, const Options& options) {
         fmt::format("frequency {} Hz must be between 0 and {} Hz, half the rate", *frequency, 0.5 / dt));
   }
   const auto terms = in_order(options.terms);
-  if (std::all_of(terms.begin(), terms.end(),
-                  [](Term t) { return t == Term::rate_ramp || t == Term::sinusoid; }))
+  if (std::all_of(terms.begin(), terms.end(), [](Term t) { return t == Term::rate_ramp || t == Term::sinusoid; }))
     throw std::invalid_argument("a ramp or a line alone has no likelihood: add a random term, such as N");
 }
 

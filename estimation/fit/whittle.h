@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "fit.h"
-
 #include <span>
 #include <vector>
+
+#include "fit.h"
 
 namespace gyrobudget::inline v0::fit {
 

@@ -23,8 +23,7 @@ double variance(double sigma) {
 // Three rows along the columns of `axes` from a residual and core columns in ECEF.
 class Rows {
  public:
-  Rows(const Estimate& estimate, const Matrix3d& axes, const Vector3d& residual, const Vector3d& sigma)
-      : axes_(axes) {
+  Rows(const Estimate& estimate, const Matrix3d& axes, const Vector3d& residual, const Vector3d& sigma) : axes_(axes) {
     result_.rows = 3;
     result_.residual = axes.transpose() * residual;
     for (int i = 0; i < 3; ++i) {
@@ -126,8 +125,7 @@ Measurement measure(const AttitudeFix& fix, const Estimate& estimate) {
   rows.block(kAttitude, Matrix3d::Identity());
   each_term(estimate, fix.aid, [&](std::size_t k, const ErrorTerm& term) {
     if (term.effect == Effect::lever_arm) return;
-    const Vector3d column =
-        term.effect == Effect::bias ? Vector3d(C.col(term.axis)) : Vector3d(C * estimate.w_eb_b);
+    const Vector3d column = term.effect == Effect::bias ? Vector3d(C.col(term.axis)) : Vector3d(C * estimate.w_eb_b);
     rows.term(k, column, estimate.terms[k]);
   });
   return rows.result();

@@ -4,9 +4,9 @@
 #pragma once
 
 #include "gyrobudget/vehicle/earth/ellipsoid.h"
+
 #include "covariance.h"
 #include "strapdown.h"
-
 #include <Eigen/Geometry>
 
 namespace gyrobudget::inline v0::navigation {

@@ -2,7 +2,6 @@
 #include "alignment.h"
 
 #include "gyrobudget/estimation/navigation/detail/gauss_markov.h"
-#include "sensor_states.h"
 
 #include <fmt/core.h>
 
@@ -11,6 +10,8 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+
+#include "sensor_states.h"
 
 namespace gyrobudget::inline v0::navigation {
 namespace {
@@ -22,8 +23,7 @@ using Eigen::Vector3d;
 using std::numbers::pi;
 
 constexpr std::size_t kParts = 6;
-constexpr double kStudent =
-    2.570582 / 1.959964;  // t of 95 % with kParts - 1 degrees of freedom, beside normal's
+constexpr double kStudent = 2.570582 / 1.959964;  // t of 95 % with kParts - 1 degrees of freedom, beside normal's
 constexpr double kUnknownHeading = pi * std::numbers::inv_sqrt3;  // sigma of an angle that may be any
 constexpr double kSteepest = 1e-3;                                // horizontal part of a heading's axis
 
@@ -81,8 +81,8 @@ double moved_flicker(const Epoch& epoch, double T, double dt) {
 // Expected scatter() by what varies slowly: means of n parts differ as D within the record does from that within a part.
 double wander(const noise::ErrorModel& model, double T) {
   constexpr double n = kParts;
-  double within = squared(model.rate_random_walk) * T / 3 * (1 - 1 / n) +
-                  squared(model.bias_instability) * 2 / pi * std::log(n);
+  double within =
+      squared(model.rate_random_walk) * T / 3 * (1 - 1 / n) + squared(model.bias_instability) * 2 / pi * std::log(n);
   for (const noise::GaussMarkov& process : model.gauss_markov) {
     const double t = T / process.correlation_time;
     within += 2 * squared(process.sigma) * (detail::mean_variance(t / n) - detail::mean_variance(t));
@@ -95,11 +95,9 @@ Variances variances(const noise::ErrorModel& model, const Vector3d& signal, cons
                     double interval) {
   const Epoch epoch = epoch_of(model);
   // The mean of R t from power-on, or from the middle of the calibration, to the middle of the record.
-  const double ramped =
-      T / 2 + (epoch.calibrated_over ? *epoch.calibrated_over / 2 : epoch.powered_on_before);
+  const double ramped = T / 2 + (epoch.calibrated_over ? *epoch.calibrated_over / 2 : epoch.powered_on_before);
   double moved = squared(model.rate_random_walk) * moved_walk(epoch, T) + squared(model.rate_ramp * ramped);
-  if (model.bias_instability != 0)
-    moved += squared(model.bias_instability) * moved_flicker(epoch, T, interval);
+  if (model.bias_instability != 0) moved += squared(model.bias_instability) * moved_flicker(epoch, T, interval);
   for (const noise::GaussMarkov& process : model.gauss_markov)
     moved += squared(process.sigma) * moved_gauss_markov(epoch, T, process.correlation_time);
   const Vector3d constant = model.calibrated_over
@@ -129,9 +127,7 @@ Eigen::Quaterniond north_east_down(const Matrix3d& C_enu_b) {
   return Eigen::Quaterniond(C_nb);
 }
 
-Matrix3d mapped(const Matrix3d& J, const Vector3d& variance) {
-  return J * variance.asDiagonal() * J.transpose();
-}
+Matrix3d mapped(const Matrix3d& J, const Vector3d& variance) { return J * variance.asDiagonal() * J.transpose(); }
 
 void check(const AlignmentOptions& options) {
   if (options.latitude && !(std::abs(*options.latitude) <= pi / 2))
@@ -147,8 +143,8 @@ void check(const AlignmentOptions& options) {
   if (!options.heading) return;
   const GivenHeading& heading = *options.heading;
   if (!std::isfinite(heading.azimuth) || !(heading.sigma >= 0) || !std::isfinite(heading.sigma))
-    throw std::invalid_argument(fmt::format("heading {} +- {} rad must be finite, its sigma not negative",
-                                            heading.azimuth, heading.sigma));
+    throw std::invalid_argument(
+        fmt::format("heading {} +- {} rad must be finite, its sigma not negative", heading.azimuth, heading.sigma));
   if (!heading.axis.allFinite() || !(heading.axis.norm() > 0))
     throw std::invalid_argument("axis of the heading must be finite and not zero");
 }
@@ -171,8 +167,8 @@ class Aligner {
     g_ = means.f_ib_b.norm();
     a_.up_b = means.f_ib_b / g_;
     gyro_ = variances(options.sensor.gyro, means.w_ib_b, means.f_ib_b, means.duration, options.interval);
-    accelerometer_ = variances(options.sensor.accelerometer.value_or(noise::ErrorModel{}), means.f_ib_b,
-                               means.f_ib_b, means.duration, options.interval);
+    accelerometer_ = variances(options.sensor.accelerometer.value_or(noise::ErrorModel{}), means.f_ib_b, means.f_ib_b,
+                               means.duration, options.interval);
   }
 
   Alignment run() {
@@ -225,14 +221,12 @@ class Aligner {
     }
     if (!(sigma <= options_.heading_limit))
       say(fmt::format(
-          "Heading is not observable: its one sigma would be {:.3g} degrees, where {:.3g} are allowed "
-          "(gyro bias {:.3g}, noise {:.3g}, motion {:.3g}).",
-          sigma / kDegree, options_.heading_limit / kDegree, a_.parts.bias.z() / kDegree,
-          a_.parts.noise.z() / kDegree, a_.parts.motion.z() / kDegree));
+          "Heading is not observable: its one sigma would be {:.3g} degrees, where {:.3g} are allowed (gyro bias {:.3g}, noise {:.3g}, motion {:.3g}).",
+          sigma / kDegree, options_.heading_limit / kDegree, a_.parts.bias.z() / kDegree, a_.parts.noise.z() / kDegree,
+          a_.parts.motion.z() / kDegree));
     else
       say(fmt::format(
-          "Heading is not observable: the horizontal rate is {:.3g} deg/h where Earth's is {:.3g}; the "
-          "body turns, or latitude or unit is wrong.",
+          "Heading is not observable: the horizontal rate is {:.3g} deg/h where Earth's is {:.3g}; the body turns, or latitude or unit is wrong.",
           across.norm() / kDegree * 3600, c / kDegree * 3600));
     if (!options_.heading) say("Give the heading.");
     a_.parts.bias.z() = a_.parts.calibration.z() = a_.parts.noise.z() = a_.parts.motion.z() = 0;
@@ -286,8 +280,7 @@ class Aligner {
     a_.accelerometer_bias_covariance = force * accelerometer_.bias.asDiagonal();
     a_.gyro_bias_variance = gyro_.bias;
     a_.accelerometer_bias_variance = accelerometer_.bias;
-    a_.mean_error_variance << gyro_.bias + gyro_.calibration,
-        accelerometer_.bias + accelerometer_.calibration;
+    a_.mean_error_variance << gyro_.bias + gyro_.calibration, accelerometer_.bias + accelerometer_.calibration;
   }
 
   /// Variance of the mean psi over the whole record as the parts show it.
@@ -347,8 +340,7 @@ GivenHeading heading_of(const Eigen::Quaterniond& q_nb, double sigma) {
 
 Alignment align(std::span<const earth::ImuIncrement> imu, double dt, const AlignmentOptions& options) {
   if (imu.size() < 2 * kParts)
-    throw std::invalid_argument(
-        fmt::format("{} increments are too few to align: {} at least", imu.size(), 2 * kParts));
+    throw std::invalid_argument(fmt::format("{} increments are too few to align: {} at least", imu.size(), 2 * kParts));
   if (!(dt > 0) || !std::isfinite(dt))
     throw std::invalid_argument(fmt::format("interval {} s of the increments must be positive", dt));
   std::array<StaticMeans, kParts> parts;
@@ -361,8 +353,6 @@ Alignment align(std::span<const earth::ImuIncrement> imu, double dt, const Align
   return Aligner(means_of(imu, dt), sampled, parts).run();
 }
 
-Alignment align(const StaticMeans& means, const AlignmentOptions& options) {
-  return Aligner(means, options, {}).run();
-}
+Alignment align(const StaticMeans& means, const AlignmentOptions& options) { return Aligner(means, options, {}).run(); }
 
 }  // namespace gyrobudget::inline v0::navigation

@@ -4,9 +4,9 @@
 // section 5.6; Britting, Inertial Navigation Systems Analysis (1971), section 9.2.
 #pragma once
 
+#include "gyrobudget/noise/sensor.h"
 #include "gyrobudget/vehicle/earth/ellipsoid.h"
 #include "gyrobudget/vehicle/earth/trajectory.h"
-#include "gyrobudget/noise/sensor.h"
 
 #include <optional>
 #include <span>
@@ -40,10 +40,9 @@ struct AlignmentOptions {
   noise::SensorModel sensor;
   /// Of the IMU [s], that of the increments where these are given: after power-on flicker holds all of its band.
   double interval = 0.01;
-  std::optional<double> latitude;       ///< [rad]; not given: found from the record
-  std::optional<GivenHeading> heading;  ///< not given: by Earth's rate
-  double heading_limit =
-      10 * earth::kDegree;  ///< sigma of heading above which it counts as not observable [rad]
+  std::optional<double> latitude;              ///< [rad]; not given: found from the record
+  std::optional<GivenHeading> heading;         ///< not given: by Earth's rate
+  double heading_limit = 10 * earth::kDegree;  ///< sigma of heading above which it counts as not observable [rad]
 };
 
 /// Attitude of the mean pose over the record, with q_nb against north, east, down. A heading that is given

@@ -37,13 +37,11 @@ FirstOrderNees::FirstOrderNees(const Eigen::Ref<const Eigen::MatrixXd>& P, doubl
   const double least = std::max(threshold, rounding(P.rows()));
   for (Eigen::Index k = 0; k < P.rows(); ++k) {
     const double variance = eigen.eigenvalues()[k];
-    (variance > least ? counted_ : left_out_)
-        .push_back({eigen.eigenvectors().col(k), std::max(variance, 0.0)});
+    (variance > least ? counted_ : left_out_).push_back({eigen.eigenvectors().col(k), std::max(variance, 0.0)});
   }
 }
 
-double FirstOrderNees::along(const Direction& direction,
-                             const Eigen::Ref<const Eigen::VectorXd>& error) const {
+double FirstOrderNees::along(const Direction& direction, const Eigen::Ref<const Eigen::VectorXd>& error) const {
   if (error.size() != scale_.size())
     throw std::invalid_argument(
         fmt::format("error of {}, covariance of {} x {}", error.size(), scale_.size(), scale_.size()));
@@ -66,8 +64,7 @@ double nees(const Eigen::Ref<const Eigen::VectorXd>& error, const Eigen::Ref<con
     const double x = directions.along(direction, error);
     // Of an axis without any variance the component is in its own unit: none is allowed.
     const bool of_others = (direction.weights.array() != 0 && P.diagonal().array() > 0).any();
-    if (of_others ? x * x > 100 * rounding(error.size()) : x != 0)
-      return std::numeric_limits<double>::infinity();
+    if (of_others ? x * x > 100 * rounding(error.size()) : x != 0) return std::numeric_limits<double>::infinity();
   }
   return directions(error);
 }
@@ -75,9 +72,8 @@ double nees(const Eigen::Ref<const Eigen::VectorXd>& error, const Eigen::Ref<con
 Band chi_square_mean_band(double dof, double count, double probability) {
   if (!(dof > 0) || !(count > 0) || !(probability > 0 && probability < 1))
     throw std::invalid_argument(
-        fmt::format("chi-square of {} dof, mean of {}, probability {}: expected above 0, the "
-                    "last below 1",
-                    dof, count, probability));
+        fmt::format("chi-square of {} dof, mean of {}, probability {}: expected above 0, the last below 1", dof, count,
+                    probability));
   const boost::math::chi_squared distribution(dof * count);
   const double tail = (1 - probability) / 2;
   return {quantile(distribution, tail) / count, quantile(complement(distribution, tail)) / count};

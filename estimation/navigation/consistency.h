@@ -12,8 +12,7 @@ namespace gyrobudget::inline v0::navigation {
 /// Normalised estimation error squared, e^T P^-1 e: chi-square of e's size where P is right. Directions in which P has
 /// no variance to rounding do not count, and an error in them makes it infinite.
 /// @throws std::invalid_argument for sizes that differ.
-[[nodiscard]] double nees(const Eigen::Ref<const Eigen::VectorXd>& error,
-                          const Eigen::Ref<const Eigen::MatrixXd>& P);
+[[nodiscard]] double nees(const Eigen::Ref<const Eigen::VectorXd>& error, const Eigen::Ref<const Eigen::MatrixXd>& P);
 
 /// NEES of errors of a chain that P describes to first order only. With D the diagonal of P, u_k and l_k the
 /// eigenvectors and eigenvalues of the correlations D^-1/2 P D^-1/2,

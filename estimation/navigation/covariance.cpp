@@ -23,16 +23,16 @@ using CoreVector = Eigen::Matrix<double, kCore, 1>;
 
 void check(const StateMatrix& P) {
   if (P.rows() != P.cols() || P.rows() < kCore)
-    throw std::invalid_argument(fmt::format("covariance of {} x {}, expected square with at least {} rows",
-                                            P.rows(), P.cols(), kCore));
+    throw std::invalid_argument(
+        fmt::format("covariance of {} x {}, expected square with at least {} rows", P.rows(), P.cols(), kCore));
   for (int j = 0; j < P.cols(); ++j)
     for (int i = 0; i <= j; ++i) {
       const double scale = std::sqrt(P(i, i)) * std::sqrt(P(j, j));
       if (!std::isfinite(P(i, j)) || !(P(j, j) >= 0) || !(std::abs(P(i, j) - P(j, i)) <= 1e-9 * scale) ||
           !(std::abs(P(i, j)) <= (1 + 1e-9) * scale))
-        throw std::invalid_argument(fmt::format(
-            "covariance ({}, {}) is {} and ({}, {}) {} beside variances {} and {}: not a covariance", i, j,
-            P(i, j), j, i, P(j, i), P(i, i), P(j, j)));
+        throw std::invalid_argument(
+            fmt::format("covariance ({}, {}) is {} and ({}, {}) {} beside variances {} and {}: not a covariance", i, j,
+                        P(i, j), j, i, P(j, i), P(i, i), P(j, j)));
     }
 }
 
@@ -191,10 +191,9 @@ StateVector Covariance::times(const StateVector& h) const {
 
 StateVector Covariance::update(const MeasurementRow& row, std::span<const bool> considered) {
   if (row.h.size() != size_ || !(row.variance > 0) || !std::isfinite(row.variance) || !row.h.allFinite())
-    throw std::invalid_argument(fmt::format(
-        "measurement row of {} states with variance {}, expected {} states, finite, and a variance "
-        "above 0",
-        row.h.size(), row.variance, size_));
+    throw std::invalid_argument(
+        fmt::format("measurement row of {} states with variance {}, expected {} states, finite, and a variance above 0",
+                    row.h.size(), row.variance, size_));
   return form_ == Form::square_root ? update_factors(row, considered) : update_dense(row, considered);
 }
 
@@ -242,9 +241,9 @@ void Covariance::symmetrise() {
 
 void Covariance::update_with(const MeasurementRow& row, const StateVector& gain) {
   if (form_ == Form::square_root || row.h.size() != size_ || gain.size() != size_)
-    throw std::invalid_argument(fmt::format(
-        "update with a given gain needs the plain or Joseph form and {} states; row has {}, gain {}", size_,
-        row.h.size(), gain.size()));
+    throw std::invalid_argument(
+        fmt::format("update with a given gain needs the plain or Joseph form and {} states; row has {}, gain {}", size_,
+                    row.h.size(), gain.size()));
   StateVector g(size_);
   g.noalias() = p_.topRows(size_).lazyProduct(row.h);
   joseph(row, g, gain);
@@ -252,9 +251,8 @@ void Covariance::update_with(const MeasurementRow& row, const StateVector& gain)
 
 void Covariance::add(const StateMatrix& more) {
   if (form_ == Form::square_root || more.rows() != size_ || more.cols() != size_)
-    throw std::invalid_argument(
-        fmt::format("an addition of {} x {} needs the plain or Joseph form and {} states", more.rows(),
-                    more.cols(), size_));
+    throw std::invalid_argument(fmt::format("an addition of {} x {} needs the plain or Joseph form and {} states",
+                                            more.rows(), more.cols(), size_));
   p_.topRows(size_) += more;
   symmetrise();
 }

@@ -26,9 +26,9 @@
 // & Joseph (1968).
 #pragma once
 
-#include "error_state.h"
-
 #include <span>
+
+#include "error_state.h"
 
 namespace gyrobudget::inline v0::navigation {
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "error_state.h"
 
+#include "gyrobudget/estimation/navigation/detail/gauss_markov.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/ellipsoid.h"
 #include "gyrobudget/vehicle/earth/gravity.h"
-#include "gyrobudget/estimation/navigation/detail/gauss_markov.h"
 
 #include <fmt/format.h>
 
@@ -47,10 +47,8 @@ double unshared_variance(double a, double spill) {
   });
 }
 
-void require(bool good, const ErrorTerm& term, std::string_view what, double value,
-             std::string_view expected) {
-  if (!good)
-    throw std::invalid_argument(fmt::format("{}: {} is {}, expected {}", name(term), what, value, expected));
+void require(bool good, const ErrorTerm& term, std::string_view what, double value, std::string_view expected) {
+  if (!good) throw std::invalid_argument(fmt::format("{}: {} is {}, expected {}", name(term), what, value, expected));
 }
 
 void check_term(const ErrorTerm& term) {
@@ -65,8 +63,7 @@ void check_term(const ErrorTerm& term) {
   const bool of_sensor = term.effect == Effect::scale_factor || term.effect == Effect::misalignment ||
                          term.effect == Effect::g_sensitivity || term.effect == Effect::g2_sensitivity;
   const bool of_gyro = term.effect == Effect::g_sensitivity;
-  const bool good =
-      term.carrier == Carrier::aid ? !of_sensor : !of_aid && (!of_gyro || term.carrier == Carrier::gyro);
+  const bool good = term.carrier == Carrier::aid ? !of_sensor : !of_aid && (!of_gyro || term.carrier == Carrier::gyro);
   if (!good) throw std::invalid_argument(fmt::format("{}: there is no such error", name(term)));
 }
 
@@ -109,11 +106,9 @@ double mean_decay(const ErrorTerm& term, double dt) { return mean_exponential(dt
 
 std::string name(const ErrorTerm& term) {
   constexpr std::string_view axes = "xyz";
-  constexpr std::array<std::string_view, 7> effects{
-      "bias", "scale factor", "misalignment", "g-sensitivity", "g2-sensitivity", "lever arm", "time tag"};
-  const auto axis = [&](int i) {
-    return i >= 0 && i < 3 ? axes.substr(static_cast<std::size_t>(i), 1) : "?";
-  };
+  constexpr std::array<std::string_view, 7> effects{"bias",           "scale factor", "misalignment", "g-sensitivity",
+                                                    "g2-sensitivity", "lever arm",    "time tag"};
+  const auto axis = [&](int i) { return i >= 0 && i < 3 ? axes.substr(static_cast<std::size_t>(i), 1) : "?"; };
   const std::string carrier = term.carrier == Carrier::gyro            ? "gyro"
                               : term.carrier == Carrier::accelerometer ? "accelerometer"
                                                                        : fmt::format("aid {}", term.aid);
@@ -243,8 +238,7 @@ const Transition& Lineariser::operator()(const StepInput& step) {
   const Matrix3d gradient = earth::normal_gravity_gradient(step.p_eb_e);
   (dt <= kSecondOrder ? expand : sum_series)(step, force, gradient, transition_.core, transition_.input);
 
-  transition_.input_noise << model_.gyro_white.array().square() / dt,
-      model_.accelerometer_white.array().square() / dt;
+  transition_.input_noise << model_.gyro_white.array().square() / dt, model_.accelerometer_white.array().square() / dt;
   for (std::size_t k = 0; k < model_.terms.size(); ++k) {
     Transition::Term& term = transition_.terms[k];
     if (term.signal < 0) continue;

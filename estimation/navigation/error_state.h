@@ -59,9 +59,9 @@ enum class Effect { bias, scale_factor, misalignment, g_sensitivity, g2_sensitiv
 struct ErrorTerm {
   Carrier carrier = Carrier::gyro;
   Effect effect = Effect::bias;
-  int axis = 0;   ///< 0 to 2
-  int input = 0;  ///< 0 to 2, of misalignment and g-sensitivity
-  int aid = 0;    ///< number of the aid
+  int axis = 0;                                                       ///< 0 to 2
+  int input = 0;                                                      ///< 0 to 2, of misalignment and g-sensitivity
+  int aid = 0;                                                        ///< number of the aid
   double correlation_time = std::numeric_limits<double>::infinity();  ///< positive [s]
   double walk = 0;          ///< K [unit/sqrt(s)]; sigma sqrt(2/Tc) keeps a Gauss-Markov state stationary
   bool considered = false;  ///< Schmidt: counted in the covariance, never corrected
@@ -107,8 +107,7 @@ struct Transition {
   double dt = 0;
   CoreMatrix core = CoreMatrix::Identity();
   InputMatrix input = InputMatrix::Zero();
-  Eigen::Matrix<double, 6, 1> input_noise =
-      Eigen::Matrix<double, 6, 1>::Zero();  ///< variances of mean errors
+  Eigen::Matrix<double, 6, 1> input_noise = Eigen::Matrix<double, 6, 1>::Zero();  ///< variances of mean errors
   std::array<Term, kMaxErrorTerms> terms;
   int size = kCoreStates;  ///< states; terms[0 ... size - 9) count
 

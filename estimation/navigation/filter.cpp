@@ -30,9 +30,8 @@ double gate_limit(double false_alarm, int rows) {
 
 void check(const Filter::Options& options, int states, const StateMatrix& P0) {
   if (P0.rows() != states || P0.cols() != states)
-    throw std::invalid_argument(
-        fmt::format("initial covariance of {} x {}, expected {} x {} for the model's states", P0.rows(),
-                    P0.cols(), states, states));
+    throw std::invalid_argument(fmt::format("initial covariance of {} x {}, expected {} x {} for the model's states",
+                                            P0.rows(), P0.cols(), states, states));
   if (!(options.gate_false_alarm >= 0 && options.gate_false_alarm < 1))
     throw std::invalid_argument(
         fmt::format("gate's false alarm is {}, expected 0 to below 1", options.gate_false_alarm));
@@ -48,8 +47,7 @@ bool multiplies(const ErrorTerm& term) { return term.carrier != Carrier::aid && 
 Filter::Filter(const NavigationState& start, ErrorStateModel model, const StateMatrix& P0)
     : Filter(start, std::move(model), P0, Options{}) {}
 
-Filter::Filter(const NavigationState& start, ErrorStateModel model, const StateMatrix& P0,
-               const Options& options)
+Filter::Filter(const NavigationState& start, ErrorStateModel model, const StateMatrix& P0, const Options& options)
     : options_(options),
       lineariser_(std::move(model)),
       covariance_(P0, options.form),
@@ -89,8 +87,7 @@ earth::ImuIncrement Filter::corrected(const earth::ImuIncrement& imu, double dt)
 void Filter::propagate(const earth::ImuIncrement& measured, double dt) {
   if (dt == 0) return;
   if (!(dt > 0) || !std::isfinite(dt))
-    throw std::invalid_argument(
-        fmt::format("step of {} s at {} s: time must run forwards and be finite", dt, time_));
+    throw std::invalid_argument(fmt::format("step of {} s at {} s: time must run forwards and be finite", dt, time_));
   if (!measured.angle.allFinite() || !measured.velocity.allFinite())
     throw std::invalid_argument(fmt::format("IMU increment at {} s is not finite", time_));
   set_step(dt);
@@ -194,8 +191,7 @@ void Filter::record(FilterHistory* record) {
     throw std::invalid_argument(
         fmt::format("record of {} states for a filter of {}", record->states(), covariance_.size()));
   if (record != nullptr && std::find(considered_.begin(), considered_.end(), true) != considered_.end())
-    throw std::invalid_argument(
-        "a filter with considered states cannot be smoothed: its gains are not optimal");
+    throw std::invalid_argument("a filter with considered states cannot be smoothed: its gains are not optimal");
   catch_up();
   record_ = record;
 }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <array>
+
 #include "aiding.h"
 #include "covariance.h"
 #include "error_state.h"
 #include "smoother.h"
 #include "strapdown.h"
-
-#include <array>
 
 namespace gyrobudget::inline v0::navigation {
 

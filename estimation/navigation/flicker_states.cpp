@@ -83,8 +83,7 @@ VectorXd fit(Misfit& misfit, VectorXd x) {
       least = error;
       best = x;
     }
-    for (Index i = 0; i < misfit.taus.size(); ++i)
-      misfit.weights[i] *= std::abs(misfit.relative_error(x, i)) + 1e-9;
+    for (Index i = 0; i < misfit.taus.size(); ++i) misfit.weights[i] *= std::abs(misfit.relative_error(x, i)) + 1e-9;
     misfit.weights /= misfit.weights.mean();
   }
   return best;
@@ -96,9 +95,8 @@ FlickerStates flicker_states(double b, double shortest, double longest, int stat
   if (!(b >= 0) || !std::isfinite(b))
     throw std::invalid_argument(fmt::format("bias instability is {}, expected 0 or more and finite", b));
   if (!(shortest > 0) || !(longest > shortest) || !(longest <= 1e8 * shortest))
-    throw std::invalid_argument(
-        fmt::format("band of flicker is {} s to {} s, expected positive, ascending and at most 1e8 apart",
-                    shortest, longest));
+    throw std::invalid_argument(fmt::format(
+        "band of flicker is {} s to {} s, expected positive, ascending and at most 1e8 apart", shortest, longest));
   if (states < 0 || states > 6)
     throw std::invalid_argument(fmt::format("{} states for flicker, expected 0 to 6", states));
   FlickerStates result;
@@ -107,8 +105,7 @@ FlickerStates flicker_states(double b, double shortest, double longest, int stat
 
   Misfit misfit;
   misfit.states = states;
-  const auto points =
-      std::max<Index>(4 * states, std::lround(std::log10(longest / shortest) * kPointsPerDecade) + 1);
+  const auto points = std::max<Index>(4 * states, std::lround(std::log10(longest / shortest) * kPointsPerDecade) + 1);
   misfit.taus = VectorXd::LinSpaced(points, 0, std::log(longest / shortest)).array().exp();
   misfit.weights = VectorXd::Ones(points);
   const VectorXd x = fit(misfit, start(1, longest / shortest, states));
@@ -116,8 +113,7 @@ FlickerStates flicker_states(double b, double shortest, double longest, int stat
     result.processes.push_back({b * std::exp(x[2 * k] / 2), shortest * std::exp(x[2 * k + 1])});
   std::sort(result.processes.begin(), result.processes.end(),
             [](const auto& l, const auto& r) { return l.correlation_time < r.correlation_time; });
-  misfit.taus =
-      VectorXd::LinSpaced(8 * points, 0, std::log(longest / shortest)).array().exp();  // between, too
+  misfit.taus = VectorXd::LinSpaced(8 * points, 0, std::log(longest / shortest)).array().exp();  // between, too
   result.worst_error = worst(misfit, x);
   return result;
 }

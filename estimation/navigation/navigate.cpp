@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "navigate.h"
 
-#include "gyrobudget/vehicle/earth/attitude.h"
-#include "gyrobudget/vehicle/earth/frames.h"
-#include "consistency.h"
 #include "gyrobudget/estimation/navigation/detail/fix_track.h"
 #include "gyrobudget/estimation/navigation/detail/start.h"
-#include "smoother.h"
+#include "gyrobudget/vehicle/earth/attitude.h"
+#include "gyrobudget/vehicle/earth/frames.h"
 
 #include <boost/math/distributions/chi_squared.hpp>
 #include <fmt/format.h>
@@ -16,6 +14,9 @@
 #include <memory>
 #include <stdexcept>
 #include <utility>
+
+#include "consistency.h"
+#include "smoother.h"
 
 namespace gyrobudget::inline v0::navigation {
 namespace {
@@ -31,8 +32,7 @@ constexpr double kSame = 2e-8;  // s: times that are one but for rounded stamps
 
 void check_aid_number(const Scenario& scenario, std::size_t aid, Aid::Kind kind, const char* what) {
   if (aid >= scenario.aids.size())
-    throw std::invalid_argument(
-        fmt::format("{}: aid number {}, there are {}", what, aid, scenario.aids.size()));
+    throw std::invalid_argument(fmt::format("{}: aid number {}, there are {}", what, aid, scenario.aids.size()));
   if (scenario.aids[aid].kind != kind)
     throw std::invalid_argument(fmt::format("{}: aid {} measures {}, not {}", what, scenario.aids[aid].name,
                                             name(scenario.aids[aid].kind), name(kind)));
@@ -80,16 +80,14 @@ SensorStates states(const Scenario& scenario, double length, double step) {
   const Eigen::Index sensors = result.initial.rows(), aids = static_cast<Eigen::Index>(variances.size());
   StateMatrix all = StateMatrix::Zero(sensors + aids, sensors + aids);
   all.topLeftCorner(sensors, sensors) = result.initial;
-  for (Eigen::Index i = 0; i < aids; ++i)
-    all(sensors + i, sensors + i) = variances[static_cast<std::size_t>(i)];
+  for (Eigen::Index i = 0; i < aids; ++i) all(sensors + i, sensors + i) = variances[static_cast<std::size_t>(i)];
   result.initial = all;
   return result;
 }
 
 // --- Measurements --------------------------------------------------------------------------------------------
 
-Measurement measure_fix(const Aid& aid, int number, const Fix& fix, const Estimate& estimate,
-                        const Vector3d& sigma) {
+Measurement measure_fix(const Aid& aid, int number, const Fix& fix, const Estimate& estimate, const Vector3d& sigma) {
   const Vector3d& p = estimate.state.p_eb_e;
   const earth::Geodetic at = earth::to_geodetic(p);
   const Matrix3d C_enu = earth::C_e_enu(at.latitude, at.longitude);
@@ -98,8 +96,7 @@ Measurement measure_fix(const Aid& aid, int number, const Fix& fix, const Estima
       return measure(PositionFix{fix.value, sigma, C_enu, aid.lever_arm, number}, estimate);
     case Aid::Kind::velocity:
     case Aid::Kind::rest:
-      return measure(VelocityFix{detail::to_ecef_axes(fix.value, p), sigma, C_enu, aid.lever_arm, number},
-                     estimate);
+      return measure(VelocityFix{detail::to_ecef_axes(fix.value, p), sigma, C_enu, aid.lever_arm, number}, estimate);
     case Aid::Kind::height:
       return measure(HeightFix{fix.value[0], sigma[0], number}, estimate);
     case Aid::Kind::attitude:
@@ -109,8 +106,7 @@ Measurement measure_fix(const Aid& aid, int number, const Fix& fix, const Estima
 }
 
 bool in_use(const Aid& aid, double t) {
-  return aid.valid.holds(t) &&
-         std::ranges::none_of(aid.outages, [&](const Span& outage) { return outage.holds(t); });
+  return aid.valid.holds(t) && std::ranges::none_of(aid.outages, [&](const Span& outage) { return outage.holds(t); });
 }
 
 // --- Against a reference -------------------------------------------------------------------------------------
@@ -118,8 +114,7 @@ bool in_use(const Aid& aid, double t) {
 // Compares solutions with the reference, each quantity as its aid sees it.
 class Comparison {
  public:
-  Comparison(const Scenario& scenario, const std::vector<FixTrack>& tracks)
-      : scenario_(scenario), tracks_(tracks) {
+  Comparison(const Scenario& scenario, const std::vector<FixTrack>& tracks) : scenario_(scenario), tracks_(tracks) {
     for (const std::size_t i : scenario.reference) {
       if (tracks[i].size() == 0) continue;  // the reference does not measure it
       switch (scenario.aids[i].kind) {
@@ -133,10 +128,8 @@ class Comparison {
           attitude_ = i;
           break;
         default:
-          throw std::invalid_argument(
-              fmt::format("reference: {} measures {}, expected position, velocity "
-                          "or attitude",
-                          scenario.aids[i].name, name(scenario.aids[i].kind)));
+          throw std::invalid_argument(fmt::format("reference: {} measures {}, expected position, velocity or attitude",
+                                                  scenario.aids[i].name, name(scenario.aids[i].kind)));
       }
     }
     summary_.has_position = position_.has_value();
@@ -153,14 +146,13 @@ class Comparison {
     ReferenceError e;
     e.time = t;
     Rows rows;
-    if (position_ && !add(position_at(t), *position_, Matrix3d::Identity(), estimate, P, rows, e.position,
-                          e.position_sigma))
+    if (position_ &&
+        !add(position_at(t), *position_, Matrix3d::Identity(), estimate, P, rows, e.position, e.position_sigma))
       return;
-    if (velocity_ && !add(tracks_[*velocity_].at(t), *velocity_, Matrix3d::Identity(), estimate, P, rows,
-                          e.velocity, e.velocity_sigma))
+    if (velocity_ && !add(tracks_[*velocity_].at(t), *velocity_, Matrix3d::Identity(), estimate, P, rows, e.velocity,
+                          e.velocity_sigma))
       return;
-    if (attitude_ &&
-        !add(tracks_[*attitude_].at(t), *attitude_, C_lb, estimate, P, rows, e.attitude, e.attitude_sigma))
+    if (attitude_ && !add(tracks_[*attitude_].at(t), *attitude_, C_lb, estimate, P, rows, e.attitude, e.attitude_sigma))
       return;
     e.nees = nees(rows.residual, rows.H * P * rows.H.transpose());
     summary_.errors.push_back(e);
@@ -207,8 +199,7 @@ class Comparison {
   bool add(const std::optional<Fix>& fix, std::size_t aid, const Matrix3d& turn, const Estimate& estimate,
            const StateMatrix& P, Rows& rows, Vector3d& error, Vector3d& sigma) const {
     if (!fix) return false;
-    const Measurement m =
-        measure_fix(scenario_.aids[aid], static_cast<int>(aid), *fix, estimate, Vector3d::Ones());
+    const Measurement m = measure_fix(scenario_.aids[aid], static_cast<int>(aid), *fix, estimate, Vector3d::Ones());
     Eigen::Matrix<double, 3, Eigen::Dynamic> H(3, P.cols());
     for (int i = 0; i < 3; ++i) H.row(i) = m.row[static_cast<std::size_t>(i)].h.transpose();
     H = turn * H;
@@ -309,15 +300,13 @@ class Runner {
     end_ = std::min(scenario_.until, stamp(recording_.imu.stamps.size() - 1));
     check_counts(aligning);
     const SensorStates sensors = states(scenario_, end_ - aligning.from, recording_.imu.typical_interval);
-    const auto start =
-        detail::start(scenario_, recording_, tracks_, aligning, sensors.model, sensors.initial);
+    const auto start = detail::start(scenario_, recording_, tracks_, aligning, sensors.model, sensors.initial);
     if (const auto* no = std::get_if<detail::NoStart>(&start)) return refuse(*no);
     const auto& begin = std::get<detail::Start>(start);
     result_.model = sensors.model;
     result_.left_out = sensors.left_out;
     result_.alignment = begin.result;
-    for (Eigen::Index k = kCoreStates; k < begin.P0.rows(); ++k)
-      result_.initial.push_back(std::sqrt(begin.P0(k, k)));
+    for (Eigen::Index k = kCoreStates; k < begin.P0.rows(); ++k) result_.initial.push_back(std::sqrt(begin.P0(k, k)));
     used_to_ = begin.used_to;
     Filter filter(begin.result.state, sensors.model, begin.P0, scenario_.filter);
     now_ = aligning.to;
@@ -338,8 +327,8 @@ class Runner {
     constexpr double kMost = 1e7;
     const auto require = [&](double seconds, double interval, std::string_view what) {
       if (!(seconds <= kMost * interval))
-        throw std::invalid_argument(fmt::format("{} every {:g} s over {:g} s, expected at most {:g} in all",
-                                                what, interval, seconds, kMost));
+        throw std::invalid_argument(
+            fmt::format("{} every {:g} s over {:g} s, expected at most {:g} in all", what, interval, seconds, kMost));
     };
     require(end_ - aligning.to, scenario_.solution_interval, "solutions");
     for (const Aid& aid : scenario_.aids)
@@ -401,9 +390,8 @@ class Runner {
       if (!(t >= first_solution() && t <= end_)) list += fmt::format("{}{:g}", list.empty() ? "" : ", ", t);
     if (list.empty()) return;
     result_.alignment.words.push_back(
-        fmt::format("no solution at {} s: solutions run from {:g} s, where the alignment "
-                    "ends, to {:g} s",
-                    list, first_solution(), end_));
+        fmt::format("no solution at {} s: solutions run from {:g} s, where the alignment ends, to {:g} s", list,
+                    first_solution(), end_));
   }
   [[nodiscard]] double first_solution() const { return result_.alignment.to; }
 
@@ -437,8 +425,7 @@ class Runner {
       if (t >= now_ && t <= end_ && !is_one) list.push_back({t, solution, 0});
     }
     constexpr double kTick = 1e-7;  // s: within it the order is that of the aids
-    std::ranges::stable_sort(list, {},
-                             [](const Event& e) { return std::pair(std::llround(e.time / kTick), e.aid); });
+    std::ranges::stable_sort(list, {}, [](const Event& e) { return std::pair(std::llround(e.time / kTick), e.aid); });
     return list;
   }
 

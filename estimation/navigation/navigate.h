@@ -2,13 +2,12 @@
 // From a scene and what was recorded to a navigation solution, with what the innovations say of it.
 #pragma once
 
-#include "recording.h"
-#include "scenario.h"
-
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "recording.h"
+#include "scenario.h"
 #include <Eigen/Core>
 
 namespace gyrobudget::inline v0::navigation {
@@ -41,9 +40,8 @@ struct AidSummary {
   std::size_t aid = 0;
   int rows = 0;
   std::int64_t used = 0, gated = 0, not_finite = 0;
-  std::int64_t left_out =
-      0;                ///< before the start or in it, after the end, in an outage, outside its validity
-  double nis_mean = 0;  ///< of those used
+  std::int64_t left_out = 0;         ///< before the start or in it, after the end, in an outage, outside its validity
+  double nis_mean = 0;               ///< of those used
   double nis_low = 0, nis_high = 0;  ///< 95 % of nis_mean for right sigmas: chi-square of used * rows
   double inside_95 = 0;              ///< share of those used, and gated, below the 95 % point of chi-square
   Eigen::Vector3d residual_mean = Eigen::Vector3d::Zero();  ///< of those used, in the aid's components

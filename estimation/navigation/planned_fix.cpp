@@ -31,8 +31,7 @@ Measurement linearise(const PlannedFix& planned, const Instant& at, const ErrorS
   return std::visit([&](const auto& fix) { return measure(fix, estimate); }, planned.fix);
 }
 
-StartFromFix start_from(const PlannedFix& planned, const Instant& at,
-                        const ErrorStateModel& model) {
+StartFromFix start_from(const PlannedFix& planned, const Instant& at, const ErrorStateModel& model) {
   if (std::holds_alternative<HeightFix>(planned.fix))
     throw std::invalid_argument("a fix of height gives no start: position, velocity or attitude does");
   const int first = std::holds_alternative<PositionFix>(planned.fix)   ? kPosition
@@ -44,16 +43,14 @@ StartFromFix start_from(const PlannedFix& planned, const Instant& at,
   for (const MeasurementRow& row : rows.row) {  // of a residual that the start makes zero
     const Vector3d axis = row.h.segment<3>(first);
     start.by_terms.middleRows<3>(first) -= axis * row.h.tail(start.by_terms.cols()).transpose();
-    if (first != kAttitude)
-      start.by_attitude.middleRows<3>(first) -= axis * row.h.segment<3>(kAttitude).transpose();
+    if (first != kAttitude) start.by_attitude.middleRows<3>(first) -= axis * row.h.segment<3>(kAttitude).transpose();
     start.white.block<3, 3>(first, first) += row.variance * axis * axis.transpose();
   }
   return start;
 }
 
 std::vector<double> fix_times(const FixPlan& plan) {
-  require(plan.interval > 0 && std::isfinite(plan.interval), "interval of fixes [s]", plan.interval,
-          "above 0");
+  require(plan.interval > 0 && std::isfinite(plan.interval), "interval of fixes [s]", plan.interval, "above 0");
   require(plan.last - plan.first <= kMostFixes * plan.interval, "number of fixes",
           (plan.last - plan.first) / plan.interval, fmt::format("at most {:g}", kMostFixes));
   std::vector<double> times;

@@ -2,13 +2,12 @@
 // Fixes before they are taken: when, of what, and what a filter makes of them along a true trajectory.
 #pragma once
 
-#include "aiding.h"
-#include "error_state.h"
-
 #include <utility>
 #include <variant>
 #include <vector>
 
+#include "aiding.h"
+#include "error_state.h"
 #include <Eigen/Core>
 
 namespace gyrobudget::inline v0::navigation {

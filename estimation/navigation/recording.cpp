@@ -119,8 +119,7 @@ ImuLog imu_log(const ImuSamples& samples) {
   const bool instants = samples.gyro == SampleKind::instant || samples.accelerometer == SampleKind::instant;
   if (instants && samples.gyro != samples.accelerometer)
     throw std::invalid_argument(
-        "the gyro's and the accelerometer's samples are of different kinds: either both or none can be of "
-        "instants");
+        "the gyro's and the accelerometer's samples are of different kinds: either both or none can be of instants");
   std::vector<Interval> intervals =
       instants ? intervals_of_instants(samples, median) : intervals_of_means(samples, median);
   bridge(intervals);

@@ -18,16 +18,15 @@ int rows(Aid::Kind kind) { return kind == Aid::Kind::height ? 1 : 3; }
 
 void check(const Aid& aid) {
   const auto require = [&](bool good, std::string_view what, double value, std::string_view expected) {
-    if (!good)
-      throw std::invalid_argument(fmt::format("{}: {} is {}, expected {}", aid.name, what, value, expected));
+    if (!good) throw std::invalid_argument(fmt::format("{}: {} is {}, expected {}", aid.name, what, value, expected));
   };
   for (int i = 0; i < rows(aid.kind); ++i)
     require(aid.sigma[i] > 0 && std::isfinite(aid.sigma[i]), "sigma", aid.sigma[i], "above 0 and finite");
   for (int i = 0; i < 3; ++i) {
-    require(aid.bias_sigma[i] >= 0 && std::isfinite(aid.bias_sigma[i]), "sigma of its bias",
-            aid.bias_sigma[i], "0 or more");
-    require(aid.correlated_sigma[i] >= 0 && std::isfinite(aid.correlated_sigma[i]),
-            "sigma of its correlated error", aid.correlated_sigma[i], "0 or more");
+    require(aid.bias_sigma[i] >= 0 && std::isfinite(aid.bias_sigma[i]), "sigma of its bias", aid.bias_sigma[i],
+            "0 or more");
+    require(aid.correlated_sigma[i] >= 0 && std::isfinite(aid.correlated_sigma[i]), "sigma of its correlated error",
+            aid.correlated_sigma[i], "0 or more");
     require(aid.lever_arm_sigma[i] >= 0 && std::isfinite(aid.lever_arm_sigma[i]), "sigma of its lever arm",
             aid.lever_arm_sigma[i], "0 or more");
     require(std::isfinite(aid.lever_arm[i]), "lever arm", aid.lever_arm[i], "a finite number");
@@ -35,14 +34,12 @@ void check(const Aid& aid) {
   require(aid.correlation_time > 0, "correlation time", aid.correlation_time, "above 0 s");
   require(aid.rate > 0 && std::isfinite(aid.rate), "rate", aid.rate, "above 0 Hz");
   require(std::isfinite(aid.time_tag), "time tag", aid.time_tag, "a finite time");
-  require(aid.time_tag_sigma >= 0 && std::isfinite(aid.time_tag_sigma), "sigma of its time tag",
-          aid.time_tag_sigma, "0 s or more");
+  require(aid.time_tag_sigma >= 0 && std::isfinite(aid.time_tag_sigma), "sigma of its time tag", aid.time_tag_sigma,
+          "0 s or more");
 }
 
 Eigen::Vector3d total_sigma(const Aid& aid) {
-  return (aid.sigma.array().square() + aid.bias_sigma.array().square() +
-          aid.correlated_sigma.array().square())
-      .sqrt();
+  return (aid.sigma.array().square() + aid.bias_sigma.array().square() + aid.correlated_sigma.array().square()).sqrt();
 }
 
 AidTerms aid_terms(const Aid& aid, int number) {

@@ -3,11 +3,9 @@
 // start of the trajectory.
 #pragma once
 
+#include "gyrobudget/noise/sensor.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/ellipsoid.h"
-#include "filter.h"
-#include "sensor_states.h"
-#include "gyrobudget/noise/sensor.h"
 
 #include <limits>
 #include <optional>
@@ -16,6 +14,8 @@
 #include <variant>
 #include <vector>
 
+#include "filter.h"
+#include "sensor_states.h"
 #include <Eigen/Core>
 
 namespace gyrobudget::inline v0::navigation {
@@ -90,10 +90,9 @@ struct SelfAlignment {
 struct AlignmentPlan {
   double start = 0;  ///< [s]
   std::variant<earth::Geodetic, FromAid> position = earth::Geodetic{};
-  std::optional<Eigen::Vector3d> position_sigma;  ///< east, north, up [m]
-  std::variant<Eigen::Vector3d, FromAid> velocity =
-      Eigen::Vector3d(0, 0, 0);                   ///< v_eb_n, north, east, down [m/s]
-  std::optional<Eigen::Vector3d> velocity_sigma;  ///< east, north, up [m/s]
+  std::optional<Eigen::Vector3d> position_sigma;                               ///< east, north, up [m]
+  std::variant<Eigen::Vector3d, FromAid> velocity = Eigen::Vector3d(0, 0, 0);  ///< v_eb_n, north, east, down [m/s]
+  std::optional<Eigen::Vector3d> velocity_sigma;                               ///< east, north, up [m/s]
   std::variant<earth::Euler, FromAid, SelfAlignment> attitude = earth::Euler{};
   std::optional<double> level_sigma, heading_sigma;  ///< [rad]
 };
@@ -113,7 +112,7 @@ struct Scenario {
   std::vector<double> at;                                  ///< solutions at these times too
   double gravity_sigma = 0;     ///< of a vertical error of normal gravity, for budgets [m/s^2]
   double deflection_sigma = 0;  ///< of the vertical, for budgets [rad]
-  bool smooth = false;  ///< solutions from all fixes, later ones too (smoother.h); considered states: refused
+  bool smooth = false;          ///< solutions from all fixes, later ones too (smoother.h); considered states: refused
   std::vector<std::size_t> reference;  ///< aids that the solution is compared with
 };
 

@@ -2,7 +2,6 @@
 #include "sensor_states.h"
 
 #include "gyrobudget/estimation/navigation/detail/gauss_markov.h"
-#include "flicker_states.h"
 
 #include <fmt/format.h>
 
@@ -10,6 +9,8 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+
+#include "flicker_states.h"
 
 namespace gyrobudget::inline v0::navigation {
 namespace {
@@ -50,11 +51,7 @@ double logarithmic_integral(Function f, double from, double to) {
 class BeyondBand {
  public:
   BeyondBand(double b, std::vector<noise::GaussMarkov> states, double shortest, double longest, double dt)
-      : b_(b),
-        states_(std::move(states)),
-        longest_(longest),
-        dt_(dt),
-        offset_(excess(std::sqrt(shortest * longest))) {}
+      : b_(b), states_(std::move(states)), longest_(longest), dt_(dt), offset_(excess(std::sqrt(shortest * longest))) {}
 
   // Of Var(F(0) - F(-P)): half the offset, as the fast part of F(0) passes and that of F(-P) stays, and all the gain.
   [[nodiscard]] double against_value(double P) const { return std::max(0.0, offset_) / 2 + gain(P); }
@@ -64,12 +61,9 @@ class BeyondBand {
   }
 
  private:
-  [[nodiscard]] double gain(double lag) const {
-    return lag > longest_ ? std::max(0.0, excess(lag) - offset_) : 0;
-  }
+  [[nodiscard]] double gain(double lag) const { return lag > longest_ ? std::max(0.0, excess(lag) - offset_) : 0; }
   [[nodiscard]] double excess(double lag) const {
-    double d =
-        2 * b_ * b_ / std::numbers::pi * (std::log(std::max(4 * lag / dt_, 1.0)) + std::numbers::egamma);
+    double d = 2 * b_ * b_ / std::numbers::pi * (std::log(std::max(4 * lag / dt_, 1.0)) + std::numbers::egamma);
     for (const auto& g : states_) d -= 2 * g.sigma * g.sigma * -std::expm1(-lag / g.correlation_time);
     return d;
   }
@@ -93,16 +87,15 @@ class Builder {
     longest_ = options.scene_length;
     const double shortest = options.shortest.value_or(longest_ * std::pow(10, -kBandDecades));
     if (!(shortest > 0 && shortest < longest_))
-      throw std::invalid_argument(fmt::format(
-          "band of flicker from {} s to {} s, expected positive and ascending", shortest, longest_));
+      throw std::invalid_argument(
+          fmt::format("band of flicker from {} s to {} s, expected positive and ascending", shortest, longest_));
     shortest_ = std::max(std::min(options.step, longest_ / 2), shortest);
     result_.initial = StateMatrix::Zero(kMaxErrorTerms, kMaxErrorTerms);
   }
 
   void add(const Triad& triad) {
     check(triad.epoch, triad.name);
-    auto& white =
-        triad.carrier == Carrier::gyro ? result_.model.gyro_white : result_.model.accelerometer_white;
+    auto& white = triad.carrier == Carrier::gyro ? result_.model.gyro_white : result_.model.accelerometer_white;
     white.setConstant(triad.errors.white);
     const auto processes = slow_processes(triad);
     const double beyond = slower_than_band(triad, processes.flicker);
@@ -138,8 +131,7 @@ class Builder {
     int states = options_.flicker_states.value_or(0);
     FlickerStates fit = flicker_states(errors.bias_instability, shortest_, longest_, states);
     const auto hidden = [&] {
-      const double error =
-          fit.worst_error;  // of the deviation; 2 error of flicker's variance, its share of the total
+      const double error = fit.worst_error;  // of the deviation; 2 error of flicker's variance, its share of the total
       return (states == 0 ? flicker / total / 2 : error * flicker / total) <= options_.tolerance;
     };
     while (!options_.flicker_states && states < 3 && !hidden())
@@ -160,8 +152,7 @@ class Builder {
     const std::size_t k = result_.model.terms.size();
     if (k == kMaxErrorTerms)
       throw std::invalid_argument(fmt::format(
-          "the sensor needs more than the {} states a filter holds: consider fewer Gauss-Markov terms, or "
-          "leave misalignment or g-sensitivity out",
+          "the sensor needs more than the {} states a filter holds: consider fewer Gauss-Markov terms, or leave misalignment or g-sensitivity out",
           kMaxErrorTerms));
     result_.model.terms.push_back(term);
     result_.initial(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(k)) = variance;
@@ -176,8 +167,7 @@ class Builder {
       return sigma.value_or(0)[static_cast<std::size_t>(axis)];
     };
     const double K = errors.rate_random_walk, b0 = of_axis(errors.turn_on_bias);
-    const double rectified =
-        of_axis(errors.vibration_rectification) * options_.vibration * options_.vibration;
+    const double rectified = of_axis(errors.vibration_rectification) * options_.vibration * options_.vibration;
     double variance = beyond + rectified * rectified;  // no calibration at rest takes off what vibration adds
     variance += T ? K * K * *T / 3 + errors.white * errors.white / *T : b0 * b0 + K * K * P;
     // Correlation of the bias with each process, over sigma^2, and the variance that the epoch charges for it.
@@ -188,13 +178,11 @@ class Builder {
     std::vector<Link> links;
     for (const auto& g : processes.flicker) {
       const double tc = g.correlation_time;
-      links.push_back(T ? Link{g, mean_exponential(*T / tc), mean_variance(*T / tc)}
-                        : Link{g, std::exp(-P / tc), 1});
+      links.push_back(T ? Link{g, mean_exponential(*T / tc), mean_variance(*T / tc)} : Link{g, std::exp(-P / tc), 1});
     }
     for (const auto& g : processes.given)
-      links.push_back(
-          T ? Link{g, mean_exponential(*T / g.correlation_time), mean_variance(*T / g.correlation_time)}
-            : Link{g, 0, 0});
+      links.push_back(T ? Link{g, mean_exponential(*T / g.correlation_time), mean_variance(*T / g.correlation_time)}
+                        : Link{g, 0, 0});
     for (const auto& link : links) variance += link.process.sigma * link.process.sigma * link.charged;
     if (variance == 0 && K == 0 && links.empty()) return;
 
@@ -257,10 +245,8 @@ class Builder {
     const auto say = [&](bool has, std::string_view what, std::string_view why) {
       if (has) result_.left_out.push_back({fmt::format("{} {}", triad.name, what), std::string(why)});
     };
-    say(errors.quantization != 0, "quantization",
-        "moves the integrated signal by no more than one step, ever");
-    say(errors.rate_ramp != 0, "rate ramp",
-        "no state: the bias follows it only as far as its random walk lets it");
+    say(errors.quantization != 0, "quantization", "moves the integrated signal by no more than one step, ever");
+    say(errors.rate_ramp != 0, "rate ramp", "no state: the bias follows it only as far as its random walk lets it");
     say(!errors.sinusoids.empty(), "sinusoid", "no state: bounded in the integrated signal");
     say(errors.bandwidth.has_value(), "bandwidth", "a delay, not a state");
   }
@@ -278,8 +264,8 @@ Epoch epoch_of(const noise::ErrorModel& errors) {
 
 void check(const Epoch& epoch, std::string_view triad) {
   if (!(epoch.powered_on_before >= 0) || !std::isfinite(epoch.powered_on_before))
-    throw std::invalid_argument(fmt::format("{}: powered on {} s before the scene, expected 0 or more", triad,
-                                            epoch.powered_on_before));
+    throw std::invalid_argument(
+        fmt::format("{}: powered on {} s before the scene, expected 0 or more", triad, epoch.powered_on_before));
   if (epoch.calibrated_over && (!(*epoch.calibrated_over > 0) || !std::isfinite(*epoch.calibrated_over)))
     throw std::invalid_argument(
         fmt::format("{}: calibrated over {} s, expected above 0 s", triad, *epoch.calibrated_over));
@@ -297,9 +283,8 @@ SensorStates sensor_states(const noise::SensorModel& sensor, const SensorStates:
 StateMatrix initial_covariance(const CoreMatrix& core, const StateMatrix& terms) {
   const auto n = kCoreStates + terms.rows();
   if (terms.rows() != terms.cols() || n > kMaxStates)
-    throw std::invalid_argument(
-        fmt::format("covariance of {} x {} error terms, expected square with at most {}", terms.rows(),
-                    terms.cols(), kMaxErrorTerms));
+    throw std::invalid_argument(fmt::format("covariance of {} x {} error terms, expected square with at most {}",
+                                            terms.rows(), terms.cols(), kMaxErrorTerms));
   StateMatrix P = StateMatrix::Zero(n, n);
   P.topLeftCorner<kCoreStates, kCoreStates>() = core;
   P.bottomRightCorner(terms.rows(), terms.rows()) = terms;

@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "error_state.h"
 #include "gyrobudget/noise/sensor.h"
 
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "error_state.h"
 
 namespace gyrobudget::inline v0::navigation {
 

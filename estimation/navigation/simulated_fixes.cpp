@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "simulated_fixes.h"
 
+#include "gyrobudget/noise/normal.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/ellipsoid.h"
 #include "gyrobudget/vehicle/earth/frames.h"
-#include "gyrobudget/noise/normal.h"
 
 #include <algorithm>
 #include <cmath>
@@ -38,8 +38,7 @@ class Draws {
 };
 
 // What an aid measures at a place and time: `error` in its own components.
-Fix measured(const Aid& aid, const earth::TrajectoryPoint& truth, const Vector3d& arm,
-             const Vector3d& error) {
+Fix measured(const Aid& aid, const earth::TrajectoryPoint& truth, const Vector3d& arm, const Vector3d& error) {
   const earth::Geodetic at = earth::to_geodetic(truth.p_eb_e);
   const Matrix3d C_en = earth::C_e_ned(at.latitude, at.longitude);
   const Matrix3d C_enu = earth::C_e_enu(at.latitude, at.longitude);
@@ -67,8 +66,8 @@ Fix measured(const Aid& aid, const earth::TrajectoryPoint& truth, const Vector3d
 
 }  // namespace
 
-std::vector<Fix> simulated_fixes(const Aid& aid, int number, const earth::Trajectory& trajectory,
-                                 std::uint64_t seed, std::uint64_t run) {
+std::vector<Fix> simulated_fixes(const Aid& aid, int number, const earth::Trajectory& trajectory, std::uint64_t seed,
+                                 std::uint64_t run) {
   check(aid);
   std::vector<Fix> fixes;
   if (aid.kind == Aid::Kind::rest) return fixes;

@@ -2,11 +2,12 @@
 #pragma once
 
 #include "gyrobudget/vehicle/earth/trajectory.h"
-#include "recording.h"
-#include "scenario.h"
 
 #include <cstdint>
 #include <vector>
+
+#include "recording.h"
+#include "scenario.h"
 
 namespace gyrobudget::inline v0::navigation {
 
@@ -17,7 +18,7 @@ namespace gyrobudget::inline v0::navigation {
 ///
 /// Deterministic in (seed, run, number of the aid).
 /// @throws std::invalid_argument for what check(Aid) refuses.
-[[nodiscard]] std::vector<Fix> simulated_fixes(const Aid&, int number, const earth::Trajectory&,
-                                               std::uint64_t seed, std::uint64_t run);
+[[nodiscard]] std::vector<Fix> simulated_fixes(const Aid&, int number, const earth::Trajectory&, std::uint64_t seed,
+                                               std::uint64_t run);
 
 }  // namespace gyrobudget::inline v0::navigation

@@ -53,13 +53,11 @@ struct Adjoint {
 
 FilterHistory::FilterHistory(int states) : states_(states) {
   if (states < kCoreStates || states > kMaxStates)
-    throw std::invalid_argument(
-        fmt::format("record of {} states, expected {} to {}", states, kCoreStates, kMaxStates));
+    throw std::invalid_argument(fmt::format("record of {} states, expected {} to {}", states, kCoreStates, kMaxStates));
 }
 
 void FilterHistory::check(Eigen::Index states) const {
-  if (states != states_)
-    throw std::invalid_argument(fmt::format("record of {} states is given {}", states_, states));
+  if (states != states_) throw std::invalid_argument(fmt::format("record of {} states is given {}", states_, states));
 }
 
 void FilterHistory::moved(const Transition& step) {
@@ -90,7 +88,7 @@ void FilterHistory::close_stretch() {
 }
 
 void FilterHistory::updated(const MeasurementRow& row, double innovation_variance, double residual,
-                     const StateVector& gain) {
+                            const StateVector& gain) {
   check(row.h.size());
   check(gain.size());
   close_stretch();
@@ -113,8 +111,7 @@ void FilterHistory::keep(double time, const NavigationState& state, const StateV
 
 std::size_t FilterHistory::bytes() const {
   return numbers_.capacity() * sizeof(double) + entries_.capacity() * sizeof(Entry) +
-         epochs_.capacity() *
-             (sizeof(Epoch) + static_cast<std::size_t>(states_ - kCoreStates) * sizeof(double));
+         epochs_.capacity() * (sizeof(Epoch) + static_cast<std::size_t>(states_ - kCoreStates) * sizeof(double));
 }
 
 std::vector<SmoothedEpoch> smooth(const FilterHistory& record) {

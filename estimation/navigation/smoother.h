@@ -10,11 +10,11 @@
 // the residuals are the same numbers, so l corrects the estimate that the filter held at that epoch.
 #pragma once
 
-#include "covariance.h"
-#include "strapdown.h"
-
 #include <cstddef>
 #include <vector>
+
+#include "covariance.h"
+#include "strapdown.h"
 
 namespace gyrobudget::inline v0::navigation {
 

@@ -34,9 +34,7 @@ struct Twist {
   Vector3d s = Vector3d::Zero();
   double r = 0;  ///< time
 
-  friend Twist operator+(const Twist& a, const Twist& b) {
-    return {a.w + b.w, a.f + b.f, a.s + b.s, a.r + b.r};
-  }
+  friend Twist operator+(const Twist& a, const Twist& b) { return {a.w + b.w, a.f + b.f, a.s + b.s, a.r + b.r}; }
   friend Twist operator*(double k, const Twist& a) { return {k * a.w, k * a.f, k * a.s, k * a.r}; }
 };
 
@@ -80,8 +78,8 @@ double alternating(double x2) {
 
 template <std::size_t terms>
 Coefficients series(double x2) {
-  return {-x2 / 4 * alternating<2, terms>(x2 / 4), alternating<1, terms>(x2 / 4) / 2,
-          alternating<3, terms>(x2), alternating<4, terms>(x2)};
+  return {-x2 / 4 * alternating<2, terms>(x2 / 4), alternating<1, terms>(x2 / 4) / 2, alternating<3, terms>(x2),
+          alternating<4, terms>(x2)};
 }
 
 Coefficients coefficients(double x2) {
@@ -118,8 +116,7 @@ struct Quadrature {
   Values u{-0.765055323929464693, -0.285231516480645096, 0.285231516480645096, 0.765055323929464693};
   Values w1{}, w2{}, w3{};
   constexpr Quadrature() {
-    constexpr Values lobatto{0.378474956297846980, 0.554858377035486353, 0.554858377035486353,
-                             0.378474956297846980};
+    constexpr Values lobatto{0.378474956297846980, 0.554858377035486353, 0.554858377035486353, 0.378474956297846980};
     for (std::size_t i = 0; i < u.size(); ++i) {
       w1[i] = 0.75 * lobatto[i] * (1 - u[i] * u[i]);
       w2[i] = 5 * u[i] * w1[i];
@@ -129,9 +126,7 @@ struct Quadrature {
 };
 constexpr Quadrature kQuadrature;
 
-Eigen::Map<const Nodes> nodes(const Quadrature::Values& values) {
-  return Eigen::Map<const Nodes>(values.data());
-}
+Eigen::Map<const Nodes> nodes(const Quadrature::Values& values) { return Eigen::Map<const Nodes>(values.data()); }
 
 Twist twist(const Eigen::Matrix<double, 6, 1>& x) { return {x.head<3>(), x.tail<3>()}; }
 
@@ -235,8 +230,7 @@ Pull gravitation_gained(const Vector3d& p0, const Vector3d& v0, const Vector3d& 
   const double k = -g.dot(p) * over_r2;
   const double pv = p.dot(v) * over_r2;
   const Vector3d first = k * (3 * pv * p - v);
-  const Vector3d second =
-      k * ((3 * (v.squaredNorm() + p.dot(a)) * over_r2 - 15 * pv * pv) * p + 6 * pv * v - a);
+  const Vector3d second = k * ((3 * (v.squaredNorm() + p.dot(a)) * over_r2 - 15 * pv * pv) * p + 6 * pv * v - a);
   const Vector3d v_gained = h * (g + h * h / 24 * second);
   return {v_gained, h / 2 * (v_gained - h * h / 6 * first), g};
 }
@@ -252,19 +246,17 @@ void add(const Step& step, Sum& sum, Rest& rest) {
 
 void check(const earth::ImuIncrement& increment) {
   if (!increment.velocity.allFinite() || !increment.angle.allFinite())
-    throw std::invalid_argument(
-        fmt::format("IMU increment of velocity ({}, {}, {}) m/s and angle ({}, {}, {}) rad must be finite",
-                    increment.velocity.x(), increment.velocity.y(), increment.velocity.z(),
-                    increment.angle.x(), increment.angle.y(), increment.angle.z()));
+    throw std::invalid_argument(fmt::format(
+        "IMU increment of velocity ({}, {}, {}) m/s and angle ({}, {}, {}) rad must be finite", increment.velocity.x(),
+        increment.velocity.y(), increment.velocity.z(), increment.angle.x(), increment.angle.y(), increment.angle.z()));
 }
 
 void check(const NavigationState& state) {
   if (!state.v_eb_e.allFinite())
-    throw std::invalid_argument(fmt::format("velocity ({}, {}, {}) m/s must be finite", state.v_eb_e.x(),
-                                            state.v_eb_e.y(), state.v_eb_e.z()));
-  if (!(std::abs(state.q_eb.norm() - 1) <= 1e-6))
     throw std::invalid_argument(
-        fmt::format("norm {} of the quaternion q_eb must be 1 to 1e-6", state.q_eb.norm()));
+        fmt::format("velocity ({}, {}, {}) m/s must be finite", state.v_eb_e.x(), state.v_eb_e.y(), state.v_eb_e.z()));
+  if (!(std::abs(state.q_eb.norm() - 1) <= 1e-6))
+    throw std::invalid_argument(fmt::format("norm {} of the quaternion q_eb must be 1 to 1e-6", state.q_eb.norm()));
 }
 
 }  // namespace
@@ -285,8 +277,7 @@ void Strapdown::set_state(const NavigationState& state) {
 
 void Strapdown::step(const earth::ImuIncrement& imu, double dt) {
   if (!(dt >= 0) || !std::isfinite(dt))
-    throw std::invalid_argument(
-        fmt::format("interval {} s of a strapdown step must be finite, not negative", dt));
+    throw std::invalid_argument(fmt::format("interval {} s of a strapdown step must be finite, not negative", dt));
   if (dt == 0) return;
   check(imu);
   Increment increment{.dt = dt};
@@ -350,8 +341,7 @@ void Strapdown::redo() {
       difference[node] = (k == j + 1 ? difference[1] : difference[node - 1]) + first_[k].sum;
     }
     for (std::size_t m = 1; m <= known; ++m)
-      for (std::size_t i = known; i >= m; --i)
-        difference[i] = (difference[i] - difference[i - 1]) / (s[i] - s[i - m]);
+      for (std::size_t i = known; i >= m; --i) difference[i] = (difference[i] - difference[i - 1]) / (s[i] - s[i - m]);
     Polynomial polynomial(first_[j].dt, known_);
     for (std::size_t m = 2; m <= known; ++m) polynomial.add(difference[m], -s[m]);
     advance(sum, first_[j], polynomial);

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "first_order.h"
-#include "state_bank.h"
 #include "gyrobudget/noise/normal.h"
 #include "gyrobudget/noise/sensor.h"
 
@@ -11,6 +9,9 @@
 #include <span>
 #include <utility>
 #include <vector>
+
+#include "first_order.h"
+#include "state_bank.h"
 
 namespace gyrobudget::inline v0::noise::detail {
 

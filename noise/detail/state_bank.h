@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "normal_kernel.h"
-
 #include <cstddef>
 #include <span>
 #include <vector>
+
+#include "normal_kernel.h"
 
 namespace gyrobudget::inline v0::noise::detail {
 

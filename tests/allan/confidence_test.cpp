@@ -40,8 +40,8 @@ TEST(EquivalentDof, AgreesWithDirectSums) {
 
 TEST(EquivalentDof, ClosedForms) {
   // One term is chi-square with one degree of freedom, whatever the noise.
-  for (const noise::Process& process : {noise::Process(noise::White{1}), noise::Process(noise::Flicker{1}),
-                                        noise::Process(noise::Quantization{1})}) {
+  for (const noise::Process& process :
+       {noise::Process(noise::White{1}), noise::Process(noise::Flicker{1}), noise::Process(noise::Quantization{1})}) {
     EXPECT_NEAR(edf_of(process, 1000, 500), 1, 1e-12);
   }
   // Random walk at m = 1: n - 1 independent steps.
@@ -85,9 +85,7 @@ TEST(EquivalentDof, OfMeansAloneIsInfiniteAndOfNothingThrows) {
 
 TEST(ChiSquareInterval, TabulatedQuantiles) {
   // Chi-square quantiles at 2.5 % and 97.5 %: any table, e.g. NIST/SEMATECH e-Handbook of Statistical Methods 1.3.6.7.4.
-  const struct {
-    double edf, low, high;
-  } rows[] = {{1, 0.001, 5.024}, {10, 3.247, 20.483}, {100, 74.222, 129.561}};
+  const struct { double edf, low, high; } rows[] = {{1, 0.001, 5.024}, {10, 3.247, 20.483}, {100, 74.222, 129.561}};
   for (const auto& row : rows) {
     const Interval interval = chi_square_interval(1, row.edf);
     EXPECT_NEAR(row.edf / interval.lower, row.high, 5e-4);

@@ -91,8 +91,7 @@ class BruteForce {
       const double t = static_cast<double>(k + i) * dt_;
       if (std::holds_alternative<noise::RateRamp>(process_)) sum += weight(m, i) * t;
       if (const auto* line = std::get_if<noise::Sinusoid>(&process_)) {
-        sum += weight(m, i) *
-               std::sin(2 * std::numbers::pi * line->frequency * t + phase * std::numbers::pi / 2);
+        sum += weight(m, i) * std::sin(2 * std::numbers::pi * line->frequency * t + phase * std::numbers::pi / 2);
       }
     }
     return sum;
@@ -179,8 +178,7 @@ TEST(BruteForceCovariance, SinusoidWithNoise) {
 TEST(LongSinusoid, SpectralFormContinuesTheLagSum) {
   // 500 cycles in the record are where one form takes over from the other; S n hardly depends on n itself.
   constexpr double kSpectralError = 0.01;
-  const Processes mix{noise::White{1}, noise::Flicker{1}, noise::RateRandomWalk{1},
-                      noise::Sinusoid{1, 0.0503, 0}};
+  const Processes mix{noise::White{1}, noise::Flicker{1}, noise::RateRandomWalk{1}, noise::Sinusoid{1, 0.0503, 0}};
   const Eigen::Vector4d theta(1, 0.1, 0.01, 9);
   const auto scaled = [&](double samples) {
     const auto n = static_cast<std::int64_t>(samples);
@@ -278,19 +276,17 @@ struct Mix {
 };
 
 // The paper's gyros (theory section 1), SI.
-const double kIfog[] = {1.570796e-7, 8.241833e-9, 3.490659e-9},
-             kMems[] = {4.363323e-5, 3.393696e-6, 3.490659e-7};
+const double kIfog[] = {1.570796e-7, 8.241833e-9, 3.490659e-9}, kMems[] = {4.363323e-5, 3.393696e-6, 3.490659e-7};
 
 std::vector<Mix> mixes() {
-  std::vector<Mix> all{
-      {"white", 1, {noise::White{1}}},
-      {"flicker", 1, {noise::Flicker{1}}},
-      {"random walk", 1, {noise::RateRandomWalk{1}}},
-      {"quantization", 1, {noise::Quantization{1}}},
-      {"Gauss-Markov", 1, {noise::GaussMarkov{1, 100}}},
-      {"steep", 1, {noise::Quantization{1}, noise::RateRandomWalk{1e-3}}},
-      {"ramp", 1, {noise::White{1}, noise::RateRamp{1e-3}}},
-      {"line", 1, {noise::White{1}, noise::RateRandomWalk{1e-3}, noise::Sinusoid{3, 0.0503, 0}}}};
+  std::vector<Mix> all{{"white", 1, {noise::White{1}}},
+                       {"flicker", 1, {noise::Flicker{1}}},
+                       {"random walk", 1, {noise::RateRandomWalk{1}}},
+                       {"quantization", 1, {noise::Quantization{1}}},
+                       {"Gauss-Markov", 1, {noise::GaussMarkov{1, 100}}},
+                       {"steep", 1, {noise::Quantization{1}, noise::RateRandomWalk{1e-3}}},
+                       {"ramp", 1, {noise::White{1}, noise::RateRamp{1e-3}}},
+                       {"line", 1, {noise::White{1}, noise::RateRandomWalk{1e-3}, noise::Sinusoid{3, 0.0503, 0}}}};
   for (const double dt : {0.01, 1.}) {
     for (const auto& gyro : {kIfog, kMems}) {
       const Processes three{noise::White{gyro[0]}, noise::Flicker{gyro[1]}, noise::RateRandomWalk{gyro[2]}};
@@ -306,8 +302,7 @@ TEST(Cholesky, ExistsOnOctavesFromSixteenToABillion) {
   // The worst, pure random walk, has a correlation matrix of condition 1e3; 1e-3 leaves no doubt about rounding.
   constexpr double kSmallestPivot = 1e-3;
   for (const Mix& mix : mixes()) {
-    for (const std::int64_t samples :
-         {16, 17, 100, 1000, 3600, 36'000, 3'600'000, 100'000'000, 1'000'000'000}) {
+    for (const std::int64_t samples : {16, 17, 100, 1000, 3600, 36'000, 3'600'000, 100'000'000, 1'000'000'000}) {
       VectorXd theta(mix.processes.size());
       for (Eigen::Index a = 0; a < theta.size(); ++a) {
         theta[a] = std::pow(noise::coefficient(mix.processes[static_cast<std::size_t>(a)]), 2);
@@ -346,8 +341,7 @@ TEST(MonteCarlo, CovarianceOfSimulatedCurves) {
   VectorXd mean = VectorXd::Zero(count);
   MatrixXd product = MatrixXd::Zero(count, count), square = product;
   for (int record = 0; record < kRecords; ++record) {
-    const Curve curve =
-        overlapped_variance(generate({2, static_cast<std::uint64_t>(record)}), kInterval, factors);
+    const Curve curve = overlapped_variance(generate({2, static_cast<std::uint64_t>(record)}), kInterval, factors);
     VectorXd error(count);
     for (Eigen::Index i = 0; i < count; ++i)
       error[i] = curve.points[static_cast<std::size_t>(i)].variance - expected[i];

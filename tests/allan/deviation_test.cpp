@@ -72,8 +72,7 @@ TEST_P(AgainstDefinition, AgreesAtEveryLengthAndForm) {
   for (const std::size_t samples : {2U, 3U, 7U, 16U, 100U, 1001U, 9000U}) {
     const std::vector<double> rate = GetParam().make(samples);
     const auto n = static_cast<std::int64_t>(samples);
-    Factors factors =
-        samples < 200 ? all_factors(n) : log_factors(n, 7);  // to both sides of the border at 4096
+    Factors factors = samples < 200 ? all_factors(n) : log_factors(n, 7);  // to both sides of the border at 4096
     for (const Form form : {Form::full, Form::ieee}) {
       const Curve curve = overlapped_variance(rate, 0.01, factors, {.form = form});
       for (const Point& point : curve.points) {
@@ -84,8 +83,7 @@ TEST_P(AgainstDefinition, AgreesAtEveryLengthAndForm) {
           ASSERT_TRUE(std::isnan(point.variance));
           continue;
         }
-        ASSERT_LT(relative_error(point.variance, truth.variance), kExact)
-            << "n " << samples << " m " << point.m;
+        ASSERT_LT(relative_error(point.variance, truth.variance), kExact) << "n " << samples << " m " << point.m;
       }
     }
   }
@@ -112,9 +110,7 @@ void expect_exact(const std::vector<double>& rate, double step, double tolerance
   }
 }
 
-TEST(LongRecord, WhiteNoise) {
-  expect_exact(on_grid(reference::normal(kTenHours, 6), 0, 0x1p-36), 0x1p-36, kExact);
-}
+TEST(LongRecord, WhiteNoise) { expect_exact(on_grid(reference::normal(kTenHours, 6), 0, 0x1p-36), 0x1p-36, kExact); }
 
 TEST(LongRecord, MeanABillionTimesTheNoise) {
   constexpr double kStep = 0x1p-23;  // one ulp of 1e9
@@ -167,8 +163,7 @@ void expect_same_bytes(const Curve& a, const Curve& b) {
   ASSERT_EQ(a.points.size(), b.points.size());
   EXPECT_EQ(std::bit_cast<std::uint64_t>(a.mean), std::bit_cast<std::uint64_t>(b.mean));
   for (std::size_t i = 0; i < a.points.size(); ++i) {
-    EXPECT_EQ(std::bit_cast<std::uint64_t>(a.points[i].variance),
-              std::bit_cast<std::uint64_t>(b.points[i].variance))
+    EXPECT_EQ(std::bit_cast<std::uint64_t>(a.points[i].variance), std::bit_cast<std::uint64_t>(b.points[i].variance))
         << "m " << a.points[i].m;
     EXPECT_EQ(a.points[i].terms, b.points[i].terms);
   }
@@ -204,8 +199,7 @@ TEST_P(EveryInstructionSet, GivesTheBytesOfTheBaseline) {
   const detail::SecondDifference& other = detail::second_difference(GetParam());
   const std::vector<double> x = accumulate(reference::normal(10'000, 11));
   std::vector<std::uint32_t> missing(x.size());
-  for (std::size_t k = 1; k < x.size(); ++k)
-    missing[k] = missing[k - 1] + (k % 37 == 0 || k / 100 == 7 ? 1U : 0U);
+  for (std::size_t k = 1; k < x.size(); ++k) missing[k] = missing[k - 1] + (k % 37 == 0 || k / 100 == 7 ? 1U : 0U);
   for (const std::int64_t m : {1, 2, 3, 7, 64, 1000, 3333}) {
     for (std::int64_t count = 0; count < 40; ++count) {
       const double a = baseline.complete(x.data(), count, m), b = other.complete(x.data(), count, m);
@@ -249,11 +243,9 @@ TEST(Domain, MisuseThrows) {
     EXPECT_THROW((void)overlapped_variance(rate, 1, Factors{1, m}), std::invalid_argument);
   }
   for (const double fill : {0., -0.5, 1.01, kNaN}) {
-    EXPECT_THROW((void)overlapped_variance(rate, 1, Factors{1}, {.minimum_fill = fill}),
-                 std::invalid_argument);
+    EXPECT_THROW((void)overlapped_variance(rate, 1, Factors{1}, {.minimum_fill = fill}), std::invalid_argument);
   }
-  EXPECT_THROW((void)overlapped_variance(std::vector<double>(2, 1.7e308), 1, Factors{1}),
-               std::invalid_argument);
+  EXPECT_THROW((void)overlapped_variance(std::vector<double>(2, 1.7e308), 1, Factors{1}), std::invalid_argument);
   EXPECT_THROW((void)overlapped_variance(std::vector<double>{1}, 1, Factors{1}), std::invalid_argument);
   try {
     (void)overlapped_variance(rate, 1, Factors{51});
@@ -285,8 +277,7 @@ TEST(Missing, AgreesWithTheDefinition) {
   const std::vector<double> rate = with_gaps(accumulate(reference::normal(9'000, 8)));
   for (const double fill : {0.5, 0.95, 1.}) {
     for (const Form form : {Form::full, Form::ieee}) {
-      const Curve curve =
-          overlapped_variance(rate, 1, log_factors(9'000, 8), {.form = form, .minimum_fill = fill});
+      const Curve curve = overlapped_variance(rate, 1, log_factors(9'000, 8), {.form = form, .minimum_fill = fill});
       ASSERT_NE(curve.mask, nullptr);
       for (const Point& point : curve.points) {
         const auto truth = reference::overlapped_variance(rate, point.m, form, fill);

@@ -46,8 +46,7 @@ int alarms(Find find) {
 }
 
 TEST(Outliers, NoiseHasNone) {
-  EXPECT_LE(alarms([](const auto& y, const Mix&) { return !find_outliers(y, {kFalseAlarm}).empty(); }),
-            kMostAlarms);
+  EXPECT_LE(alarms([](const auto& y, const Mix&) { return !find_outliers(y, {kFalseAlarm}).empty(); }), kMostAlarms);
 }
 
 TEST(Outliers, KnocksAreFoundWhereTheyAreAndWithTheirSize) {
@@ -156,10 +155,9 @@ TEST(Steps, ShortEqualAndMissingRecordsHaveNone) {
 }
 
 TEST(Departures, NoiseHasNone) {
-  EXPECT_LE(alarms([](const auto& y, const Mix& mix) {
-              return find_departure(Series(y), mix, {kFalseAlarm}).has_value();
-            }),
-            kMostAlarms);
+  EXPECT_LE(
+      alarms([](const auto& y, const Mix& mix) { return find_departure(Series(y), mix, {kFalseAlarm}).has_value(); }),
+      kMostAlarms);
 }
 
 TEST(Departures, AWarmUpIsFoundWithItsSizeAndTime) {
@@ -201,12 +199,10 @@ TEST(Departures, AStepTooSmallForFindStepsIsFound) {
 }
 
 TEST(Departures, ScaleOfTheNoiseDoesNotMatter) {
-  const Mix mix{noise::White{1}, noise::RateRandomWalk{0.0003}},
-      far{noise::White{1e30}, noise::RateRandomWalk{3e26}};
+  const Mix mix{noise::White{1}, noise::RateRandomWalk{0.0003}}, far{noise::White{1e30}, noise::RateRandomWalk{3e26}};
   std::vector<double> y = record(mix, 21);
   for (std::size_t k = 0; k < y.size(); ++k) y[k] += 0.5 * std::exp(-static_cast<double>(k) / 1250);
-  EXPECT_NEAR(find_departure(Series(y), mix)->p_value, find_departure(Series(y), far)->p_value,
-              1e-12);
+  EXPECT_NEAR(find_departure(Series(y), mix)->p_value, find_departure(Series(y), far)->p_value, 1e-12);
 }
 
 TEST(Departures, NothingToLookAtIsNoDrift) {

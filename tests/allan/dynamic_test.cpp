@@ -29,8 +29,8 @@ TEST(Dynamic, EveryWindowIsItsOwnCurve) {
       for (std::size_t w = 0; w < surface.time.size(); w += 5) {
         const auto begin = static_cast<std::size_t>(hop) * w;
         EXPECT_EQ(surface.time[w], 0.5 * (static_cast<double>(begin) + static_cast<double>(window) / 2));
-        const Curve truth = overlapped_variance(
-            std::span(rate).subspan(begin, static_cast<std::size_t>(window)), 0.5, factors);
+        const Curve truth =
+            overlapped_variance(std::span(rate).subspan(begin, static_cast<std::size_t>(window)), 0.5, factors);
         const Curve ours = surface.curve(w);
         for (std::size_t i = 0; i < factors.size(); ++i) {
           EXPECT_EQ(ours.points[i].terms, truth.points[i].terms);

@@ -74,8 +74,7 @@ TEST(Stable32Family, EveryTable) {
     ASSERT_TRUE(estimator.has_value()) << statistic;
     const std::int64_t m = std::stoll(row.at("af"));
     const auto& rate = sets.at(set);
-    const double bias =
-        removed_bias(*estimator, std::stoi(row.at("alpha")), m, static_cast<std::int64_t>(rate.size()));
+    const double bias = removed_bias(*estimator, std::stoi(row.at("alpha")), m, static_cast<std::int64_t>(rate.size()));
     const double ours = one(*estimator, rate, m) / std::sqrt(bias);
     // The OCXO table is off by 1.3e-3 itself (the folder's README).
     if (set == "ocxo_frequency_hz") {

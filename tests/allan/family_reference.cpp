@@ -52,8 +52,7 @@ Real evenly_continued(const Series& z, std::int64_t first, std::int64_t m) {
 Real theo1(const Series& x, std::int64_t m, std::int64_t stride) {
   Real total = 0;
   std::int64_t terms = 0;
-  for (std::size_t i = 0, M = static_cast<std::size_t>(m); i + M < x.size();
-       i += static_cast<std::size_t>(stride)) {
+  for (std::size_t i = 0, M = static_cast<std::size_t>(m); i + M < x.size(); i += static_cast<std::size_t>(stride)) {
     for (std::size_t delta = 0; delta < M / 2; ++delta) {
       const Real d = (x[i] - x[i - delta + M / 2]) + (x[i + M] - x[i + delta + M / 2]);
       total += d * d / static_cast<Real>(M / 2 - delta);
@@ -96,9 +95,8 @@ long double family_variance(Estimator estimator, std::span<const double> rate, d
     case Estimator::ohdev:
       return mean_square(n - 3 * m + 1, stride, third) / (6 * tau * tau);
     case Estimator::totdev:
-      return mean_square(
-                 n - 1, stride,
-                 [&](std::int64_t k) { return reflected(k + 1 + m) - 2 * X(k + 1) + reflected(k + 1 - m); }) /
+      return mean_square(n - 1, stride,
+                         [&](std::int64_t k) { return reflected(k + 1 + m) - 2 * X(k + 1) + reflected(k + 1 - m); }) /
              (2 * tau * tau);
     case Estimator::mtotdev:
     case Estimator::ttotdev: {

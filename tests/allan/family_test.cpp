@@ -88,8 +88,7 @@ TEST(Family, TilesMeetWithoutSeams) {
   for (const auto& [estimator, factors] : cases) {
     for (const std::int64_t m : factors) {
       const auto truth = static_cast<double>(reference::family_variance(estimator, rate, 1, m));
-      EXPECT_NEAR(one(estimator, rate, 1, m, {.overlap = estimator == Estimator::oadev ? m : 0}) / truth, 1,
-                  kExact)
+      EXPECT_NEAR(one(estimator, rate, 1, m, {.overlap = estimator == Estimator::oadev ? m : 0}) / truth, 1, kExact)
           << name(estimator) << " m " << m;
     }
   }
@@ -122,12 +121,10 @@ TEST(Family, LargeMeanCostsNoDigits) {
 TEST(Family, BlindToWhatTheyShouldBeBlindTo) {
   std::vector<double> ramp(200);
   for (std::size_t k = 0; k < ramp.size(); ++k) ramp[k] = 0.01 * static_cast<double>(k);
-  for (const Estimator estimator : {Estimator::hdev, Estimator::ohdev})
-    EXPECT_LT(one(estimator, ramp, 1, 20), 1e-25);
+  for (const Estimator estimator : {Estimator::hdev, Estimator::ohdev}) EXPECT_LT(one(estimator, ramp, 1, 20), 1e-25);
   EXPECT_NEAR(one(Estimator::mdev, ramp, 1, 20), 0.5 * std::pow(0.01 * 20, 2), 1e-12);  // R^2 tau^2 / 2
   const std::vector<double> constant(200, 3.5);
-  for (const Estimator estimator : kEstimators)
-    EXPECT_EQ(one(estimator, constant, 1, 20), 0) << name(estimator);
+  for (const Estimator estimator : kEstimators) EXPECT_EQ(one(estimator, constant, 1, 20), 0) << name(estimator);
 }
 
 TEST(Family, UnitOfTimeEntersAsItShould) {
@@ -183,8 +180,7 @@ TEST(FamilyGaps, StrictFormCountsWholeTermsOnly) {
     for (const std::int64_t m : {10L, 22L, 40L}) {
       const std::span factor(&m, 1);
       const Point whole = deviation(record, estimator, factor).points[0];
-      const Point a = deviation(first, estimator, factor).points[0],
-                  b = deviation(second, estimator, factor).points[0];
+      const Point a = deviation(first, estimator, factor).points[0], b = deviation(second, estimator, factor).points[0];
       const auto A = static_cast<double>(a.terms), B = static_cast<double>(b.terms);
       EXPECT_EQ(whole.terms, a.terms + b.terms) << name(estimator) << " m " << m;
       EXPECT_NEAR(whole.variance, (A * a.variance + B * b.variance) / (A + B), 1e-11 * whole.variance)
@@ -205,8 +201,7 @@ TEST(FamilyGaps, FewLossesChangeLittle) {
   }
   for (const Estimator estimator : kEstimators) {
     const auto factors = usable_factors(estimator, kSamples, std::vector<std::int64_t>{40, 300, 1000});
-    const Curve whole = deviation(complete, 1, estimator, factors),
-                holed = deviation(rate, 1, estimator, factors);
+    const Curve whole = deviation(complete, 1, estimator, factors), holed = deviation(rate, 1, estimator, factors);
     for (std::size_t i = 0; i < factors.size(); ++i) {
       // A term loses about kLost of its variance, at random: over edf ~ n / 2m independent terms that is the
       // chance.
@@ -242,8 +237,7 @@ TEST(Estimators, FactorsEndWhereTermsDo) {
     for (std::int64_t samples = 0; samples < 40; ++samples) {
       const std::vector<double> rate = reference::normal(static_cast<std::size_t>(samples), 19);
       const FactorRange range = factor_range(estimator, samples);
-      for (const std::int64_t m : octave_factors(estimator, samples))
-        EXPECT_GT(one(estimator, rate, 1, m), 0);
+      for (const std::int64_t m : octave_factors(estimator, samples)) EXPECT_GT(one(estimator, rate, 1, m), 0);
       if (range.most >= range.least) {
         EXPECT_GT(one(estimator, rate, 1, range.most), 0);
       }
@@ -253,8 +247,7 @@ TEST(Estimators, FactorsEndWhereTermsDo) {
     }
   }
   EXPECT_THROW((void)one(Estimator::theo1, reference::normal(100, 20), 1, 11), std::invalid_argument);
-  EXPECT_THROW((void)one(Estimator::mdev, reference::normal(100, 20), 1, 5, {.overlap = -1}),
-               std::invalid_argument);
+  EXPECT_THROW((void)one(Estimator::mdev, reference::normal(100, 20), 1, 5, {.overlap = -1}), std::invalid_argument);
   EXPECT_EQ(octave_factors(Estimator::theo1, 100), (std::vector<std::int64_t>{10, 22, 42, 86}));
   EXPECT_EQ(octave_factors(Estimator::hdev, 100), (std::vector<std::int64_t>{1, 2, 4, 8, 16, 32}));
 }

@@ -96,9 +96,8 @@ constexpr double kKernelError = 1e-12;
 class LagKernel : public testing::TestWithParam<noise::Process> {};
 
 TEST_P(LagKernel, IsTheFourthDifferenceOfThePhaseCovariance) {
-  const std::int64_t kPairs[][2] = {{1, 1},      {1, 2},      {1, 3},     {2, 2},    {7, 11},
-                                    {16, 16},    {16, 17},    {1, 100},   {30, 500}, {100, 130},
-                                    {1, 10'000}, {100, 3000}, {777, 3001}};
+  const std::int64_t kPairs[][2] = {{1, 1},   {1, 2},    {1, 3},     {2, 2},      {7, 11},     {16, 16},   {16, 17},
+                                    {1, 100}, {30, 500}, {100, 130}, {1, 10'000}, {100, 3000}, {777, 3001}};
   constexpr double kInterval = 0.01;
   const std::vector<Quad> r = phase_covariances(GetParam(), kInterval, 420'000);
   for (const auto& [m1, m2] : kPairs) {
@@ -172,13 +171,11 @@ TEST(LagNodes, SumPolynomialsExactly) {
 }
 
 TEST(LagNodes, StayAwayFromKinksUnlessWhole) {
-  for (const Pair pair :
-       {Pair{1, 1, 1}, Pair{1, 2, 1}, Pair{5, 1000, 1}, Pair{512, 1024, 1}, Pair{700, 1000, 1}}) {
+  for (const Pair pair : {Pair{1, 1, 1}, Pair{1, 2, 1}, Pair{5, 1000, 1}, Pair{512, 1024, 1}, Pair{700, 1000, 1}}) {
     const LagNodes nodes = lag_nodes(pair, 100'000);
     for (const double u : nodes.u) {
       if (u == std::floor(u)) continue;
-      for (const std::int64_t knot :
-           {std::int64_t{0}, pair.m1, pair.m2 - pair.m1, pair.m2, pair.m1 + pair.m2}) {
+      for (const std::int64_t knot : {std::int64_t{0}, pair.m1, pair.m2 - pair.m1, pair.m2, pair.m1 + pair.m2}) {
         ASSERT_GE(std::abs(u - static_cast<double>(knot)), kSmooth);
       }
     }
@@ -189,12 +186,10 @@ TEST(LagNodes, StayAwayFromKinksUnlessWhole) {
 constexpr double kSumError = 1e-9;
 
 TEST(LagNodes, SumProductsOfKernels) {
-  const std::vector<noise::Process> processes{noise::Quantization{1},    noise::White{1},
-                                              noise::Flicker{1},         noise::RateRandomWalk{1},
-                                              noise::GaussMarkov{1, 50}, noise::RateRamp{1}};
-  for (const Pair pair :
-       {Pair{1, 1, 1}, Pair{1, 2, 1}, Pair{1, 4096, 1}, Pair{64, 4096, 1}, Pair{100, 130, 1},
-        Pair{999, 1000, 1}, Pair{1000, 1000, 1}, Pair{2000, 4096, 1}, Pair{17, 33, 1}}) {
+  const std::vector<noise::Process> processes{noise::Quantization{1},   noise::White{1},           noise::Flicker{1},
+                                              noise::RateRandomWalk{1}, noise::GaussMarkov{1, 50}, noise::RateRamp{1}};
+  for (const Pair pair : {Pair{1, 1, 1}, Pair{1, 2, 1}, Pair{1, 4096, 1}, Pair{64, 4096, 1}, Pair{100, 130, 1},
+                          Pair{999, 1000, 1}, Pair{1000, 1000, 1}, Pair{2000, 4096, 1}, Pair{17, 33, 1}}) {
     for (const std::int64_t end : {pair.m2 / 2 + 1, pair.m2 + 1, 3 * pair.m2 + 7, 20 * pair.m2 + 1000}) {
       const LagNodes nodes = lag_nodes(pair, end);
       std::vector<double> every(static_cast<std::size_t>(end));

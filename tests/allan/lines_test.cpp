@@ -12,8 +12,7 @@
 namespace gyrobudget::allan {
 namespace {
 
-std::vector<double> record(const std::vector<noise::Process>& processes, std::int64_t samples,
-                           std::uint64_t seed) {
+std::vector<double> record(const std::vector<noise::Process>& processes, std::int64_t samples, std::uint64_t seed) {
   return noise::generate_record(processes, samples, 0.01, {.seed = seed, .stream = 0});
 }
 
@@ -28,8 +27,7 @@ TEST(Lines, FindsASinusoidWithItsFrequencyAndAmplitude) {
 }
 
 TEST(Lines, TellsTwoApart) {
-  const auto y =
-      record({noise::White{0.1}, noise::Sinusoid{0.3, 5, 1}, noise::Sinusoid{0.5, 31, 0}}, 60000, 2);
+  const auto y = record({noise::White{0.1}, noise::Sinusoid{0.3, 5, 1}, noise::Sinusoid{0.5, 31, 0}}, 60000, 2);
   const auto lines = find_lines(y, 0.01);
   ASSERT_EQ(lines.size(), 2U);
   EXPECT_NEAR(lines[0].frequency_hz, 31, lines[0].resolution_hz);
@@ -46,8 +44,7 @@ TEST(Lines, NoiseHasNone) {
     for (const auto& mix :
          {std::vector<noise::Process>{noise::White{1}},
           std::vector<noise::Process>{noise::White{1}, noise::Flicker{1}, noise::RateRandomWalk{1}}}) {
-      alarms +=
-          find_lines(record(mix, 20000, seed), 0.01, {.false_alarm = kFalseAlarm, .most = 5}).empty() ? 0 : 1;
+      alarms += find_lines(record(mix, 20000, seed), 0.01, {.false_alarm = kFalseAlarm, .most = 5}).empty() ? 0 : 1;
     }
   }
   EXPECT_LE(alarms, kMost);

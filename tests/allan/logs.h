@@ -72,9 +72,7 @@ inline Rows read_table(const std::string& name) {
   return rows;
 }
 
-inline double number(const std::map<std::string, std::string>& row, const char* key) {
-  return std::stod(row.at(key));
-}
+inline double number(const std::map<std::string, std::string>& row, const char* key) { return std::stod(row.at(key)); }
 
 inline std::vector<double> differences(const std::vector<double>& phase) {
   std::vector<double> rate;

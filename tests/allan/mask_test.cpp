@@ -25,9 +25,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 // ---- masks to try ----------------------------------------------------------------------------------------------
 
-std::vector<bool> all_exist(std::int64_t samples) {
-  return std::vector<bool>(static_cast<std::size_t>(samples), true);
-}
+std::vector<bool> all_exist(std::int64_t samples) { return std::vector<bool>(static_cast<std::size_t>(samples), true); }
 
 std::vector<bool> random_losses(std::int64_t samples, double part, unsigned seed) {
   std::vector<bool> exists = all_exist(samples);
@@ -68,20 +66,17 @@ std::vector<Case> cases(std::int64_t n) {
           {"ends", blocks(n, {{0, 3}, {n - 5, 5}})},
           {"both", [&] {
              std::vector<bool> exists = random_losses(n, 0.01, 3);
-             for (std::int64_t k = n / 2; k < n / 2 + n / 60; ++k)
-               exists[static_cast<std::size_t>(k)] = false;
+             for (std::int64_t k = n / 2; k < n / 2 + n / 60; ++k) exists[static_cast<std::size_t>(k)] = false;
              return exists;
            }()}};
 }
 
 /// The weights with which the samples of a triple enter d = mean 2 - mean 1; empty where it does not count.
-std::vector<double> weights(const std::vector<bool>& exists, std::int64_t k, std::int64_t m,
-                            std::int64_t least) {
+std::vector<double> weights(const std::vector<bool>& exists, std::int64_t k, std::int64_t m, std::int64_t least) {
   std::vector<double> w(static_cast<std::size_t>(2 * m), 0.);
   for (std::int64_t cluster = 0; cluster < 2; ++cluster) {
     std::int64_t count = 0;
-    for (std::int64_t i = 0; i < m; ++i)
-      count += exists[static_cast<std::size_t>(k + cluster * m + i)] ? 1 : 0;
+    for (std::int64_t i = 0; i < m; ++i) count += exists[static_cast<std::size_t>(k + cluster * m + i)] ? 1 : 0;
     if (count < least) return {};
     for (std::int64_t i = 0; i < m; ++i) {
       const std::int64_t at = cluster * m + i;
@@ -116,8 +111,7 @@ TEST(Mask, RoundsTheFewestSamplesUp) {
 
 TEST(Mask, MisuseThrows) {
   using Runs = std::vector<Mask::Gap>;
-  for (const Runs& runs :
-       {Runs{{-1, 2}}, Runs{{9, 2}}, Runs{{3, 0}}, Runs{{3, 2}, {5, 1}}, Runs{{5, 1}, {2, 1}}}) {
+  for (const Runs& runs : {Runs{{-1, 2}}, Runs{{9, 2}}, Runs{{3, 0}}, Runs{{3, 2}, {5, 1}}, Runs{{5, 1}, {2, 1}}}) {
     EXPECT_THROW(Mask(10, runs, 0.95), std::invalid_argument);
   }
   for (const double fill : {0., -1., 1.5, kNaN}) EXPECT_THROW(Mask(10, {}, fill), std::invalid_argument);
@@ -138,8 +132,7 @@ TEST(Triples, AreThoseOfTheDefinition) {
           const detail::Triples triples = detail::find_triples(mask, m, form);
           std::vector<std::int64_t> valid, touched;
           double white = 0;
-          for (std::int64_t k = first_triple(form);
-               k < first_triple(form) + complete_terms(kSamples, m, form); ++k) {
+          for (std::int64_t k = first_triple(form); k < first_triple(form) + complete_terms(kSamples, m, form); ++k) {
             const std::vector<double> w = weights(c.exists, k, m, mask.minimum_count(m));
             if (w.empty()) continue;
             valid.push_back(k);
@@ -195,8 +188,8 @@ TEST(Ranges, CountPairsAtEveryOffset) {
 
 // ---- expectation: all triples, all samples ---------------------------------------------------------------------
 
-double brute_ratio(const std::vector<bool>& exists, const Mask& mask, std::int64_t m,
-                   const noise::Process& process, double dt) {
+double brute_ratio(const std::vector<bool>& exists, const Mask& mask, std::int64_t m, const noise::Process& process,
+                   double dt) {
   std::vector<double> D(static_cast<std::size_t>(2 * m));
   for (std::size_t h = 0; h < D.size(); ++h) {
     D[h] = noise::structure_function(process, static_cast<std::int64_t>(h), dt);
@@ -245,9 +238,9 @@ TEST_P(ExpectationRatio, AgreesWithAllTriplesAndAllSamples) {
 
 INSTANTIATE_TEST_SUITE_P(Processes, ExpectationRatio,
                          testing::Values(noise::White{1}, noise::Flicker{1}, noise::RateRandomWalk{1},
-                                         noise::Quantization{1}, noise::RateRamp{1},
-                                         noise::GaussMarkov{1, 0.05}, noise::GaussMarkov{1, 2},
-                                         noise::GaussMarkov{1, 500}, noise::Sinusoid{1, 0.31, 0}),
+                                         noise::Quantization{1}, noise::RateRamp{1}, noise::GaussMarkov{1, 0.05},
+                                         noise::GaussMarkov{1, 2}, noise::GaussMarkov{1, 500},
+                                         noise::Sinusoid{1, 0.31, 0}),
                          [](const testing::TestParamInfo<noise::Process>& process) {
                            std::string name = std::to_string(process.index);
                            name.push_back(static_cast<char>(noise::term(process.param)));
@@ -267,8 +260,8 @@ TEST(ExpectationRatio, OfWhiteNoiseIsExact) {
 // ---- covariance: all pairs of terms, all samples ---------------------------------------------------------------
 
 /// Exact covariance matrix of the masked estimates, upper triangle.
-Eigen::MatrixXd brute_covariance(const std::vector<bool>& exists, double fill, const Factors& factors,
-                                 double dt, std::span<const noise::Process> mix) {
+Eigen::MatrixXd brute_covariance(const std::vector<bool>& exists, double fill, const Factors& factors, double dt,
+                                 std::span<const noise::Process> mix) {
   const Mask mask = mask_of(exists, fill);
   std::vector<double> D(exists.size());
   for (std::size_t h = 0; h < D.size(); ++h) {
@@ -317,15 +310,12 @@ TEST(MaskedCovariance, AgreesWithAllPairsOfTerms) {
   constexpr double kInterval = 0.5, kFill = 0.95;
   const Factors factors{1, 16, 32, 64, 128};
   const std::vector<std::vector<noise::Process>> mixes{
-      {noise::White{1}},
-      {noise::RateRandomWalk{1}},
-      {noise::White{1}, noise::Flicker{1}, noise::RateRandomWalk{0.1}}};
+      {noise::White{1}}, {noise::RateRandomWalk{1}}, {noise::White{1}, noise::Flicker{1}, noise::RateRandomWalk{0.1}}};
   for (const Case& c : cases(kSamples)) {
     const Mask mask = mask_of(c.exists, kFill);
     const auto sparse = [&](Eigen::Index i) {
       const std::int64_t m = factors[static_cast<std::size_t>(i)];
-      return 2 * detail::find_triples(mask, m, Form::full).valid.size() <
-             complete_terms(kSamples, m, Form::full);
+      return 2 * detail::find_triples(mask, m, Form::full).valid.size() < complete_terms(kSamples, m, Form::full);
     };
     for (const auto& mix : mixes) {
       Eigen::VectorXd theta(mix.size());
@@ -395,8 +385,7 @@ TEST(MaskedMonteCarlo, CorrectedVarianceIsUnbiasedAndDegreesOfFreedomHold) {
 
   for (const Case& c : cases(kSamples)) {
     const Mask mask = mask_of(c.exists, 0.95);
-    std::vector<double> expected(factors.size()), mean(factors.size()), square(factors.size()),
-        fourth(factors.size());
+    std::vector<double> expected(factors.size()), mean(factors.size()), square(factors.size()), fourth(factors.size());
     for (std::size_t i = 0; i < factors.size(); ++i) {
       for (const auto& process : mix) {
         expected[i] += noise::allan_variance(process, factors[i], kInterval) *

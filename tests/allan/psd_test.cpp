@@ -23,8 +23,7 @@ struct Moments {
   std::vector<double> mean, variance, coverage;
 };
 template <typename Estimate>
-Moments moments(const noise::Process& process, std::int64_t samples, double dt, int records,
-                Estimate estimate) {
+Moments moments(const noise::Process& process, std::int64_t samples, double dt, int records, Estimate estimate) {
   const noise::RecordGenerator generate(std::span(&process, 1), samples, dt);
   Moments m;
   for (int r = 0; r < records; ++r) {
@@ -87,8 +86,8 @@ TEST(Multitaper, RandomWalkReadsItsDensity) {
   // Sine tapers leak little: a steep spectrum is right from a few bandwidths on, where its curvature is
   // small.
   const noise::Process walk = noise::RateRandomWalk{1e-6};
-  const Moments m = moments(walk, 1079, 1, 300,
-                            [](std::span<const double> rate, double dt) { return multitaper(rate, dt, 4); });
+  const Moments m =
+      moments(walk, 1079, 1, 300, [](std::span<const double> rate, double dt) { return multitaper(rate, dt, 4); });
   for (std::size_t i = 15; i + 4 < m.mean.size(); i += 7)
     EXPECT_NEAR(m.mean[i], 1, 5 * std::sqrt(2. / 8 / 300) + 0.05) << i;
 }
@@ -120,16 +119,14 @@ TEST(Psd, TwoSidedDensityIntegratesToTheVariance) {
   for (const double y : rate) variance += y * y / (1 << 14);
   for (const Spectrum& spectrum : {welch(rate, 0.02), multitaper(rate, 0.02)}) {
     double sum = 0;
-    for (const double density : spectrum.density)
-      sum += density * (spectrum.frequency[1] - spectrum.frequency[0]);
+    for (const double density : spectrum.density) sum += density * (spectrum.frequency[1] - spectrum.frequency[0]);
     EXPECT_NEAR(2 * sum / variance, 1, 0.02);
   }
 }
 
 TEST(Psd, SinusoidHasItsPower) {
   std::vector<double> rate(1 << 12);
-  for (std::size_t k = 0; k < rate.size(); ++k)
-    rate[k] = 0.3 * std::cos(2 * pi * 0.125 * static_cast<double>(k));
+  for (std::size_t k = 0; k < rate.size(); ++k) rate[k] = 0.3 * std::cos(2 * pi * 0.125 * static_cast<double>(k));
   for (const Spectrum& spectrum : {welch(rate, 1, 256), multitaper(rate, 1, 6)}) {
     double power = 0;
     for (std::size_t i = 0; i < spectrum.density.size(); ++i)

@@ -66,8 +66,7 @@ TEST(ReferenceCurves, StaticGyros) {
   for (const auto& row : read_table("reference_adev.csv")) {
     const auto& rate = axes.at(row.at("dataset") + "," + row.at("axis"));
     const std::int64_t m = std::stoll(row.at("m"));
-    const Curve curve =
-        overlapped_variance(rate, number(row, "tau_s") / static_cast<double>(m), std::span(&m, 1));
+    const Curve curve = overlapped_variance(rate, number(row, "tau_s") / static_cast<double>(m), std::span(&m, 1));
     EXPECT_EQ(curve.points[0].terms, std::stoll(row.at("n_terms")));
     EXPECT_NEAR(std::sqrt(curve.points[0].variance) / number(row, "oadev"), 1, kAgreement)
         << row.at("axis") << " " << m;

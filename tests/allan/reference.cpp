@@ -42,8 +42,7 @@ Estimate overlapped_variance(std::span<const double> rate, std::int64_t m, Form 
 
 long double exact_overlapped_variance(std::span<const double> rate, double step, std::int64_t m) {
   __extension__ using Wide = __int128;
-  std::vector<std::uint64_t> phase(rate.size() +
-                                   1);  // modulo 2^64: it may wrap, its second difference does not
+  std::vector<std::uint64_t> phase(rate.size() + 1);  // modulo 2^64: it may wrap, its second difference does not
   for (std::size_t k = 0; k < rate.size(); ++k) {
     phase[k + 1] = phase[k] + static_cast<std::uint64_t>(static_cast<std::int64_t>(rate[k] / step));
   }

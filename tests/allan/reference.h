@@ -28,8 +28,7 @@ struct Estimate {
 };
 
 /// The definition, O(n m): every cluster mean summed anew in long double over the samples that exist.
-Estimate overlapped_variance(std::span<const double> rate, std::int64_t m, Form form,
-                             double minimum_fill = 0.95);
+Estimate overlapped_variance(std::span<const double> rate, std::int64_t m, Form form, double minimum_fill = 0.95);
 
 /// The same exactly, for rates that are whole multiples of `step`: integer sums, one rounding at the end.
 long double exact_overlapped_variance(std::span<const double> rate, double step, std::int64_t m);

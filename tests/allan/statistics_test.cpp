@@ -19,15 +19,12 @@
 namespace gyrobudget::allan {
 namespace {
 
-const noise::Process kKinds[] = {noise::Quantization{1}, noise::White{1}, noise::Flicker{1},
-                                 noise::RateRandomWalk{1}};
+const noise::Process kKinds[] = {noise::Quantization{1}, noise::White{1}, noise::Flicker{1}, noise::RateRandomWalk{1}};
 char letter(const noise::Process& process) { return static_cast<char>(noise::term(process)); }
 std::span<const noise::Process> only(const noise::Process& process) { return {&process, 1}; }
 
 /// Of the terms of others: no quadratic form.
-bool is_composed(Estimator estimator) {
-  return estimator == Estimator::theobr || estimator == Estimator::theoh;
-}
+bool is_composed(Estimator estimator) { return estimator == Estimator::theobr || estimator == Estimator::theoh; }
 
 detail::Moments full_form(const Estimation& s, std::span<const noise::Process> mix) {
   return detail::moments(detail::estimator_matrix(s.estimator, s.samples, s.m, s.stride), mix, s.dt);
@@ -41,8 +38,7 @@ TEST(QuadraticForm, IsTheEstimate) {
   Eigen::VectorXd x = Eigen::VectorXd::Zero(61);
   for (Eigen::Index k = 0; k < 60; ++k) x[k + 1] = x[k] + rate[static_cast<std::size_t>(k)];
   for (const Estimator estimator : kEstimators) {
-    if (estimator == Estimator::tdev || estimator == Estimator::ttotdev)
-      continue;  // the modified ones by another unit
+    if (estimator == Estimator::tdev || estimator == Estimator::ttotdev) continue;  // the modified ones by another unit
     if (is_composed(estimator)) continue;
     for (const std::int64_t m : {1L, 2L, 5L, 10L, 14L, 20L, 40L, 59L, 60L}) {
       const FactorRange range = factor_range(estimator, 60);
@@ -67,8 +63,7 @@ TEST(QuadraticForm, MomentsOfTheAllanVarianceAreThoseOfTheLagSums) {
   }
   // A ramp is a mean: it raises the expectation and multiplies the scatter of the noise.
   const noise::Process mix[] = {noise::White{1}, noise::RateRamp{0.05}};
-  EXPECT_NEAR(full_form({Estimator::oadev, 100, 10, 0.5}, mix).edf() / equivalent_dof(100, 10, 0.5, mix), 1,
-              1e-9);
+  EXPECT_NEAR(full_form({Estimator::oadev, 100, 10, 0.5}, mix).edf() / equivalent_dof(100, 10, 0.5, mix), 1, 1e-9);
 }
 
 // ---- degrees of freedom
@@ -80,8 +75,8 @@ TEST(FamilyDof, LagSumsAreTheFullForm) {
   std::vector<std::span<const noise::Process>> mixes{with_ramp};
   for (const noise::Process& kind : kKinds) mixes.push_back(only(kind));
   for (const auto& mix : mixes) {
-    for (const Estimator estimator : {Estimator::adev, Estimator::oadev, Estimator::hdev, Estimator::ohdev,
-                                      Estimator::mdev, Estimator::tdev}) {
+    for (const Estimator estimator :
+         {Estimator::adev, Estimator::oadev, Estimator::hdev, Estimator::ohdev, Estimator::mdev, Estimator::tdev}) {
       for (const std::int64_t m : {1, 3, 8, 40}) {
         for (const std::int64_t overlap : {0, 1, 3}) {
           Estimation of{estimator, 160, m, 0.25};
@@ -119,8 +114,7 @@ TEST(FamilyDof, CoarserLooksStayWithinTheirBounds) {
 
 TEST(FamilyDof, LongRecordsFollowTheLine) {
   // Thirty clusters of few samples can still be had from the full form.
-  for (const Estimator estimator :
-       {Estimator::totdev, Estimator::mtotdev, Estimator::htotdev, Estimator::theo1}) {
+  for (const Estimator estimator : {Estimator::totdev, Estimator::mtotdev, Estimator::htotdev, Estimator::theo1}) {
     const std::int64_t m = 12;
     const Estimation of{estimator, 30 * m, m, 1};
     for (const noise::Process& kind : kKinds) {
@@ -146,8 +140,7 @@ TEST(FamilyDof, PublishedApproximations) {
   }
   // Theo1 of white noise: Howe 2003; SP 1065 table 13. N phases, r = 0.75 m.
   const double N = 1001, r = 75;
-  const double howe =
-      ((4.1 * N + 0.8) / r - (3.1 * N + 6.5) / N) * std::pow(r, 1.5) / (std::pow(r, 1.5) + 5.2);
+  const double howe = ((4.1 * N + 0.8) / r - (3.1 * N + 6.5) / N) * std::pow(r, 1.5) / (std::pow(r, 1.5) + 5.2);
   EXPECT_NEAR(equivalent_dof({Estimator::theo1, 1000, 100, 1}, only(kKinds[1])) / howe, 1, 0.05);
 }
 
@@ -166,8 +159,7 @@ TEST(FamilyDof, LossByStride) {
       const double full = equivalent_dof(of, only(kKinds[k + 1]));
       of.stride = 1024 / row.per_cluster;
       const double loss = 100 * (full / equivalent_dof(of, only(kKinds[k + 1])) - 1);
-      EXPECT_NEAR(loss, wanted[k], 0.025 + 0.02 * std::abs(wanted[k]))
-          << row.per_cluster << letter(kKinds[k + 1]);
+      EXPECT_NEAR(loss, wanted[k], 0.025 + 0.02 * std::abs(wanted[k])) << row.per_cluster << letter(kKinds[k + 1]);
     }
   }
 }
@@ -176,8 +168,7 @@ TEST(FamilyDof, LossByStride) {
 // ------------------------------------------------------------------------------------------------------
 
 TEST(FamilyBias, PublishedValues) {
-  const auto ratio = [](Estimator estimator, std::size_t kind, std::int64_t samples = 100'000,
-                        std::int64_t m = 4000) {
+  const auto ratio = [](Estimator estimator, std::size_t kind, std::int64_t samples = 100'000, std::int64_t m = 4000) {
     return expectation_ratio({estimator, samples, m, 1}, only(kKinds[kind]));
   };
   // Total: 1 - a tau/T, a = 0, 1/(3 ln 2), 3/4 (Greenhall, Howe, Percival 1999).
@@ -238,8 +229,7 @@ double named_variance(Estimator estimator, std::int64_t samples, std::int64_t m,
       return of_lags(Estimator::ohdev);
     case Estimator::theo1:
     case Estimator::theobr:
-      return (noise::allan_variance(kind, 3 * m / 4, 1) + noise::allan_variance(kind, (3 * m + 3) / 4, 1)) /
-             2;
+      return (noise::allan_variance(kind, 3 * m / 4, 1) + noise::allan_variance(kind, (3 * m + 3) / 4, 1)) / 2;
     case Estimator::pdev:
       return full_form({Estimator::pdev, samples, m, 1}, only(kind)).expectation;
     default:
@@ -271,8 +261,7 @@ TEST(FamilyMonteCarlo, MeanScatterAndCoverage) {
           square += value * value / kRecords;
           coverage += (1 >= interval.lower && 1 <= interval.upper ? 1. : 0.) / kRecords;
         }
-        const auto where =
-            std::string(name(estimator)) + " m " + std::to_string(factors[i]) + " " + letter(kKinds[k]);
+        const auto where = std::string(name(estimator)) + " m " + std::to_string(factors[i]) + " " + letter(kKinds[k]);
         // The ratio in TheoBR is of short taus, and scatters by itself.
         const double ratio = is_composed(estimator) ? 0.1 : 0;
         EXPECT_NEAR(mean, 1, kSigmas * std::sqrt(2 / edf / kRecords) + 0.01 + ratio) << where;
@@ -281,8 +270,7 @@ TEST(FamilyMonteCarlo, MeanScatterAndCoverage) {
         EXPECT_GT(coverage, 0.95 - kSigmas * std::sqrt(0.05 * 0.95 / kRecords)) << where;
         EXPECT_LT(coverage, 0.985) << where;
         // Scatter of a sample variance of chi-square numbers: kurtosis 3 + 12/edf.
-        EXPECT_NEAR((square - mean * mean) * edf / 2, 1,
-                    kSigmas * std::sqrt((2 + 12 / edf) / kRecords) + 0.03)
+        EXPECT_NEAR((square - mean * mean) * edf / 2, 1, kSigmas * std::sqrt((2 + 12 / edf) / kRecords) + 0.03)
             << where;
       }
     }
@@ -321,8 +309,7 @@ TEST(CurveStatistics, OfGaps) {
   for (std::size_t k = 1000; k < 2000; ++k) rate[k] = std::numeric_limits<double>::quiet_NaN();
   const noise::Process white[] = {noise::White{1}};
   for (const Estimator estimator : kEstimators) {
-    const std::vector<std::int64_t> factors =
-        usable_factors(estimator, 4000, std::vector<std::int64_t>{10, 1200});
+    const std::vector<std::int64_t> factors = usable_factors(estimator, 4000, std::vector<std::int64_t>{10, 1200});
     const Curve curve = deviation(rate, 1, estimator, factors);
     const auto facts = statistics(curve, white);
     // Three quarters are left; at tau longer than any part nothing is, but where terms may span the gap's
@@ -360,9 +347,9 @@ TEST(Pool, IndependentSegmentsAddTheirDegreesOfFreedom) {
     std::vector<std::vector<PointStatistics>> facts;
     for (const std::int64_t length : kLengths) {
       const auto factors = usable_factors(Estimator::oadev, length, kFactors);
-      curves.push_back(deviation(reference::normal(static_cast<std::size_t>(length),
-                                                   1000 + 3 * log + static_cast<unsigned>(curves.size())),
-                                 1, Estimator::oadev, factors));
+      curves.push_back(deviation(
+          reference::normal(static_cast<std::size_t>(length), 1000 + 3 * log + static_cast<unsigned>(curves.size())), 1,
+          Estimator::oadev, factors));
       facts.push_back(statistics(curves.back(), white));
     }
     std::vector<Segment> segments;
@@ -381,8 +368,7 @@ TEST(Pool, IndependentSegmentsAddTheirDegreesOfFreedom) {
     const double edf = pooled[i].edf;
     EXPECT_EQ(pooled[i].tau, static_cast<double>(kFactors[i]));
     EXPECT_NEAR(mean[i], 1, kSigmas * std::sqrt(2 / edf / kLogs));
-    EXPECT_NEAR((square[i] - mean[i] * mean[i]) * edf / 2, 1,
-                kSigmas * std::sqrt((2 + 12 / edf) / kLogs) + 0.02);
+    EXPECT_NEAR((square[i] - mean[i] * mean[i]) * edf / 2, 1, kSigmas * std::sqrt((2 + 12 / edf) / kLogs) + 0.02);
   }
 }
 
@@ -424,8 +410,7 @@ TEST(HeldNoise, TotalCurvesDoNotJumpWhereTheNoiseChanges) {
   const Curve curve = deviation(record, Estimator::theo1, factors);
   const auto facts = statistics(curve, identify_noise(record, curve));
   EXPECT_GT(facts.front().bias / facts.back().bias, 2);  // 1 and 1/2.7
-  for (std::size_t i = 1; i < facts.size(); ++i)
-    EXPECT_NEAR(facts[i].bias / facts[i - 1].bias, 1, 0.2) << factors[i];
+  for (std::size_t i = 1; i < facts.size(); ++i) EXPECT_NEAR(facts[i].bias / facts[i - 1].bias, 1, 0.2) << factors[i];
 }
 
 TEST(HeldNoise, LateNoiseTakesOverAndEqualSamplesAreWhite) {
@@ -450,8 +435,7 @@ TEST(HeldNoise, LateNoiseTakesOverAndEqualSamplesAreWhite) {
             (std::vector{quantization, white}));
   EXPECT_EQ(terms(held_noise({seen(white, 0, 0, 1), seen(rate_random_walk, 0.2, 1, 100)}, 3000)),
             (std::vector{white, rate_random_walk}));
-  EXPECT_EQ(terms(held_noise({seen(white, 0, 0, 1), seen(flicker, -0.35, 1, 100)}, 3000)),
-            (std::vector{white, white}));
+  EXPECT_EQ(terms(held_noise({seen(white, 0, 0, 1), seen(flicker, -0.35, 1, 100)}, 3000)), (std::vector{white, white}));
   EXPECT_TRUE(held_noise({}, 10).empty());
 }
 
@@ -482,8 +466,7 @@ TEST(Pool, NoiseThatRunsOnAcrossDroppedDataIsStillCovered) {
       }
     }
     constexpr double kSigmas = 3.5, kCorrelation = 0.01;  // six checks: false alarm 1e-3
-    for (const double share : covered)
-      EXPECT_GT(share, 0.95 - kCorrelation - kSigmas * std::sqrt(0.05 * 0.95 / kLogs));
+    for (const double share : covered) EXPECT_GT(share, 0.95 - kCorrelation - kSigmas * std::sqrt(0.05 * 0.95 / kLogs));
   }
 }
 

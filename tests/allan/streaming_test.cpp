@@ -65,8 +65,7 @@ TEST(Streaming, IsTheStridedEstimator) {
   for (const std::size_t samples : {2u, 3u, 31u, 1000u, 4096u, 4097u, 70'001u}) {
     for (const std::int64_t overlap : {1, 2, 16, 64}) {
       const std::vector<double> rate = reference::normal(samples, 51);
-      expect_same(stream_of(rate, {.overlap = overlap}).curve(), whole_record(rate, {.overlap = overlap}),
-                  kRounding);
+      expect_same(stream_of(rate, {.overlap = overlap}).curve(), whole_record(rate, {.overlap = overlap}), kRounding);
     }
   }
 }
@@ -93,8 +92,7 @@ TEST(Streaming, SameBytesHoweverItIsCut) {
     }
     const Curve cut = stream.curve();
     ASSERT_EQ(cut.points.size(), once.points.size());
-    for (std::size_t i = 0; i < cut.points.size(); ++i)
-      EXPECT_EQ(cut.points[i].variance, once.points[i].variance);
+    for (std::size_t i = 0; i < cut.points.size(); ++i) EXPECT_EQ(cut.points[i].variance, once.points[i].variance);
   }
 }
 
@@ -153,8 +151,7 @@ TEST(Streaming, PartsJoinedAreTheWhole) {
     std::vector<StreamingDeviation> parts;
     for (std::size_t k = 0; k < samples;) {
       const auto length = std::min<std::size_t>(samples - k, 1 + bits() % (1 + samples / 3));
-      parts.emplace_back(1,
-                         StreamingOptions{.overlap = overlap, .first_sample = static_cast<std::int64_t>(k)});
+      parts.emplace_back(1, StreamingOptions{.overlap = overlap, .first_sample = static_cast<std::int64_t>(k)});
       parts.back().push(std::span(rate).subspan(k, length));
       k += length;
     }
@@ -182,8 +179,7 @@ TEST(Streaming, MisuseThrows) {
   StreamingDeviation stream = stream_of(reference::normal(100, 62));
   EXPECT_THROW(stream.append(StreamingDeviation(1, {.first_sample = 99})), std::invalid_argument);
   EXPECT_THROW(stream.append(StreamingDeviation(2, {.first_sample = 100})), std::invalid_argument);
-  EXPECT_THROW(stream.append(StreamingDeviation(1, {.overlap = 8, .first_sample = 100})),
-               std::invalid_argument);
+  EXPECT_THROW(stream.append(StreamingDeviation(1, {.overlap = 8, .first_sample = 100})), std::invalid_argument);
 }
 
 // ---- the recursion on cluster sums

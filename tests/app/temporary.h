@@ -61,8 +61,7 @@ std::string message_of(Call call) {
 
 #define EXPECT_CONTAINS(text, part) EXPECT_PRED_FORMAT2(::gyrobudget::app_tests::contains, text, part)
 
-inline testing::AssertionResult contains(const char*, const char*, const std::string& text,
-                                         const std::string& part) {
+inline testing::AssertionResult contains(const char*, const char*, const std::string& text, const std::string& part) {
   if (text.find(part) != std::string::npos) return testing::AssertionSuccess();
   return testing::AssertionFailure() << "'" << part << "' is not in:\n" << text;
 }

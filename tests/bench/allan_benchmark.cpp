@@ -57,8 +57,7 @@ std::vector<double> textbook(const std::vector<double>& rate, const std::vector<
       const double d = x[k + 2 * m] - 2 * x[k + m] + x[k];
       sum += d * d;
     }
-    variances.push_back(sum /
-                        (2. * static_cast<double>(m) * static_cast<double>(m) * static_cast<double>(terms)));
+    variances.push_back(sum / (2. * static_cast<double>(m) * static_cast<double>(m) * static_cast<double>(terms)));
   }
   return variances;
 }
@@ -88,9 +87,7 @@ double seconds(Work work) {
 
 void report(benchmark::State& state, const std::string& name, std::vector<double> ratios) {
   std::sort(ratios.begin(), ratios.end());
-  const auto quantile = [&](double p) {
-    return ratios[static_cast<std::size_t>(p * (ratios.size() - 1) + 0.5)];
-  };
+  const auto quantile = [&](double p) { return ratios[static_cast<std::size_t>(p * (ratios.size() - 1) + 0.5)]; };
   state.counters[name] = quantile(0.5);
   state.counters[name + "_q1"] = quantile(0.25);
   state.counters[name + "_q3"] = quantile(0.75);
@@ -101,8 +98,7 @@ void hundred_factors(benchmark::State& state) {
   const std::vector<double>& rate = record();
   const std::vector<std::int64_t> factors = allan::log_factors(kSamples, 100);
   const auto threads = static_cast<std::size_t>(state.range(0));
-  const tbb::global_control control(tbb::global_control::max_allowed_parallelism,
-                                    threads > 0 ? threads : 256);
+  const tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads > 0 ? threads : 256);
   std::vector<double> against_textbook, against_memory;
   for (auto _ : state) {
     const double plain = seconds([&] { return textbook(rate, factors); });

@@ -7,11 +7,11 @@
 //
 // Errors are those of the position's root sum square at burn-out against the finest of each kind; of Monte Carlo, half
 // the 99 % band of a sigma by that many runs.
-#include "gyrobudget/vehicle/earth/paths.h"
+#include "gyrobudget/app/report/gnuplot.h"
 #include "gyrobudget/app/text/output.h"
 #include "gyrobudget/estimation/budget/scene.h"
 #include "gyrobudget/estimation/budget/scene_runs.h"
-#include "gyrobudget/app/report/gnuplot.h"
+#include "gyrobudget/vehicle/earth/paths.h"
 
 #include <fmt/core.h>
 
@@ -58,9 +58,8 @@ Scenario ascent() {
 Scenario aided() {
   Scenario scenario = ascent();
   using navigation::Aid;
-  scenario.aids = {
-      {.name = "gnss.position", .kind = Aid::Kind::position, .sigma = Eigen::Vector3d(2, 2, 4)},
-      {.name = "gnss.velocity", .kind = Aid::Kind::velocity, .sigma = Eigen::Vector3d::Constant(0.1)}};
+  scenario.aids = {{.name = "gnss.position", .kind = Aid::Kind::position, .sigma = Eigen::Vector3d(2, 2, 4)},
+                   {.name = "gnss.velocity", .kind = Aid::Kind::velocity, .sigma = Eigen::Vector3d::Constant(0.1)}};
   return scenario;
 }
 
@@ -100,8 +99,8 @@ void by_step(const Scenario& scenario, Points& points) {
     double found = 0;
     const double cost = seconds([&] { found = total(scenario, length / steps); });
     points["covariance, by its step"].push_back({cost, std::abs(found / finest - 1)});
-    fmt::print("  {:7.3f} s       {:5}   {:8.1e}   {:6.1f} ms{}\n", length / steps, steps,
-               std::abs(found / finest - 1), 1e3 * cost, steps == 200 ? "   default" : "");
+    fmt::print("  {:7.3f} s       {:5}   {:8.1e}   {:6.1f} ms{}\n", length / steps, steps, std::abs(found / finest - 1),
+               1e3 * cost, steps == 200 ? "   default" : "");
   }
 }
 
@@ -163,9 +162,8 @@ void by_runs(const Scenario& scenario, const std::string& way, Points& points) {
     const double cost = seconds([&] { found = position(fly(scene, scenario, options).covariance(0)); });
     const auto band = navigation::sigma_ratio_band(runs, 0.99);
     points[way].push_back({cost, (band.upper - band.lower) / 2});
-    fmt::print(
-        "  {:5} runs                 {:5.3f}       {:5.3f} to {:5.3f}         {:5.2f} s    {:4.1f} x\n", runs,
-        found / linear, band.lower, band.upper, cost, cost / runs / strapdown_alone());
+    fmt::print("  {:5} runs                 {:5.3f}       {:5.3f} to {:5.3f}         {:5.2f} s    {:4.1f} x\n", runs,
+               found / linear, band.lower, band.upper, cost, cost / runs / strapdown_alone());
   }
 }
 
@@ -178,8 +176,8 @@ std::string picture(const Points& points) {
   std::string plots;
   for (const auto& [way, list] : points) {
     const std::string title = report::gnuplot_string(way);
-    plots += fmt::format("{}'-' using 1:2 with linespoints linewidth 2 pointtype 7 title {}",
-                         plots.empty() ? "" : ", ", title);
+    plots += fmt::format("{}'-' using 1:2 with linespoints linewidth 2 pointtype 7 title {}", plots.empty() ? "" : ", ",
+                         title);
   }
   script += fmt::format("plot {}\n", plots);
   for (const auto& [way, list] : points) {

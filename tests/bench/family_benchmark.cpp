@@ -141,8 +141,7 @@ double error_at(Estimator estimator, const std::vector<double>& rate) {
 void estimators(const std::vector<double>& rate) {
   fmt::print("\n## Every estimator at octaves\n\n");
   fmt::print(
-      "| estimator | taus | longest tau, s | stride there | 1 thread, s | 2 threads, s | statistics, s | "
-      "error |\n");
+      "| estimator | taus | longest tau, s | stride there | 1 thread, s | 2 threads, s | statistics, s | error |\n");
   fmt::print("|---|---|---|---|---|---|---|---|\n");
   const allan::Series record(rate, kDt);
   (void)record.phase();
@@ -163,17 +162,14 @@ void estimators(const std::vector<double>& rate) {
 
 void against_textbook(const std::vector<double>& rate) {
   fmt::print(
-      "\n## 100 log-spaced factors of the oadev, prefix sums included, against the textbook loop (1 "
-      "thread)\n\n");
+      "\n## 100 log-spaced factors of the oadev, prefix sums included, against the textbook loop (1 thread)\n\n");
   fmt::print(
-      "| form | threads | s | textbook, s | ratio | against reading the record per factor "
-      "|\n|---|---|---|---|---|---|\n");
+      "| form | threads | s | textbook, s | ratio | against reading the record per factor |\n|---|---|---|---|---|---|\n");
   const Factors factors = allan::log_factors(static_cast<std::int64_t>(rate.size()), 100);
   for (const std::int64_t overlap : {0, 64, 32, 16, 8}) {
     for (const std::size_t threads : {1, 2}) {
-      const auto ours = with_threads(threads, [&] {
-        use(allan::deviation(rate, kDt, Estimator::oadev, factors, {.overlap = overlap}));
-      });
+      const auto ours = with_threads(
+          threads, [&] { use(allan::deviation(rate, kDt, Estimator::oadev, factors, {.overlap = overlap})); });
       const Comparison plain = take_turns(ours, [&] { textbook(rate, factors); });
       const Comparison read = take_turns(ours, with_threads(threads, [&] { read_once(rate); }));
       fmt::print("| {} | {} | {:.4f} | {:.4f} | {:.3f} | {:.2f} |\n",
@@ -185,8 +181,7 @@ void against_textbook(const std::vector<double>& rate) {
 
 /// What a second thread gains, against what it gains a loop that only reads; all four take turns.
 void scaling(const std::vector<double>& rate) {
-  fmt::print(
-      "\n## Two threads, 100 log-spaced factors at every sample: speed-up over that of a pure-read loop\n\n");
+  fmt::print("\n## Two threads, 100 log-spaced factors at every sample: speed-up over that of a pure-read loop\n\n");
   const Factors factors = allan::log_factors(static_cast<std::int64_t>(rate.size()), 100);
   const auto ours = [&] { use(allan::deviation(rate, kDt, Estimator::oadev, factors)); };
   const auto read = [&] {
@@ -202,15 +197,14 @@ void scaling(const std::vector<double>& rate) {
     ratios.push_back(gains.back() / reads.back());
   }
   std::sort(ratios.begin(), ratios.end());
-  fmt::print("ours {:.2f}, read {:.2f}, ratio {:.2f} (of {} turns {:.2f} to {:.2f})\n", median(gains),
-             median(reads), median(ratios), kTurns, ratios.front(), ratios.back());
+  fmt::print("ours {:.2f}, read {:.2f}, ratio {:.2f} (of {} turns {:.2f} to {:.2f})\n", median(gains), median(reads),
+             median(ratios), kTurns, ratios.front(), ratios.back());
 }
 
 /// Identification, degrees of freedom, bias and intervals over the time of the curve itself, at octaves.
 void cost_of_statistics(const std::vector<double>& rate) {
   fmt::print(
-      "\n## Identification and statistics over their curve (1 thread, in turns)\n\n| estimator | per cent "
-      "|\n|---|---|\n");
+      "\n## Identification and statistics over their curve (1 thread, in turns)\n\n| estimator | per cent |\n|---|---|\n");
   for (const Estimator estimator : {Estimator::oadev, Estimator::mdev, Estimator::ohdev, Estimator::totdev}) {
     const Factors factors = allan::octave_factors(estimator, static_cast<std::int64_t>(rate.size()));
     allan::Curve curve;
@@ -219,10 +213,9 @@ void cost_of_statistics(const std::vector<double>& rate) {
     for (int run = 0; run < kRuns; ++run) {
       const allan::Series record(rate, kDt);
       made = &record;
-      const double whole =
-          seconds(with_threads(1, [&] { curve = allan::deviation(*made, estimator, factors); }));
-      const double more = seconds(
-          with_threads(1, [&] { sink = statistics(curve, identify_noise(*made, curve)).back().edf; }));
+      const double whole = seconds(with_threads(1, [&] { curve = allan::deviation(*made, estimator, factors); }));
+      const double more =
+          seconds(with_threads(1, [&] { sink = statistics(curve, identify_noise(*made, curve)).back().edf; }));
       ratios.push_back(more / whole);
     }
     fmt::print("| {} | {:.1f} |\n", name(estimator), 100 * median(ratios));
@@ -232,8 +225,7 @@ void cost_of_statistics(const std::vector<double>& rate) {
 void stride_loss() {
   fmt::print("\n## What a stride costs: n = 4096, m = 64, loss of degrees of freedom in per cent\n\n");
   fmt::print(
-      "| m/stride | white, theory | white, 4000 records | flicker, theory | flicker, records "
-      "|\n|---|---|---|---|---|\n");
+      "| m/stride | white, theory | white, 4000 records | flicker, theory | flicker, records |\n|---|---|---|---|---|\n");
   constexpr std::int64_t kSamples = 4096, kFactor = 64;
   constexpr int kRecords = 4000;
   const noise::Process kinds[] = {noise::White{1}, noise::Flicker{1}};
@@ -247,10 +239,10 @@ void stride_loss() {
       const auto rate = generate({.seed = 5, .stream = static_cast<std::uint64_t>(r)});
       for (std::size_t i = 0; i < 6; ++i) {
         const std::int64_t overlap = i == 0 ? 0 : overlaps[i - 1];
-        values[i].push_back(allan::deviation(rate, 1, Estimator::oadev, std::span(&kFactor, 1),
-                                             {.overlap = overlap, .least_stride = 1})
-                                .points[0]
-                                .variance);
+        values[i].push_back(
+            allan::deviation(rate, 1, Estimator::oadev, std::span(&kFactor, 1), {.overlap = overlap, .least_stride = 1})
+                .points[0]
+                .variance);
       }
     }
     const auto scatter = [&](const std::vector<double>& v) {
@@ -266,8 +258,8 @@ void stride_loss() {
     }
   }
   for (std::size_t i = 0; i < 5; ++i) {
-    fmt::print("| {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} |\n", overlaps[i], theory[0][i], measured[0][i],
-               theory[1][i], measured[1][i]);
+    fmt::print("| {} | {:.2f} | {:.2f} | {:.2f} | {:.2f} |\n", overlaps[i], theory[0][i], measured[0][i], theory[1][i],
+               measured[1][i]);
   }
 }
 

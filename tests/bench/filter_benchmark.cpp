@@ -8,8 +8,8 @@
 //                                          plain, joseph, square_root
 //
 // Alternatives take turns, so a busy machine slows all of them; a figure is the best of its turns.
-#include "gyrobudget/vehicle/earth/paths.h"
 #include "gyrobudget/estimation/navigation/filter.h"
+#include "gyrobudget/vehicle/earth/paths.h"
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <fmt/core.h>
@@ -39,8 +39,7 @@ constexpr int kStepsPerFix = 100;
 /// accelerometer, misalignments, g-sensitivity, more of 1/f.
 std::vector<navigation::ErrorTerm> all_terms() {
   std::vector<navigation::ErrorTerm> terms;
-  const auto add = [&](Carrier carrier, Effect effect, int axis, int input, double correlation_time,
-                       double walk) {
+  const auto add = [&](Carrier carrier, Effect effect, int axis, int input, double correlation_time, double walk) {
     navigation::ErrorTerm term;
     term.carrier = carrier;
     term.effect = effect;
@@ -52,17 +51,14 @@ std::vector<navigation::ErrorTerm> all_terms() {
   };
   const double constant = std::numeric_limits<double>::infinity();
   for (const auto carrier : {Carrier::gyro, Carrier::accelerometer})
-    for (int i = 0; i < 3; ++i)
-      add(carrier, Effect::bias, i, 0, constant, carrier == Carrier::gyro ? 1e-9 : 1e-7);
+    for (int i = 0; i < 3; ++i) add(carrier, Effect::bias, i, 0, constant, carrier == Carrier::gyro ? 1e-9 : 1e-7);
   for (const auto carrier : {Carrier::gyro, Carrier::accelerometer})
     for (int i = 0; i < 3; ++i) add(carrier, Effect::scale_factor, i, 0, constant, 0);
   for (const double time : {5.0, 50.0})
     for (const auto carrier : {Carrier::gyro, Carrier::accelerometer})
-      for (int i = 0; i < 3; ++i)
-        add(carrier, Effect::bias, i, 0, time, carrier == Carrier::gyro ? 1e-8 : 1e-6);
+      for (int i = 0; i < 3; ++i) add(carrier, Effect::bias, i, 0, time, carrier == Carrier::gyro ? 1e-8 : 1e-6);
   for (const auto carrier : {Carrier::gyro, Carrier::accelerometer})
-    for (int i = 0; i < 6; ++i)
-      add(carrier, Effect::misalignment, i / 2, (i / 2 + 1 + i % 2) % 3, constant, 0);
+    for (int i = 0; i < 6; ++i) add(carrier, Effect::misalignment, i / 2, (i / 2 + 1 + i % 2) % 3, constant, 0);
   for (int i = 0; i < 9; ++i) add(Carrier::gyro, Effect::g_sensitivity, i / 3, i % 3, constant, 0);
   for (const double time : {500.0, 5000.0, 0.5})
     for (int i = 0; i < 6; ++i)
@@ -87,7 +83,7 @@ navigation::StateMatrix covariance_of(const navigation::ErrorStateModel& model) 
   for (std::size_t k = 0; k < model.terms.size(); ++k) {
     const auto& term = model.terms[k];
     const bool gyro = term.carrier == Carrier::gyro;
-    sigma[navigation::kCoreStates + static_cast<int>(k)] = term.effect == Effect::bias ? (gyro ? 1e-7 : 1e-3)
+    sigma[navigation::kCoreStates + static_cast<int>(k)] = term.effect == Effect::bias            ? (gyro ? 1e-7 : 1e-3)
                                                            : term.effect == Effect::g_sensitivity ? 1e-8
                                                                                                   : 1e-4;
   }
@@ -114,15 +110,14 @@ Flight flight() {
 /// Takes `steps` steps with a fix of position a second, round and round the flight's record.
 class Runner {
  public:
-  Runner(const Flight& flight, int states, Form form)
-      : flight_(flight), filter_(make(flight, states, form)) {}
+  Runner(const Flight& flight, int states, Form form) : flight_(flight), filter_(make(flight, states, form)) {}
   void run(std::int64_t steps) {
     for (std::int64_t i = 0; i < steps; ++i) {
       filter_.propagate(flight_.imu[at_], kDt);
       at_ = (at_ + 1) % flight_.imu.size();
       if (at_ % kStepsPerFix == 0)
-        filter_.update(measure(navigation::PositionFix{filter_.state().p_eb_e, Eigen::Vector3d::Constant(1)},
-                               filter_.estimate()));
+        filter_.update(
+            measure(navigation::PositionFix{filter_.state().p_eb_e, Eigen::Vector3d::Constant(1)}, filter_.estimate()));
     }
   }
 
@@ -168,14 +163,12 @@ void print_speed(const Flight& flight) {
       best[i] = std::min(best[i], seconds([&] { runner.run(kSteps); }) / kSteps);
     }
   }
-  fmt::print("Thousand IMU steps a second, a position fix of three rows every {} steps, one core\n",
-             kStepsPerFix);
-  fmt::print("{:>6} {:>8} {:>8} {:>12} {:>22}\n", "states", "plain", "joseph", "square_root",
-             "joseph / strapdown");
+  fmt::print("Thousand IMU steps a second, a position fix of three rows every {} steps, one core\n", kStepsPerFix);
+  fmt::print("{:>6} {:>8} {:>8} {:>12} {:>22}\n", "states", "plain", "joseph", "square_root", "joseph / strapdown");
   for (std::size_t i = 0; i < sizes.size(); ++i) {
     const double* row = &best[i * forms.size()];
-    fmt::print("{:>6} {:>8.0f} {:>8.0f} {:>12.0f} {:>19.1f} x\n", sizes[i], 1e-3 / row[0], 1e-3 / row[1],
-               1e-3 / row[2], row[1] / strapdown);
+    fmt::print("{:>6} {:>8.0f} {:>8.0f} {:>12.0f} {:>19.1f} x\n", sizes[i], 1e-3 / row[0], 1e-3 / row[1], 1e-3 / row[2],
+               row[1] / strapdown);
   }
   fmt::print("strapdown alone {:.0f}\n", 1e-3 / strapdown);
 }
@@ -202,8 +195,7 @@ void print_updates() {
   }
 }
 
-using Real =
-    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<100>, boost::multiprecision::et_off>;
+using Real = boost::multiprecision::number<boost::multiprecision::cpp_bin_float<100>, boost::multiprecision::et_off>;
 
 /// Worst relative error of any sigma over ten steps with a fix of position, and another of attitude, each,
 /// where the variances at the start are `ratio` times those of the fixes.
@@ -230,16 +222,14 @@ std::vector<double> lost_digits(const std::vector<Form>& forms, double ratio) {
     for (auto& P : ours) P.propagate(transition);
     for (const int first : {navigation::kPosition, navigation::kAttitude})
       for (int i = 0; i < 3; ++i) {
-        const navigation::MeasurementRow row{navigation::StateVector::Unit(kStates, first + i),
-                                             fix[first + i]};
+        const navigation::MeasurementRow row{navigation::StateVector::Unit(kStates, first + i), fix[first + i]};
         truth = gyrobudget::reference::updated(truth, row);
         for (auto& P : ours) (void)P.update(row);
       }
     for (std::size_t f = 0; f < ours.size(); ++f)
       for (int i = 0; i < kStates; ++i) {
         const double variance = ours[f].variance(i);
-        const double off =
-            variance >= 0 ? std::abs(static_cast<double>(sqrt(Real(variance) / truth(i, i))) - 1) : 1e99;
+        const double off = variance >= 0 ? std::abs(static_cast<double>(sqrt(Real(variance) / truth(i, i))) - 1) : 1e99;
         worst[f] = off <= worst[f] ? worst[f] : off;
       }
   }
@@ -248,13 +238,12 @@ std::vector<double> lost_digits(const std::vector<Form>& forms, double ratio) {
 
 void print_digits() {
   const std::vector<Form> forms{Form::plain, Form::joseph, Form::square_root, Form::automatic};
-  fmt::print(
-      "Worst error of a sigma, of itself, by how much the variances at the start exceed those of fixes\n");
+  fmt::print("Worst error of a sigma, of itself, by how much the variances at the start exceed those of fixes\n");
   fmt::print("{:>8} {:>10} {:>10} {:>12} {:>10}\n", "ratio", "plain", "joseph", "square_root", "automatic");
   for (int decade = 0; decade <= 36; decade += 2) {
     const auto worst = lost_digits(forms, std::pow(10, decade));
-    fmt::print("{:>8} {:>10.1e} {:>10.1e} {:>12.1e} {:>10.1e}\n", fmt::format("1e{}", decade), worst[0],
-               worst[1], worst[2], worst[3]);
+    fmt::print("{:>8} {:>10.1e} {:>10.1e} {:>12.1e} {:>10.1e}\n", fmt::format("1e{}", decade), worst[0], worst[1],
+               worst[2], worst[3]);
   }
 }
 
@@ -263,10 +252,7 @@ int run_steps(const Flight& flight, int states, std::string_view form, std::int6
     run_strapdown(flight, steps);
     return 0;
   }
-  Runner runner(flight, states,
-                form == "plain"    ? Form::plain
-                : form == "joseph" ? Form::joseph
-                                   : Form::square_root);
+  Runner runner(flight, states, form == "plain" ? Form::plain : form == "joseph" ? Form::joseph : Form::square_root);
   runner.run(steps);
   return 0;
 }

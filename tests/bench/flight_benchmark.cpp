@@ -2,13 +2,13 @@
 // Error against run time of the flight: integrators over the stiffness of the actuator, steps on the real
 // scene, what each part costs that a scene may leave out, and flights a second. Alternatives take turns in
 // one run; each counts with its fastest. Usage: flight_benchmark [stiffness|steps|parts|speed|loop ...]
+#include "gyrobudget/estimation/budget/scene.h"
 #include "gyrobudget/estimation/closed_loop/inertial_navigator.h"
+#include "gyrobudget/estimation/navigation/strapdown.h"
 #include "gyrobudget/vehicle/earth/frames.h"
 #include "gyrobudget/vehicle/flight/fly.h"
 #include "gyrobudget/vehicle/flight/plan.h"
 #include "gyrobudget/vehicle/flight/point_mass.h"
-#include "gyrobudget/estimation/budget/scene.h"
-#include "gyrobudget/estimation/navigation/strapdown.h"
 
 #include <fmt/core.h>
 
@@ -51,9 +51,7 @@ void fly_again(const Flight& plan, Flown& flown) {
   flown.seconds = std::min(flown.seconds, spent);
 }
 
-double apart(const FlightRecord& a, const FlightRecord& b) {
-  return (a.end.truth.p_eb_e - b.end.truth.p_eb_e).norm();
-}
+double apart(const FlightRecord& a, const FlightRecord& b) { return (a.end.truth.p_eb_e - b.end.truth.p_eb_e).norm(); }
 
 /// One second from 20 s after lift-off on, open loop, the nozzle moved each period: time for 83 s and error of
 /// the angular rate, against RODAS at 1e-11.
@@ -86,8 +84,7 @@ Burst burst(double factor, const Integration& integration, int periods) {
 
 void stiffness() {
   fmt::print(
-      "\nActuator faster by a factor: seconds of run time for 83 s of flight, error of the angular rate "
-      "[rad/s] after the burst\n");
+      "\nActuator faster by a factor: seconds of run time for 83 s of flight, error of the angular rate [rad/s] after the burst\n");
   struct Row {
     const char* name;
     Integration integration;
@@ -112,10 +109,8 @@ void stiffness() {
       if (row.steps_with_factor) integration.step = std::min(0.01, 0.05 / factor);  // w h = 1.26
       Burst best = burst(factor, integration, periods);
       if (best.seconds < 0.1)
-        for (int k = 0; k < 3; ++k)
-          best.seconds = std::min(best.seconds, burst(factor, integration, periods).seconds);
-      fmt::print("{:>12.3g} {:>9.1e}", best.seconds * 8300 / periods,
-                 (best.end.w_ib_b - truth.w_ib_b).norm());
+        for (int k = 0; k < 3; ++k) best.seconds = std::min(best.seconds, burst(factor, integration, periods).seconds);
+      fmt::print("{:>12.3g} {:>9.1e}", best.seconds * 8300 / periods, (best.end.w_ib_b - truth.w_ib_b).norm());
     }
     fmt::print("\n");
   }
@@ -125,8 +120,7 @@ void steps() {
   for (const bool bends : {false, true}) {
     Flight plan;
     if (bends) plan.vehicle.bending = Bending{};
-    fmt::print("\nThe flight of 83 s{}: error at its end against fehlberg78 at 1e-13\n",
-               bends ? ", bending" : "");
+    fmt::print("\nThe flight of 83 s{}: error at its end against fehlberg78 at 1e-13\n", bends ? ", bending" : "");
     plan.integration = {Method::fehlberg78, 0.01, 1e-13};
     Flown truth;
     fly_again(plan, truth);
@@ -153,8 +147,8 @@ void steps() {
                "evaluations", "error/m");
     for (const Row& row : rows)
       fmt::print("{:>16} {:>8} {:>10.0e} {:>12.4f} {:>12} {:>12.1e}\n", to_string(row.integration.method),
-                 row.integration.step, row.integration.tolerance, row.flown.seconds,
-                 row.flown.record.work.evaluations, apart(row.flown.record, truth.record));
+                 row.integration.step, row.integration.tolerance, row.flown.seconds, row.flown.record.work.evaluations,
+                 apart(row.flown.record, truth.record));
   }
 }
 
@@ -242,9 +236,7 @@ navigation::Scenario navigation_scene(bool filter) {
 }
 
 void loop() {
-  fmt::print(
-      "\nFlights of 83 s a second in closed loop, one core, control and navigation at 100 Hz, exact at 10 "
-      "ms\n");
+  fmt::print("\nFlights of 83 s a second in closed loop, one core, control and navigation at 100 Hz, exact at 10 ms\n");
   flight::Plan plan;
   const auto trajectory = flight::trajectory(fly_nominal(plan));
   plan.flight.record_every = 0;
@@ -252,8 +244,8 @@ void loop() {
     const navigation::Scenario scenario = navigation_scene(filter);
     const auto scene = budget::budget_scene(scenario, trajectory, {});
     const budget::MonteCarlo::Options options{.filter = scenario.filter};
-    const budget::SimulatedScene simulated(scene.timeline, scenario.sensor, scene.initial, scene.C_enu,
-                                               scene.design, scene.aids, options);
+    const budget::SimulatedScene simulated(scene.timeline, scenario.sensor, scene.initial, scene.C_enu, scene.design,
+                                           scene.aids, options);
     double best = std::numeric_limits<double>::infinity(), error = 0;
     int states = 0;
     for (int pass = 0; pass < 10; ++pass)

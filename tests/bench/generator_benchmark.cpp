@@ -73,10 +73,9 @@ Method filtered(std::string name, const noise::FilteredNoise& filter) {
 
 Method poles(double per_decade) {
   const auto states = noise::flicker_approximation(Flicker{1}, kDt, kLongestTau, per_decade);
-  Method method =
-      streaming(fmt::format("Gauss-Markov, {:3g} poles a decade ({} states)", per_decade, states.size()),
-                noise::Generator(std::array<noise::Process, 1>{Flicker{1}}, kDt,
-                                 {.longest_tau = kLongestTau, .poles_per_decade = per_decade}));
+  Method method = streaming(fmt::format("Gauss-Markov, {:3g} poles a decade ({} states)", per_decade, states.size()),
+                            noise::Generator(std::array<noise::Process, 1>{Flicker{1}}, kDt,
+                                             {.longest_tau = kLongestTau, .poles_per_decade = per_decade}));
   method.allan_variance = [=](std::int64_t m) { return noise::allan_variance(states, m, kDt); };
   method.psd = [=](double f) {
     double sum = 0;
@@ -91,8 +90,7 @@ Method whole_record() {
   const auto generator =
       std::make_shared<noise::RecordGenerator>(std::array<noise::Process, 1>{Flicker{1}}, kSamples, kDt);
   const auto unit = [] { return Flicker{1}; };
-  return {"whole record of 10 h by Fourier transform",
-          [=](std::int64_t m) { return allan_variance(unit(), m, kDt); },
+  return {"whole record of 10 h by Fourier transform", [=](std::int64_t m) { return allan_variance(unit(), m, kDt); },
           [=](double f) { return noise::psd(noise::Process(unit()), f, kDt); }, kSamples,
           [=] {
             (void)(*generator)({1, 0});
@@ -102,12 +100,10 @@ Method whole_record() {
 std::vector<Method> methods() {
   std::vector<Method> all;
   for (const std::int64_t taps : {1, 10, 100, 1000, 10'000, 100'000, 150'000}) {
-    all.push_back(
-        filtered(fmt::format("autoregression, {} taps", taps), noise::autoregressive_flicker(1, taps)));
+    all.push_back(filtered(fmt::format("autoregression, {} taps", taps), noise::autoregressive_flicker(1, taps)));
   }
   for (const std::int64_t taps : {10, 100, 1000, 10'000, 100'000, 1'000'000}) {
-    all.push_back(
-        filtered(fmt::format("moving average, {} taps", taps), noise::moving_average_flicker(1, taps)));
+    all.push_back(filtered(fmt::format("moving average, {} taps", taps), noise::moving_average_flicker(1, taps)));
   }
   for (const double per_decade : {0.5, 1., 1.5, 2., 3.}) all.push_back(poles(per_decade));
   all.push_back(whole_record());
@@ -124,11 +120,9 @@ void error_against_run_time(int repetitions) {
       m.ns_per_sample = std::min(m.ns_per_sample, 1e9 * seconds(m.make) / static_cast<double>(m.samples));
     }
   }
-  fmt::print(
-      "1/f noise at 100 Hz: error of the Allan deviation (%) at tau, of the root of the spectrum (%) at f\n");
+  fmt::print("1/f noise at 100 Hz: error of the Allan deviation (%) at tau, of the root of the spectrum (%) at f\n");
   fmt::print("{:44} {:>9}", "", "ns/sample");
-  for (const std::int64_t m : kFactors)
-    fmt::print(" {:>8}", fmt::format("{:g} s", static_cast<double>(m) * kDt));
+  for (const std::int64_t m : kFactors) fmt::print(" {:>8}", fmt::format("{:g} s", static_cast<double>(m) * kDt));
   for (const double f : kFrequencies) fmt::print(" {:>9}", fmt::format("{:g} Hz", f));
   fmt::print("\n");
   for (const Method& method : all) {
@@ -142,13 +136,10 @@ void error_against_run_time(int repetitions) {
     fmt::print("\n");
   }
   fmt::print(
-      "Filters are stationary here; from rest they hold up to 8 % less variance. The whole record is exact "
-      "in\n"
+      "Filters are stationary here; from rest they hold up to 8 % less variance. The whole record is exact in\n"
       "distribution, needs 11 numbers a sample, and cannot go on.\n"
-      "Hence the defaults: 2 poles a decade for streams, as more of them only cost; 1e4 taps for model 1, "
-      "whose\n"
-      "floor then holds to 500 s; the whole record by Fourier transform where the record fits in "
-      "memory.\n\n");
+      "Hence the defaults: 2 poles a decade for streams, as more of them only cost; 1e4 taps for model 1, whose\n"
+      "floor then holds to 500 s; the whole record by Fourier transform where the record fits in memory.\n\n");
 }
 
 /// Of some numbers, sorted here: "3.4 (3.2 to 3.6)", median and middle 80 %.
@@ -168,8 +159,7 @@ void throughput(int repetitions) {
   std::mt19937_64 bits(1);
   std::normal_distribution<double> standard;
   noise::Generator white(std::array<noise::Process, 1>{noise::White{1}}, kDt, {});
-  noise::Generator gyro(std::array<noise::Process, 3>{noise::White{1}, Flicker{1}, noise::RateRandomWalk{1}},
-                        kDt, {});
+  noise::Generator gyro(std::array<noise::Process, 3>{noise::White{1}, Flicker{1}, noise::RateRandomWalk{1}}, kDt, {});
   std::vector<double> ns, ratio, millions;
   for (int i = 0; i < repetitions; ++i) {
     const double library = seconds([&] {
@@ -184,8 +174,7 @@ void throughput(int repetitions) {
   fmt::print("Medians of {} turns (middle 80 %), one thread:\n", repetitions);
   fmt::print("white noise: {} ns a sample, {} times the speed of std::normal_distribution over mt19937_64\n",
              median_text(ns), median_text(ratio));
-  fmt::print("white + flicker + rate random walk, streaming: {} million samples a minute\n",
-             median_text(millions));
+  fmt::print("white + flicker + rate random walk, streaming: {} million samples a minute\n", median_text(millions));
 }
 
 /// A whole IMU at 100 Hz, every error on, beside one with white noise and biases only, in turns.
@@ -225,11 +214,9 @@ void imu_throughput(int repetitions) {
     full_speed.push_back(millions(full));
     set_up.push_back(1e6 * seconds([&] { noise::Imu({.gyro = full, .accelerometer = full}, kDt, {}); }));
   }
-  fmt::print("whole IMU, white noise and turn-on bias: {} million axis-samples/s\n",
-             median_text(simple_speed));
-  fmt::print(
-      "whole IMU, every error: {} million axis-samples/s; a run begins, an hour after power-on, in {} us\n",
-      median_text(full_speed), median_text(set_up));
+  fmt::print("whole IMU, white noise and turn-on bias: {} million axis-samples/s\n", median_text(simple_speed));
+  fmt::print("whole IMU, every error: {} million axis-samples/s; a run begins, an hour after power-on, in {} us\n",
+             median_text(full_speed), median_text(set_up));
 }
 
 /// Overlapped Allan variance from the angle.
@@ -253,13 +240,12 @@ void far_end(std::uint64_t samples) {
   for (const double v : y) angle.push_back(angle.back() + (v - y[0]));
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
-  fmt::print("{} samples in {:.0f} s; peak memory {} MB, of which the record after them takes {}\n", samples,
-             elapsed, usage.ru_maxrss / 1024, 2 * kRecord * sizeof(double) >> 20);
+  fmt::print("{} samples in {:.0f} s; peak memory {} MB, of which the record after them takes {}\n", samples, elapsed,
+             usage.ru_maxrss / 1024, 2 * kRecord * sizeof(double) >> 20);
   for (const std::size_t m : {1, 100, 1000, 10'000, 100'000}) {
     const auto factor = static_cast<std::int64_t>(m);
     fmt::print("tau {:6g} s: Allan deviation {:.4f} of the exact one (one standard deviation about {:.4f})\n",
-               static_cast<double>(m) * kDt,
-               std::sqrt(overlapped(angle, m) / noise::allan_variance(gyro, factor, kDt)),
+               static_cast<double>(m) * kDt, std::sqrt(overlapped(angle, m) / noise::allan_variance(gyro, factor, kDt)),
                std::sqrt(0.5 * static_cast<double>(m) / kRecord));
   }
 }

@@ -98,8 +98,7 @@ double sum_of_fields(const std::string& path) {
     }
     return sum;
   };
-  const double sum =
-      tbb::parallel_reduce(Range(0, (size + kChunk - 1) / kChunk, 1), 0.0, parse, std::plus<>());
+  const double sum = tbb::parallel_reduce(Range(0, (size + kChunk - 1) / kChunk, 1), 0.0, parse, std::plus<>());
   ::munmap(const_cast<char*>(data), size);
   return sum;
 }
@@ -120,8 +119,8 @@ void print_ratio(const char* what, const std::vector<double>& times, const std::
   std::vector<double> ratios;
   for (std::size_t i = 0; i < times.size(); ++i) ratios.push_back(times[i] / base[i]);
   const auto [least, most] = std::ranges::minmax(ratios);
-  fmt::print("{}: {:.3f} s, {:.2f} x only parsing, from {:.2f} to {:.2f}\n", what, median(times),
-             median(ratios), least, most);
+  fmt::print("{}: {:.3f} s, {:.2f} x only parsing, from {:.2f} to {:.2f}\n", what, median(times), median(ratios), least,
+             most);
 }
 
 void run(double hours, int repetitions, const std::filesystem::path& folder) {
@@ -129,12 +128,11 @@ void run(double hours, int repetitions, const std::filesystem::path& folder) {
   peak_memory([&] { write_six_axes(path, hours); });
   const auto bytes = static_cast<double>(std::filesystem::file_size(path));
   const double numbers = hours * 3600 * kRate * kColumns * sizeof(double);
-  fmt::print("six axes, {:g} h at {:g} Hz: {:.0f} MB of text, {:.0f} MB of doubles\n", hours, kRate,
-             bytes / 1e6, numbers / 1e6);
+  fmt::print("six axes, {:g} h at {:g} Hz: {:.0f} MB of text, {:.0f} MB of doubles\n", hours, kRate, bytes / 1e6,
+             numbers / 1e6);
 
   const double memory = peak_memory([&] { (void)log::read_log({.path = path}); });
-  fmt::print("peak memory of read_log: {:.0f} MB, {:.2f} x the numbers as doubles\n", memory / 1e6,
-             memory / numbers);
+  fmt::print("peak memory of read_log: {:.0f} MB, {:.2f} x the numbers as doubles\n", memory / 1e6, memory / numbers);
 
   const auto calibrate = [&] {
     ::execl(GYROBUDGET_PROGRAM, GYROBUDGET_PROGRAM, "calibrate", path.c_str(), "--json", "--quiet", nullptr);
@@ -151,8 +149,8 @@ void run(double hours, int repetitions, const std::filesystem::path& folder) {
     calibrating.push_back(seconds([&] { whole_memory = peak_memory(silent); }));
   }
   std::filesystem::remove(path);
-  fmt::print("peak memory of the whole calibrate: {:.0f} MB, {:.2f} x the numbers as doubles\n",
-             whole_memory / 1e6, whole_memory / numbers);
+  fmt::print("peak memory of the whole calibrate: {:.0f} MB, {:.2f} x the numbers as doubles\n", whole_memory / 1e6,
+             whole_memory / numbers);
   fmt::print("only parsing {:.3f} s (median of {})\n", median(parsing), repetitions);
   print_ratio("read_log", reading, parsing);
   print_ratio("the whole calibrate, six axes", calibrating, parsing);

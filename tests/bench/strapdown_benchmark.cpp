@@ -2,9 +2,9 @@
 // Error against run time of the strapdown, over order and step: a moving profile with vibration, noise-free.
 // Orders take turns, in passes over the same increments; each block of a pass counts with its fastest run,
 // so that other work on the machine counts little.
+#include "gyrobudget/estimation/navigation/strapdown.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/paths.h"
-#include "gyrobudget/estimation/navigation/strapdown.h"
 
 #include <fmt/core.h>
 
@@ -47,8 +47,7 @@ struct Row {
   double attitude = 0;
 };
 
-void pass(const earth::Trajectory& truth, const std::vector<earth::ImuIncrement>& imu, double dt, int order,
-          Row& row) {
+void pass(const earth::Trajectory& truth, const std::vector<earth::ImuIncrement>& imu, double dt, int order, Row& row) {
   const auto start = truth.at(0);
   const auto end = truth.at(kDuration);
   row.block_seconds.resize((imu.size() + kBlock - 1) / kBlock, std::numeric_limits<double>::infinity());
@@ -69,8 +68,8 @@ void pass(const earth::Trajectory& truth, const std::vector<earth::ImuIncrement>
 
 int main() {
   const earth::Trajectory truth = profile();
-  fmt::print("{:>8} {:>6} {:>14} {:>14} {:>10} {:>12}\n", "step [s]", "order", "position [m]",
-             "attitude [rad]", "ns/step", "Msteps/s");
+  fmt::print("{:>8} {:>6} {:>14} {:>14} {:>10} {:>12}\n", "step [s]", "order", "position [m]", "attitude [rad]",
+             "ns/step", "Msteps/s");
   for (const double dt : {0.01, 0.005, 0.0025}) {
     const auto imu = truth.increments(dt);
     std::array<Row, kOrders.size()> rows;
@@ -78,10 +77,9 @@ int main() {
       for (std::size_t i = 0; i < kOrders.size(); ++i) pass(truth, imu, dt, kOrders[i], rows[i]);
     for (std::size_t i = 0; i < kOrders.size(); ++i) {
       const auto& blocks = rows[i].block_seconds;
-      const double each =
-          std::accumulate(blocks.begin(), blocks.end(), 0.0) / static_cast<double>(imu.size());
-      fmt::print("{:8} {:6} {:14.2e} {:14.2e} {:10.0f} {:12.2f}\n", dt, kOrders[i], rows[i].position,
-                 rows[i].attitude, 1e9 * each, 1e-6 / each);
+      const double each = std::accumulate(blocks.begin(), blocks.end(), 0.0) / static_cast<double>(imu.size());
+      fmt::print("{:8} {:6} {:14.2e} {:14.2e} {:10.0f} {:12.2f}\n", dt, kOrders[i], rows[i].position, rows[i].attitude,
+                 1e9 * each, 1e-6 / each);
     }
   }
 }

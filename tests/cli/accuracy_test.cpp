@@ -70,10 +70,10 @@ TEST(Accuracy, LimitsSetTheExitCodeAndAreAllPrinted) {
 }
 
 TEST(Accuracy, RefusesWrongUseBeforeAnyWork) {
-  for (const char* wrong : {"--require 'arw.rmse<'", "--require 'arw.size<1'", "--require ','",
-                            "--methods gls,magic", "--records 0", "--records many", "--duration 3s",
-                            "--rate 1e9", "--axis z", "--terms N,X", "--report -", "--longest 1e5",
-                            "--sweep --methods gls", "--sweep --require 'bias<1'", "--sweep --longest 10"}) {
+  for (const char* wrong :
+       {"--require 'arw.rmse<'", "--require 'arw.size<1'", "--require ','", "--methods gls,magic", "--records 0",
+        "--records many", "--duration 3s", "--rate 1e9", "--axis z", "--terms N,X", "--report -", "--longest 1e5",
+        "--sweep --methods gls", "--sweep --require 'bias<1'", "--sweep --longest 10"}) {
     const Outcome run = gyrobudget_run(kMems + wrong);
     EXPECT_EQ(run.exit_code, 2) << wrong << '\n' << run.err;
     EXPECT_EQ(run.out, "") << wrong;
@@ -101,9 +101,8 @@ TEST(Accuracy, AnAccelerometerHasItsOwnUnits) {
 
 TEST(Accuracy, AnInterruptPrintsWhatIsDone) {
   // More records than there is time for; the interrupt comes once the first block is certainly done.
-  const Outcome run = shell("%P " + kMems +
-                            "--records 1000000 --duration 1h --methods gls --json & p=$!; sleep 1.5; "
-                            "kill -INT $p; wait $p");
+  const Outcome run = shell(
+      "%P " + kMems + "--records 1000000 --duration 1h --methods gls --json & p=$!; sleep 1.5; kill -INT $p; wait $p");
   EXPECT_EQ(run.exit_code, 130);
   EXPECT_NE(run.err.find("interrupted: the result is that of the first"), std::string::npos) << run.err;
   const Json json = Json::parse(run.out, nullptr, false);
@@ -114,16 +113,14 @@ TEST(Accuracy, AnInterruptPrintsWhatIsDone) {
   EXPECT_LT(records, 1'000'000);
   // The beginning of a longer run is the shorter run.
   const auto whole = timeless(
-      gyrobudget_run(kMems + "--duration 1h --methods gls --json -q --records " + std::to_string(records))
-          .out);
+      gyrobudget_run(kMems + "--duration 1h --methods gls --json -q --records " + std::to_string(records)).out);
   EXPECT_EQ(timeless(run.out)["methods"], whole["methods"]);
 }
 
 TEST(Accuracy, SweepHasEveryGroupOnTheSameRecords) {
   const Scratch scratch;
-  const Outcome run =
-      gyrobudget_run(kMems + "--sweep --records 4 --duration 1h --longest 1e4 -q --json --report " +
-                     scratch.path("page.html"));
+  const Outcome run = gyrobudget_run(kMems + "--sweep --records 4 --duration 1h --longest 1e4 -q --json --report " +
+                                     scratch.path("page.html"));
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(scratch.files(), 1U);
   const Json json = Json::parse(run.out, nullptr, false);
@@ -136,10 +133,8 @@ TEST(Accuracy, SweepHasEveryGroupOnTheSameRecords) {
       EXPECT_EQ(row["coefficients"]["arw"]["over_default"], 1.0);
     }
   }
-  EXPECT_EQ(
-      rows,
-      (std::map<std::string, int>{
-          {"method", 6}, {"covariance", 3}, {"taus an octave", 3}, {"stride", 8}, {"record length", 3}}));
+  EXPECT_EQ(rows, (std::map<std::string, int>{
+                      {"method", 6}, {"covariance", 3}, {"taus an octave", 3}, {"stride", 8}, {"record length", 3}}));
 }
 
 }  // namespace

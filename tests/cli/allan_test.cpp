@@ -98,8 +98,7 @@ double textbook(const std::vector<double>& y, std::size_t m, const std::string& 
 
 TEST_F(Allan, EveryEstimatorIsACurveOfItsOwnName) {
   const auto y = noise(2000);
-  const auto document =
-      run(scratch_.file("log.csv", csv(y)) + " --taus octave --estimator adev,oadev,mdev,hdev,ohdev");
+  const auto document = run(scratch_.file("log.csv", csv(y)) + " --taus octave --estimator adev,oadev,mdev,hdev,ohdev");
   EXPECT_EQ(document["schema"], "gyrobudget.allan/1");
   EXPECT_EQ(document["estimator"], "adev");
   ASSERT_EQ(document["axes"].size(), 5U);
@@ -124,15 +123,13 @@ TEST_F(Allan, AllOfThemHaveIntervalsAtEveryTau) {
     SCOPED_TRACE(axis["estimator"]);
     EXPECT_GE(axis["points"].size(), 5U);
     for (const auto& p : axis["points"]) {
-      for (const char* number : {"deviation", "lower", "upper", "edf", "bias"})
-        EXPECT_GT(p[number], 0) << number;
+      for (const char* number : {"deviation", "lower", "upper", "edf", "bias"}) EXPECT_GT(p[number], 0) << number;
     }
   }
 }
 
 TEST_F(Allan, TimeDeviationsAreAngles) {
-  const auto document =
-      run(scratch_.file("log.csv", csv(noise(2000))) + " --taus octave --estimator mdev,tdev");
+  const auto document = run(scratch_.file("log.csv", csv(noise(2000))) + " --taus octave --estimator mdev,tdev");
   const auto &mdev = document["axes"][0], &tdev = document["axes"][1];
   EXPECT_EQ(tdev["unit"], "arcsec");
   EXPECT_EQ(tdev["si_unit"], "rad");
@@ -183,8 +180,7 @@ TEST_F(Allan, RefusesWhatNoEstimatorIs) {
 // --- Segments ---------------------------------------------------------------------------------------------------------------
 
 TEST_F(Allan, SeveralLogsArePooledByDegreesOfFreedom) {
-  const std::string a = scratch_.file("a.csv", csv(noise(4000, 1))),
-                    b = scratch_.file("b.csv", csv(noise(1000, 2)));
+  const std::string a = scratch_.file("a.csv", csv(noise(4000, 1))), b = scratch_.file("b.csv", csv(noise(1000, 2)));
   const auto one = run(a + " --taus octave"), other = run(b + " --taus octave"),
              both = run(a + " " + b + " --taus octave");
   EXPECT_EQ(both["record"]["samples"], 5000);
@@ -194,8 +190,7 @@ TEST_F(Allan, SeveralLogsArePooledByDegreesOfFreedom) {
     const double v = p["edf"], w = q["edf"];
     EXPECT_NEAR(pooled["edf"].get<double>(), v + w, 1e-9 * v);
     const double expected = std::sqrt(
-        (v * std::pow(p["deviation"].get<double>(), 2) + w * std::pow(q["deviation"].get<double>(), 2)) /
-        (v + w));
+        (v * std::pow(p["deviation"].get<double>(), 2) + w * std::pow(q["deviation"].get<double>(), 2)) / (v + w));
     EXPECT_NEAR(pooled["deviation"].get<double>() / expected, 1, 1e-9);
   }
   EXPECT_EQ(both["axes"][0]["points"].back()["m"], one["axes"][0]["points"].back()["m"]);
@@ -228,8 +223,7 @@ TEST_F(Allan, SegmentsOfOneLogArePooledAsLogsAre) {
                     b = scratch_.file("b.csv", csv({y.begin() + 4000, y.end()}));
   const auto logs = run(a + " " + b + " --taus octave");
   for (const double start : {1000., 0.}) {
-    const auto one =
-        run(scratch_.file("both.csv", csv_of_two(y, 4000, start)) + " --taus octave --segments 5s");
+    const auto one = run(scratch_.file("both.csv", csv_of_two(y, 4000, start)) + " --taus octave --segments 5s");
     ASSERT_EQ(one["axes"][0]["points"].size(), logs["axes"][0]["points"].size());
     for (std::size_t i = 0; i < logs["axes"][0]["points"].size(); ++i) {
       const auto &p = one["axes"][0]["points"][i], &q = logs["axes"][0]["points"][i];
@@ -276,17 +270,16 @@ TEST_F(Allan, BinaryLogsAreTheTextInOtherClothes) {
     EXPECT_EQ(binary["axes"][0]["points"], text["axes"][0]["points"]) << line;
   }
   const auto f32 = run(scratch_.file("log.f32", raw<float>(y)) + kBinary + " --taus octave");
-  EXPECT_NEAR(f32["axes"][0]["points"][0]["deviation"].get<double>() /
-                  text["axes"][0]["points"][0]["deviation"].get<double>(),
-              1, 1e-7);
+  EXPECT_NEAR(
+      f32["axes"][0]["points"][0]["deviation"].get<double>() / text["axes"][0]["points"][0]["deviation"].get<double>(),
+      1, 1e-7);
 }
 
 TEST_F(Allan, SimulatedBinaryLogsReadBack) {
   const std::string sensor = GYROBUDGET_EXAMPLES "/sensors/mems.yaml";
   const auto simulate = [&](const std::string& file) {
     const std::string path = scratch_.path(file);
-    const Outcome outcome =
-        gyrobudget_run("simulate " + sensor + " --duration 30s --rate 10 --unit deg/h -o " + path);
+    const Outcome outcome = gyrobudget_run("simulate " + sensor + " --duration 30s --rate 10 --unit deg/h -o " + path);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     return path;
   };
@@ -305,10 +298,9 @@ TEST_F(Allan, SimulatedBinaryLogsReadBack) {
   const auto one = run(simulate("log.f32") + kBinary + "--columns 3 --column 2 --taus octave");
   ASSERT_EQ(one["axes"].size(), 1U);
   EXPECT_EQ(one["axes"][0]["name"], "column 2");
-  const Outcome piped = shell("%P simulate " + sensor +
-                              " --duration 60s --rate 10 --unit deg/h --format npy -o - | "
-                              "%P calibrate - --format npy --json" +
-                              kBinary);
+  const Outcome piped =
+      shell("%P simulate " + sensor +
+            " --duration 60s --rate 10 --unit deg/h --format npy -o - | %P calibrate - --format npy --json" + kBinary);
   EXPECT_NE(piped.out.find("gyrobudget.calibration/1"), std::string::npos) << piped.err;
 }
 
@@ -318,10 +310,9 @@ TEST_F(Allan, BinaryLogsNeedToBeTold) {
   expect_refused(log + " --rate 10", kBadInput, "--unit deg/s");
   expect_refused(log + kBinary + "--columns 3", kBadInput, "a multiple of 24");
   expect_refused(log + kBinary + "--column 2", kBadInput, "no column '2'");
-  expect_refused(scratch_.file("log.npy", raw<double>(noise(10))) + kBinary, kBadInput,
-                 "expected the mark of a .npy");
-  const Outcome endless = gyrobudget_run("simulate " GYROBUDGET_EXAMPLES
-                                         "/sensors/mems.yaml --duration endless --model 1 --format npy");
+  expect_refused(scratch_.file("log.npy", raw<double>(noise(10))) + kBinary, kBadInput, "expected the mark of a .npy");
+  const Outcome endless =
+      gyrobudget_run("simulate " GYROBUDGET_EXAMPLES "/sensors/mems.yaml --duration endless --model 1 --format npy");
   EXPECT_EQ(endless.exit_code, kUsage);
   EXPECT_NE(endless.err.find("use f64"), std::string::npos) << endless.err;
 }
@@ -374,12 +365,11 @@ TEST_F(Allan, AnInterruptPrintsTheLastTable) {
   const std::string log = scratch_.file("log", raw<double>(noise(3000))), table = scratch_.path("table"),
                     pipe = scratch_.path("pipe");
   // Interrupted once the first table is there, whenever that is; the pipe stays open longer.
-  const Outcome outcome = shell("mkfifo " + pipe + "; ( cat " + log + "; exec sleep 60 ) > " + pipe +
-                                " & writer=$!; %P allan - --follow " + "--format f64" + kBinary + " < " +
-                                pipe + " > " + table + " & reader=$!; until [ -s " + table +
-                                " ] || ! kill -0 $reader; do sleep 0.01; done; kill -INT $reader; wait "
-                                "$reader; code=$?; kill $writer; cat " +
-                                table + "; exit $code");
+  const Outcome outcome = shell(
+      "mkfifo " + pipe + "; ( cat " + log + "; exec sleep 60 ) > " + pipe + " & writer=$!; %P allan - --follow " +
+      "--format f64" + kBinary + " < " + pipe + " > " + table + " & reader=$!; until [ -s " + table +
+      " ] || ! kill -0 $reader; do sleep 0.01; done; kill -INT $reader; wait $reader; code=$?; kill $writer; cat " +
+      table + "; exit $code");
   EXPECT_EQ(outcome.exit_code, kInterrupted) << outcome.err;
   EXPECT_NE(outcome.out.find("3 000 samples"), std::string::npos) << outcome.out;
 }
@@ -393,10 +383,8 @@ TEST_F(Allan, StreamsRefuseWhatNeedsTheWholeLog) {
   expect_refused(log + " other.csv --stream", kUsage, "one log");
   expect_refused(log + " --stream --psd welch --json", kUsage, "needs the whole log");
   expect_refused(log + " --stream --input angle --unit deg", kUsage, "rates or increments");
-  expect_refused("- --stream --format npy" + (kBinary + ("<" + log)), kBadInput,
-                 "expected the mark of a .npy");
-  expect_refused(scratch_.file("one.f64", raw<double>({1})) + kBinary + "--stream", kBadInput,
-                 "expected at least 2");
+  expect_refused("- --stream --format npy" + (kBinary + ("<" + log)), kBadInput, "expected the mark of a .npy");
+  expect_refused(scratch_.file("one.f64", raw<double>({1})) + kBinary + "--stream", kBadInput, "expected at least 2");
 }
 
 // --- Other views ------------------------------------------------------------------------------------------------------------------
@@ -432,8 +420,7 @@ TEST_F(Allan, DeviationOverTimeShowsWhatChanges) {
   ASSERT_EQ(rows.size(), surface["time_s"].size());
   EXPECT_EQ(surface["time_s"][0], 50);
   ASSERT_EQ(rows[0].size(), surface["tau_s"].size());
-  constexpr double kScatter =
-      0.15;  // of a ratio of deviations with about 600 degrees of freedom each: 5 sigma
+  constexpr double kScatter = 0.15;  // of a ratio of deviations with about 600 degrees of freedom each: 5 sigma
   EXPECT_NEAR(rows.back()[0].get<double>() / rows[0][0].get<double>(), 3, 3 * kScatter);
   std::ostringstream text;
   text << std::ifstream(page).rdbuf();

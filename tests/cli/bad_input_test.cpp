@@ -64,8 +64,7 @@ TEST_F(BadInput, TooFewSamples) {
 }
 
 TEST_F(BadInput, TextInANumberColumn) {
-  expect_refusal(calibrate(with_line(good_log(100), 50, "4.8,hello")), kBadInput,
-                 {"log.csv:50:5", "hello", "number"});
+  expect_refusal(calibrate(with_line(good_log(100), 50, "4.8,hello")), kBadInput, {"log.csv:50:5", "hello", "number"});
 }
 
 TEST_F(BadInput, RaggedRow) {
@@ -96,8 +95,7 @@ TEST_F(BadInput, RateContradictsTime) {
 }
 
 TEST_F(BadInput, UnlabelledTimeThatNoUnitFits) {
-  expect_refusal(calibrate(good_log(100, "time,gyro_x (deg/h)\n"), "--rate 7"), kBadInput,
-                 {"time", "s", "ms"});
+  expect_refusal(calibrate(good_log(100, "time,gyro_x (deg/h)\n"), "--rate 7"), kBadInput, {"time", "s", "ms"});
 }
 
 TEST_F(BadInput, NumberBeyondDouble) {
@@ -108,17 +106,14 @@ TEST_F(BadInput, HugeSingleLine) {
   const std::string path = scratch_.path("long.csv");
   const Outcome made = shell("head -c 1000000000 /dev/zero | tr '\\0' '7' > '" + path + "'");
   ASSERT_EQ(made.exit_code, 0);
-  expect_refusal(gyrobudget_run("calibrate '" + path + "' --unit deg/s --rate 1"), kBadInput,
-                 {"long.csv", "expected"});
+  expect_refusal(gyrobudget_run("calibrate '" + path + "' --unit deg/s --rate 1"), kBadInput, {"long.csv", "expected"});
 }
 
 TEST_F(BadInput, Directory) {
   expect_refusal(gyrobudget_run("calibrate /"), kBadInput, {"/", "folder", "expected a file"});
 }
 
-TEST_F(BadInput, NoSuchFile) {
-  expect_refusal(gyrobudget_run("calibrate nowhere.csv"), kBadInput, {"nowhere.csv"});
-}
+TEST_F(BadInput, NoSuchFile) { expect_refusal(gyrobudget_run("calibrate nowhere.csv"), kBadInput, {"nowhere.csv"}); }
 
 TEST_F(BadInput, RandomBytes) {
   std::string bytes;
@@ -175,15 +170,13 @@ TEST_F(BadInput, DiskFull) {
   for (const char* name : {"page.html", "plot.svg", "plot.png", "log.csv", "log.csv.gz", "sensor.yaml"}) {
     std::filesystem::create_symlink("/dev/full", full.path(name));
   }
-  const std::string calibrate = "%P calibrate '" + log + "' ",
-                    simulate = "%P simulate " + sensor + " --duration 100s ";
+  const std::string calibrate = "%P calibrate '" + log + "' ", simulate = "%P simulate " + sensor + " --duration 100s ";
   for (const std::string& line :
        {calibrate + "> /dev/full", calibrate + "--json > /dev/full", "%P allan '" + log + "' > /dev/full",
-        "%P allan '" + log + "' --json > /dev/full", "%P plan " + sensor + " > /dev/full",
-        simulate + "> /dev/full", calibrate + "-o /dev/full", calibrate + "--kalibr /dev/full",
-        calibrate + "--report /dev/full", calibrate + "-o " + full.path("sensor.yaml"),
-        calibrate + "--report " + full.path("page.html"), calibrate + "--plot " + full.path("plot.svg"),
-        calibrate + "--plot " + full.path("plot.png"),
+        "%P allan '" + log + "' --json > /dev/full", "%P plan " + sensor + " > /dev/full", simulate + "> /dev/full",
+        calibrate + "-o /dev/full", calibrate + "--kalibr /dev/full", calibrate + "--report /dev/full",
+        calibrate + "-o " + full.path("sensor.yaml"), calibrate + "--report " + full.path("page.html"),
+        calibrate + "--plot " + full.path("plot.svg"), calibrate + "--plot " + full.path("plot.png"),
         "%P allan '" + log + "' --report " + full.path("page.html"), simulate + "-o " + full.path("log.csv"),
         simulate + "-o " + full.path("log.csv.gz")}) {
     const Outcome run = shell(line);
@@ -195,8 +188,7 @@ TEST_F(BadInput, DiskFull) {
 
 TEST_F(BadInput, OutputFolderMissing) {
   const std::string log = scratch_.file("log.csv", good_log(1000));
-  const Outcome run =
-      gyrobudget_run("calibrate '" + log + "' -o '" + scratch_.path("no/such/sensor.yaml") + "'");
+  const Outcome run = gyrobudget_run("calibrate '" + log + "' -o '" + scratch_.path("no/such/sensor.yaml") + "'");
   EXPECT_EQ(run.exit_code, kBadOutput);
   EXPECT_NE(run.err.find("no/such/sensor.yaml"), std::string::npos) << run.err;
 }
@@ -205,8 +197,7 @@ TEST_F(BadInput, OutputFolderMissing) {
 TEST_F(BadInput, InterruptWhileWriting) {
   const std::string path = scratch_.path("big.csv");
   const Outcome run =
-      shell("%P simulate " GYROBUDGET_EXAMPLES
-            "/sensors/mems.yaml --duration 1000h --model gauss-markov --quiet -o '" +
+      shell("%P simulate " GYROBUDGET_EXAMPLES "/sensors/mems.yaml --duration 1000h --model gauss-markov --quiet -o '" +
             path + "' & pid=$!; until [ -n \"$(find '" + scratch_.path("") +
             "' -type f -size +0)\" ] || ! kill -0 $pid; do sleep 0.01; done; kill -INT $pid; wait $pid");
   EXPECT_EQ(run.exit_code, kInterrupted) << run.err;
@@ -217,10 +208,9 @@ TEST_F(BadInput, InterruptWhileWriting) {
 TEST_F(BadInput, InterruptWhileReading) {
   const Scratch inputs;
   const std::string pipe = inputs.path("log.csv");
-  const Outcome run =
-      shell("mkfifo '" + pipe + "'; %P calibrate '" + pipe + "' -o '" + scratch_.path("sensor.yaml") +
-            "' --report '" + scratch_.path("page.html") + "' & pid=$!; exec 3>'" + pipe +
-            "'; echo 'time (s),gyro_x (deg/h)' >&3; kill -INT $pid; wait $pid");
+  const Outcome run = shell("mkfifo '" + pipe + "'; %P calibrate '" + pipe + "' -o '" + scratch_.path("sensor.yaml") +
+                            "' --report '" + scratch_.path("page.html") + "' & pid=$!; exec 3>'" + pipe +
+                            "'; echo 'time (s),gyro_x (deg/h)' >&3; kill -INT $pid; wait $pid");
   EXPECT_EQ(run.exit_code, kInterrupted) << run.err;
   EXPECT_EQ(run.out, "");
   EXPECT_EQ(scratch_.files(), 0U);
@@ -229,8 +219,7 @@ TEST_F(BadInput, InterruptWhileReading) {
 // --- Nothing of the user's is destroyed -------------------------------------------------------------------------------
 
 TEST_F(BadInput, OutputsNeverReplaceTheInputOrOneAnother) {
-  const std::string text = good_log(1000), log = scratch_.file("log.csv", text),
-                    page = scratch_.path("page.html");
+  const std::string text = good_log(1000), log = scratch_.file("log.csv", text), page = scratch_.path("page.html");
   expect_refusal(gyrobudget_run("calibrate '" + log + "' -o '" + log + "'"), kUsage, {"-o", "input"});
   expect_refusal(gyrobudget_run("calibrate '" + log + "' -o '" + page + "' --report '" + page + "'"), kUsage,
                  {"same file"});
@@ -250,8 +239,8 @@ TEST_F(BadInput, MostSamplesMissing) {
 }
 
 TEST_F(BadInput, AKnockIsNamed) {
-  const Outcome run = gyrobudget_run(
-      "calibrate '" + scratch_.file("log.csv", with_line(good_log(2000), 1000, "99.8,1e6")) + "'");
+  const Outcome run =
+      gyrobudget_run("calibrate '" + scratch_.file("log.csv", with_line(good_log(2000), 1000, "99.8,1e6")) + "'");
   EXPECT_NE(run.out.find("further from their surroundings"), std::string::npos) << run.out;
   EXPECT_NE(run.out.find("99.8 s"), std::string::npos) << run.out;
 }
@@ -284,8 +273,7 @@ TEST(BadUse, OutputsThatCannotBeAreRefusedBeforeTheWork) {
   const std::string sensor = scratch.file("s.yaml", "name: w\ngyro:\n  arw: 0.15 deg/sqrt(h)\n");
   const auto option = gyrobudget_run("simulate " + sensor + " --duration 1s --rate 10 -o -q");
   EXPECT_EQ(option.exit_code, 2) << option.err;
-  const auto folder =
-      gyrobudget_run("simulate " + sensor + " --duration 1000h --rate 100 -o /nonexistent/x.csv");
+  const auto folder = gyrobudget_run("simulate " + sensor + " --duration 1000h --rate 100 -o /nonexistent/x.csv");
   EXPECT_EQ(folder.exit_code, 4) << folder.err;
   EXPECT_NE(folder.err.find("found no folder"), std::string::npos) << folder.err;
 }
@@ -294,8 +282,7 @@ TEST(BadUse, RateAndUnitAreAskedForTogether) {
   const Scratch scratch;
   const auto outcome = gyrobudget_run("calibrate " + scratch.file("x.csv", "1\n2\n3\n4\n"));
   EXPECT_EQ(outcome.exit_code, 3);
-  for (const char* part : {"--unit", "--rate"})
-    EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
+  for (const char* part : {"--unit", "--rate"}) EXPECT_NE(outcome.err.find(part), std::string::npos) << outcome.err;
 }
 
 }  // namespace

@@ -44,8 +44,8 @@ double total(const json& found, const std::string& component = "rss") {
 void expect_whole(const json& found) {
   EXPECT_EQ(found["schema"], "gyrobudget.budget/1");
   for (const auto* field :
-       {"version", "command", "scene", "name", "sensor", "at_s", "total", "claimed", "sources", "left_out",
-        "tolerance", "not_modelled", "growth", "steps", "limit", "monte_carlo", "notes"})
+       {"version", "command", "scene", "name", "sensor", "at_s", "total", "claimed", "sources", "left_out", "tolerance",
+        "not_modelled", "growth", "steps", "limit", "monte_carlo", "notes"})
     EXPECT_TRUE(found.contains(field)) << field;
   double shares = 0, squares = 0;
   for (const auto& one : found["sources"]) {
@@ -88,12 +88,10 @@ TEST(BudgetScenes, APerfectImuLeavesTheStartAndTheWorld) {
 // 14 to 16 m for that of the MEMS.
 TEST(BudgetScenes, WhatTheNoiseOfTwoGyrosCostsAnAscent) {
   const Scratch scratch;
-  const std::string scene =
-      scratch.file("ascent.yaml", "name: ascent\nsite: alcantara\ntrajectory: ascent\n");
+  const std::string scene = scratch.file("ascent.yaml", "name: ascent\nsite: alcantara\ntrajectory: ascent\n");
   const auto of = [&](const std::string& sensor) {
     return json::parse(
-        gyrobudget_run("budget " + scene + " --keep-all --json --sensor " + kExamples + "/sensors/" + sensor)
-            .out,
+        gyrobudget_run("budget " + scene + " --keep-all --json --sensor " + kExamples + "/sensors/" + sensor).out,
         nullptr, false);
   };
   const json ifog = of("ifog.yaml"), mems = of("mems.yaml");
@@ -161,8 +159,7 @@ TEST(BudgetScenes, ATrajectoryOfOnesOwn) {
 // --- The program ----------------------------------------------------------------------------------------------
 
 TEST(BudgetVerb, TheTableFitsAPageAndHasNoHoles) {
-  for (const std::string options :
-       {"", "--exact --limit 'crossrange < 10 km' --runs 5 --each-source --rate 20"}) {
+  for (const std::string options : {"", "--exact --limit 'crossrange < 10 km' --runs 5 --each-source --rate 20"}) {
     for (const auto* scene : {"vlm1-ideal", "vlm1-ifog", "drone-outage"}) {
       const Outcome run = budget(scene, options);
       EXPECT_EQ(run.exit_code, 0) << run.err;
@@ -187,10 +184,8 @@ TEST(BudgetVerb, ThreeRoutesAgreeInOneRun) {
   EXPECT_EQ(mc["saturated"], 0);
   // Bands of 99 % widened by a half: this seed is one of them, an error of linear theory by 2 is none.
   for (const auto* axis : {"east", "north", "up"}) {
-    EXPECT_GT(mc["position_ratio"][axis].get<double>(), 1 - 1.5 * (1 - mc["ratio_low"].get<double>()))
-        << axis;
-    EXPECT_LT(mc["position_ratio"][axis].get<double>(), 1 + 1.5 * (mc["ratio_high"].get<double>() - 1))
-        << axis;
+    EXPECT_GT(mc["position_ratio"][axis].get<double>(), 1 - 1.5 * (1 - mc["ratio_low"].get<double>())) << axis;
+    EXPECT_LT(mc["position_ratio"][axis].get<double>(), 1 + 1.5 * (mc["ratio_high"].get<double>() - 1)) << axis;
   }
   const int dof = mc["nees_dof"];
   EXPECT_GE(dof, 7);
@@ -218,8 +213,7 @@ TEST(BudgetVerb, SensorsSideBySide) {
 }
 
 TEST(BudgetVerb, KeepAllShowsThatTheBoundHeld) {
-  const json all = budget_json("vlm1-ifog", "--keep-all"),
-             some = budget_json("vlm1-ifog", "--tolerance 0.01");
+  const json all = budget_json("vlm1-ifog", "--keep-all"), some = budget_json("vlm1-ifog", "--tolerance 0.01");
   EXPECT_TRUE(all["left_out"].empty());
   ASSERT_FALSE(some["left_out"].empty());
   EXPECT_LE(std::abs(1 - total(some) / total(all)), 0.01);
@@ -314,8 +308,7 @@ TEST(BudgetVerb, ACutOffGyroIsNamedAndContradictsTheCovariance) {
   const std::string sensor = scratch.file("slow.yaml", "gyro: {arw: 0.1 deg/sqrt(h), range: 0.28 deg/s}\n");
   const std::string scene =
       scratch.file("slow-scene.yaml", "site: alcantara\ntrajectory: ascent\nsensor: " + sensor + "\n");
-  const json found =
-      json::parse(gyrobudget_run("budget " + scene + " --runs 50 --rate 20 --json").out, nullptr, false);
+  const json found = json::parse(gyrobudget_run("budget " + scene + " --runs 50 --rate 20 --json").out, nullptr, false);
   const json& mc = found["monte_carlo"];
   const auto& cut = mc["saturated_axes"]["gyro"];
   EXPECT_EQ(cut[0], 0);
@@ -329,9 +322,8 @@ TEST(BudgetVerb, ACutOffGyroIsNamedAndContradictsTheCovariance) {
   ASSERT_NE(north, against.end()) << against;
   EXPECT_NEAR(std::stod(north->get<std::string>().substr(16)), 40 - 0.28 * 75, 1) << *north;
   const Outcome text = gyrobudget_run("budget " + scene + " --runs 50 --rate 20");
-  EXPECT_TRUE(
-      std::regex_search(text.out, std::regex("gyro [yz] is cut off from 8\\.?[0-9]* s on: it senses up to "
-                                             "0\\.0093[0-9]* rad/s")))
+  EXPECT_TRUE(std::regex_search(
+      text.out, std::regex("gyro [yz] is cut off from 8\\.?[0-9]* s on: it senses up to 0\\.0093[0-9]* rad/s")))
       << text.out;
   EXPECT_NE(text.out.find("which does not hold"), std::string::npos) << text.out;
 }
@@ -358,14 +350,13 @@ TEST(BudgetVerb, LargeAnglesAreNamedAndContradictTheCovariance) {
 // What linear theory cannot say is said.
 TEST(BudgetVerb, NotesSayWhereTheNumbersEnd) {
   const Scratch scratch;
-  const std::string self =
-      scratch.file("self.yaml", "trajectory: ascent\nsensor: " + kExamples +
-                                    "/sensors/mems-imu.yaml\nalignment: {attitude: self}\n");
+  const std::string self = scratch.file("self.yaml", "trajectory: ascent\nsensor: " + kExamples +
+                                                         "/sensors/mems-imu.yaml\nalignment: {attitude: self}\n");
   const Outcome heading = gyrobudget_run("budget " + self);
   EXPECT_NE(heading.out.find("heading"), std::string::npos);
   EXPECT_NE(heading.out.find("Notes"), std::string::npos) << heading.out;
-  const std::string sensor = scratch.file(
-      "small.yaml", "gyro: {arw: 0.1 deg/sqrt(h)}\naccelerometer: {vrw: 0.01 m/s/sqrt(h), range: 1 g}\n");
+  const std::string sensor =
+      scratch.file("small.yaml", "gyro: {arw: 0.1 deg/sqrt(h)}\naccelerometer: {vrw: 0.01 m/s/sqrt(h), range: 1 g}\n");
   const Outcome range = gyrobudget_run(
       "budget " + scratch.file("range.yaml", "trajectory: ascent\nsensor: " + sensor + "\n") + " --runs 2");
   EXPECT_EQ(range.exit_code, 0) << range.err;
@@ -375,8 +366,7 @@ TEST(BudgetVerb, NotesSayWhereTheNumbersEnd) {
 // Nothing is wrong: the answer is zero, not a hole.
 TEST(BudgetVerb, ASceneWithoutErrors) {
   const Scratch scratch;
-  const Outcome run =
-      gyrobudget_run("budget " + scratch.file("none.yaml", "trajectory: ascent\n") + " --json");
+  const Outcome run = gyrobudget_run("budget " + scratch.file("none.yaml", "trajectory: ascent\n") + " --json");
   EXPECT_EQ(run.exit_code, 0) << run.err;
   const json found = json::parse(run.out, nullptr, false);
   EXPECT_EQ(total(found), 0);

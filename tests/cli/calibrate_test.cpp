@@ -21,11 +21,9 @@ class Spoilt {
  public:
   explicit Spoilt(const std::string& added) {
     const std::string clean = scratch_.path("clean.csv");
-    EXPECT_EQ(gyrobudget_run("simulate " + kMems + " --duration 2h --rate 10 --axes x --seed 4 -o " + clean)
-                  .exit_code,
+    EXPECT_EQ(gyrobudget_run("simulate " + kMems + " --duration 2h --rate 10 --axes x --seed 4 -o " + clean).exit_code,
               0);
-    const std::string awk =
-        "awk -F, -v OFS=, -v CONVFMT=%.17g -v OFMT=%.17g '/^[0-9-]/ {i++; $2 += " + added + "} 1' ";
+    const std::string awk = "awk -F, -v OFS=, -v CONVFMT=%.17g -v OFMT=%.17g '/^[0-9-]/ {i++; $2 += " + added + "} 1' ";
     EXPECT_EQ(shell(awk + clean + " > " + path()).exit_code, 0);
   }
   [[nodiscard]] std::string path() const { return scratch_.path("spoilt.csv"); }
@@ -57,8 +55,7 @@ TEST(Findings, KnocksAreNamedWithTheirTimesAndMaskedOnRequest) {
   EXPECT_NE(text.find("10 of 72000 samples lie further"), std::string::npos) << text;
   EXPECT_NE(text.find("--mask"), std::string::npos);
   EXPECT_NE(text.find("Do not use these numbers yet"), std::string::npos);
-  EXPECT_EQ(gyrobudget_run("calibrate --mask outliers " + record.path()).out.find("Do not use"),
-            std::string::npos);
+  EXPECT_EQ(gyrobudget_run("calibrate --mask outliers " + record.path()).out.find("Do not use"), std::string::npos);
 }
 
 TEST(Findings, FivePercentOfOutliersLeaveADatasheetWhenMasked) {
@@ -124,8 +121,7 @@ TEST(Methods, CrossCheckSaysWhetherTheLikelihoodAgrees) {
   EXPECT_EQ(check["coefficients"][0]["parameter"], "arw");
   EXPECT_EQ(check["coefficients"][0]["fit"], axis["parameters"]["arw"]["value"]);
   EXPECT_FALSE(record.axis().contains("cross_check"));
-  EXPECT_NE(gyrobudget_run("calibrate --cross-check " + record.path()).out.find("The two agree."),
-            std::string::npos);
+  EXPECT_NE(gyrobudget_run("calibrate --cross-check " + record.path()).out.find("The two agree."), std::string::npos);
 }
 
 TEST(Methods, ATableIsNoRecord) {

@@ -68,9 +68,7 @@ Json axis_of(const Outcome& outcome) {
 const std::vector<std::string> kWays{"", "--method whittle --terms N,B,K", "--cross-check", "--terms auto",
                                      "--terms N,G,S"};
 
-double si(const Json& axis, const std::string& key) {
-  return axis["parameters"][key]["si"]["value"].get<double>();
-}
+double si(const Json& axis, const std::string& key) { return axis["parameters"][key]["si"]["value"].get<double>(); }
 
 // Of white noise of standard deviation 1 at 10 Hz, N = sqrt(0.1), known to 1/sqrt(2 n) = 1.1 %; 4 sigma. With G beside it
 // the two share the shortest taus: 3 times that.
@@ -130,8 +128,7 @@ TEST(Extremes, ScaledUnitsGiveTheSameStatusesAndValues) {
         // Scaled samples are rounded once more: 1e-16 each.
         constexpr double kRelative = 1e-10;
         const double upper = p["upper"].get<double>();
-        EXPECT_NEAR(p["value"].get<double>(), q["value"].get<double>() / scale, kRelative * upper)
-            << way << name;
+        EXPECT_NEAR(p["value"].get<double>(), q["value"].get<double>() / scale, kRelative * upper) << way << name;
         EXPECT_NEAR(upper, q["upper"].get<double>() / scale, kRelative * upper) << way << name;
       }
     }

@@ -43,9 +43,9 @@ TEST(FlyScenes, ThreeImusFromAlcantara) {
              mems = fly_json(kScenes + "vlm1-mems.yaml");
   for (const json& found : {ideal, ifog, mems}) {
     EXPECT_EQ(found["schema"], "gyrobudget.flight/1");
-    for (const auto* field : {"scene", "name", "sensor", "vehicle", "seed", "runs", "ended", "account",
-                              "burnout", "nominal", "departure", "dispersion", "navigation_error", "margins",
-                              "limits", "integrator", "trajectory", "inputs", "notes"})
+    for (const auto* field :
+         {"scene", "name", "sensor", "vehicle", "seed", "runs", "ended", "account", "burnout", "nominal", "departure",
+          "dispersion", "navigation_error", "margins", "limits", "integrator", "trajectory", "inputs", "notes"})
       EXPECT_TRUE(found.contains(field)) << field;
     EXPECT_EQ(found["ended"], "complete");
     // Point mass over a flat, resting Earth: 22.9 km, 11.4 km, 640 m/s, 25.6 km.
@@ -57,9 +57,7 @@ TEST(FlyScenes, ThreeImusFromAlcantara) {
     EXPECT_NEAR(end["distance_m"].get<double>(), 25.6e3, 300);
     EXPECT_EQ(found["margins"]["met"], true);
   }
-  const auto departure = [](const json& found) {
-    return found["departure"]["position_m"]["rss"].get<double>();
-  };
+  const auto departure = [](const json& found) { return found["departure"]["position_m"]["rss"].get<double>(); };
   EXPECT_LT(departure(ideal), departure(mems));
   EXPECT_LT(departure(ifog), departure(mems));
   EXPECT_LT(departure(mems), 1000);
@@ -67,17 +65,17 @@ TEST(FlyScenes, ThreeImusFromAlcantara) {
 
 TEST(FlyScenes, TheBudgetOfASceneIsThatOfItsFlight) {
   const json flown = fly_json(kScenes + "vlm1-mems.yaml");
-  const json budget = json::parse(
-      gyrobudget_run("budget " + kScenes + "vlm1-mems.yaml --keep-all --json").out, nullptr, false);
-  EXPECT_NEAR(flown["navigation_error"]["position_m"]["rss"].get<double>() /
-                  budget["total"]["position_m"]["rss"].get<double>(),
-              1, 1e-6);
+  const json budget =
+      json::parse(gyrobudget_run("budget " + kScenes + "vlm1-mems.yaml --keep-all --json").out, nullptr, false);
+  EXPECT_NEAR(
+      flown["navigation_error"]["position_m"]["rss"].get<double>() / budget["total"]["position_m"]["rss"].get<double>(),
+      1, 1e-6);
 }
 
 TEST(FlyVerb, MonteCarloIsSplitAndTheSameForAnyThreads) {
   const Scratch scratch;
-  const std::string path = scene(scratch, "  dispersion: {mass: 0.2 %, wind: 5 m/s}\n",
-                                 "sensor: " + kSensors + "mems.yaml\nuntil: 30 s\n");
+  const std::string path =
+      scene(scratch, "  dispersion: {mass: 0.2 %, wind: 5 m/s}\n", "sensor: " + kSensors + "mems.yaml\nuntil: 30 s\n");
   const auto run = [&](const std::string& threads) {
     return gyrobudget_run("fly " + path + " --runs 6 --seed 9 --json --threads " + threads);
   };
@@ -96,8 +94,8 @@ TEST(FlyVerb, MonteCarloIsSplitAndTheSameForAnyThreads) {
 TEST(FlyVerb, SensorsSideBySide) {
   const Scratch scratch;
   const std::string path = scene(scratch, "", "until: 20 s\n");
-  const json found = fly_json(path + " --sensor ideal --sensor " + kSensors + "ifog.yaml --sensor " +
-                              kSensors + "mems.yaml");
+  const json found =
+      fly_json(path + " --sensor ideal --sensor " + kSensors + "ifog.yaml --sensor " + kSensors + "mems.yaml");
   EXPECT_EQ(found["schema"], "gyrobudget.flights/1");
   ASSERT_EQ(found["flights"].size(), 3U);
   EXPECT_TRUE(found["flights"][0]["sensor"].is_null());
@@ -111,15 +109,14 @@ TEST(FlyVerb, SensorsSideBySide) {
 TEST(FlyVerb, TheFlightAsCsvIsATrajectory) {
   const Scratch scratch;
   const std::string path = scene(scratch, "", "sensor: " + kSensors + "mems.yaml\nuntil: 20 s\n");
-  const Outcome run = gyrobudget_run("fly " + path + " -o " + scratch.path("flight.csv") +
-                                     " --rate 50 --report " + scratch.path("flight.html"));
+  const Outcome run = gyrobudget_run("fly " + path + " -o " + scratch.path("flight.csv") + " --rate 50 --report " +
+                                     scratch.path("flight.html"));
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_NE(run.err.find("report page"), std::string::npos);
   EXPECT_TRUE(std::ifstream(scratch.path("flight.html")).good());
   const Outcome budget = gyrobudget_run(
       "budget " +
-      scratch.file("along.yaml",
-                   "site: alcantara\ntrajectory: flight.csv\nsensor: " + kSensors + "mems.yaml\n") +
+      scratch.file("along.yaml", "site: alcantara\ntrajectory: flight.csv\nsensor: " + kSensors + "mems.yaml\n") +
       " --json");
   EXPECT_EQ(budget.exit_code, 0) << budget.err;
   EXPECT_EQ(json::parse(budget.out, nullptr, false)["at_s"], 20);
@@ -132,10 +129,10 @@ TEST(FlyVerb, FaultsHaveAnAccount) {
     const char* ended;
   };
   const Scratch scratch;
-  for (const auto& [keys, ended] : {Fault{"  faults: {nozzle_stuck: {at: 20 s, pitch: 1 deg}}\n", "tumbling"},
-                                    Fault{"  faults: {dead_gyro: {axis: y, at: 10 s}}\n", "tumbling"},
-                                    Fault{"  faults: {navigation_delay: 10 s}\n", "impact"},
-                                    Fault{"  faults: {thrust_cut: 0 s}\n", "impact"}}) {
+  for (const auto& [keys, ended] :
+       {Fault{"  faults: {nozzle_stuck: {at: 20 s, pitch: 1 deg}}\n", "tumbling"},
+        Fault{"  faults: {dead_gyro: {axis: y, at: 10 s}}\n", "tumbling"},
+        Fault{"  faults: {navigation_delay: 10 s}\n", "impact"}, Fault{"  faults: {thrust_cut: 0 s}\n", "impact"}}) {
     const json found = fly_json(scene(scratch, keys, "sensor: " + kSensors + "mems.yaml\n") + " --runs 2", 1);
     const std::string how = found["ended"].get<std::string>();
     EXPECT_NE(how, "complete") << keys;
@@ -143,32 +140,29 @@ TEST(FlyVerb, FaultsHaveAnAccount) {
     EXPECT_FALSE(found["account"].get<std::string>().empty());
   }
   const json cut = fly_json(
-      scene(scratch, "  faults: {thrust_cut: 20 s}\n", "sensor: " + kSensors + "mems.yaml\nuntil: 200 s\n"),
-      1);
+      scene(scratch, "  faults: {thrust_cut: 20 s}\n", "sensor: " + kSensors + "mems.yaml\nuntil: 200 s\n"), 1);
   EXPECT_NE(cut["ended"], "complete");
 }
 
 TEST(FlyVerb, SaturatedGyrosAndStormsEndSoundly) {
   const Scratch scratch;
-  const std::string slow = scratch.file(
-      "slow.yaml", "gyro: {arw: 0.1 deg/sqrt(h), range: 0.2 deg/s}\n");  // the program turns by 0.53
+  const std::string slow =
+      scratch.file("slow.yaml", "gyro: {arw: 0.1 deg/sqrt(h), range: 0.2 deg/s}\n");  // the program turns by 0.53
   const json saturated = fly_json(scene(scratch, "", "sensor: " + slow + "\n"), 1);
   EXPECT_NE(saturated["ended"], "complete");
   const Outcome storm = gyrobudget_run("fly " + scene(scratch, "  wind: {east: 100 m/s}\n"));
   EXPECT_TRUE(storm.exit_code == 0 || storm.exit_code == 1) << storm.err;
-  const Outcome pole = gyrobudget_run("fly " + scratch.file("pole.yaml",
-                                                            "site: {latitude: 90 deg, longitude: 0 deg, "
-                                                            "height: 0 m}\nflight: {vehicle: " +
-                                                                kVehicle + "}\n"));
+  const Outcome pole = gyrobudget_run(
+      "fly " + scratch.file("pole.yaml", "site: {latitude: 90 deg, longitude: 0 deg, height: 0 m}\nflight: {vehicle: " +
+                                             kVehicle + "}\n"));
   EXPECT_EQ(pole.exit_code, 0) << pole.err;
 }
 
 TEST(FlyVerb, GuidanceComesBackToTheNominalTrajectory) {
   const Scratch scratch;
   const auto crossrange = [&](const std::string& guidance) {
-    const json found =
-        fly_json(scene(scratch, "  dispersion: {thrust_misalignment: 0.1 deg, wind: 5 m/s}\n" + guidance) +
-                 " --runs 20");
+    const json found = fly_json(
+        scene(scratch, "  dispersion: {thrust_misalignment: 0.1 deg, wind: 5 m/s}\n" + guidance) + " --runs 20");
     return found["dispersion"]["vehicle"]["position_m"]["crossrange"].get<double>();
   };
   EXPECT_LT(crossrange("  guidance: trajectory\n"), 0.5 * crossrange(""));

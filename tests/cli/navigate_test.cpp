@@ -52,33 +52,27 @@ class Navigate : public testing::Test {
     constexpr double kRate = 7.292115e-5, kGravity = 9.7803253359;  // at the equator, height 0
     std::ostringstream log;
     log.precision(17);
-    log << "time (s),gyro_x (rad/s),gyro_y (rad/s),gyro_z (rad/s),accel_x (m/s^2),accel_y (m/s^2),accel_z "
-           "(m/s^2)\n";
+    log << "time (s),gyro_x (rad/s),gyro_y (rad/s),gyro_z (rad/s),accel_x (m/s^2),accel_y (m/s^2),accel_z (m/s^2)\n";
     for (int k = 0; k <= 200; ++k) log << 0.1 * k << ',' << kRate << ",0,0,0,0," << -kGravity << '\n';
     (void)scratch_.file("imu.csv", log.str());
-    (void)scratch_.file(
-        "gnss.csv",
-        "time (s),latitude (deg),longitude (deg),height (m)\n5.05,0,0,0\n10.05,0,0,0\n15.05,0,0,0\n");
+    (void)scratch_.file("gnss.csv",
+                        "time (s),latitude (deg),longitude (deg),height (m)\n5.05,0,0,0\n10.05,0,0,0\n15.05,0,0,0\n");
   }
   [[nodiscard]] Outcome run(const std::string& scene, const std::string& options = "") const {
     return gyrobudget_run("navigate " + scratch_.file("scene.yaml", scene) + " " + options);
   }
   Scratch scratch_;
   const std::string scene_ =
-      "name: a desk on the equator\nsite: {latitude: 0 deg, longitude: 0 deg, height: 0 m}\nimu: {file: "
-      "imu.csv}\n"
+      "name: a desk on the equator\nsite: {latitude: 0 deg, longitude: 0 deg, height: 0 m}\nimu: {file: imu.csv}\n"
       "sensor: mems.yaml\n"
-      "alignment: {position_sigma: 1 m, velocity_sigma: 1 cm/s, attitude: {heading: 0 deg}, level_sigma: 0.1 "
-      "deg, "
-      "heading_sigma: 1 deg}\n";
+      "alignment: {position_sigma: 1 m, velocity_sigma: 1 cm/s, attitude: {heading: 0 deg}, level_sigma: 0.1 deg, heading_sigma: 1 deg}\n";
   const std::string sensor_ = scratch_.file(
       "mems.yaml", "name: desk MEMS\ngyro: {arw: 0.15 deg/sqrt(h)}\naccelerometer: {turn_on_bias: 1 mg}\n");
 };
 
 TEST_F(Navigate, GivesTheFieldsThatOthersRelyOn) {
   const json found = json_of(run(
-      scene_ + "aids: {gnss: {file: gnss.csv, position: 1 m}}\nreference: gnss\nsolution: {rate: 20 Hz}\n",
-      "--json"));
+      scene_ + "aids: {gnss: {file: gnss.csv, position: 1 m}}\nreference: gnss\nsolution: {rate: 20 Hz}\n", "--json"));
   EXPECT_EQ(found["schema"], "gyrobudget.navigation/1");
   EXPECT_EQ(found["status"], "navigated");
   EXPECT_EQ(found["sensor"], "desk MEMS");
@@ -109,8 +103,7 @@ TEST_F(Navigate, TheSolutionIsATrajectoryAndInnovationsAreListed) {
   EXPECT_NE(read(page).find("Navigation: a desk on the equator"), std::string::npos);
   // The solution of one run is the reference of another, and they agree to the digits that are written.
   const json again = json_of(
-      run(scene_ + "aids: {gnss: {file: gnss.csv, position: 1 m}}\nreference: {file: " + solution + "}\n",
-          "--json"));
+      run(scene_ + "aids: {gnss: {file: gnss.csv, position: 1 m}}\nreference: {file: " + solution + "}\n", "--json"));
   EXPECT_LT(again["reference"]["position_rms_m"].get<double>(), 2e-6);
   EXPECT_LT(again["reference"]["attitude_rms_deg"].get<double>(), 1e-8);
   EXPECT_EQ(again["reference"]["nees_dof"], 9);
@@ -126,8 +119,7 @@ TEST_F(Navigate, ExitCodesSayWhatIsWrong) {
   // No output replaces what is read.
   const std::string log = read(scratch_.path("imu.csv"));
   for (const std::string input : {"imu.csv", "gnss.csv", "mems.yaml", "scene.yaml"}) {
-    EXPECT_EQ(run(scene_ + "aids: {gnss: {file: gnss.csv, position: 1 m}}\n", "-o " + scratch_.path(input))
-                  .exit_code,
+    EXPECT_EQ(run(scene_ + "aids: {gnss: {file: gnss.csv, position: 1 m}}\n", "-o " + scratch_.path(input)).exit_code,
               2)
         << input;
   }
@@ -145,16 +137,12 @@ TEST_F(Navigate, ExitCodesSayWhatIsWrong) {
 TEST_F(Navigate, OneSceneIsSimulatedAndNavigated) {
   const std::string scene = scratch_.file(
       "flight.yaml",
-      "name: a minute without aids\ntrajectory: cruise:speed=100,duration=60,turn_acceleration=3\nsensor: "
-      "imu.yaml\n"
-      "imu: {file: flight.csv}\nreference: {file: truth.csv}\nalignment: {position: start, velocity: start, "
-      "attitude: "
-      "start, position_sigma: 1 cm, velocity_sigma: 1 mm/s, level_sigma: 0.001 deg, heading_sigma: 0.001 "
-      "deg}\n"
+      "name: a minute without aids\ntrajectory: cruise:speed=100,duration=60,turn_acceleration=3\nsensor: imu.yaml\n"
+      "imu: {file: flight.csv}\nreference: {file: truth.csv}\nalignment: {position: start, velocity: start, attitude: "
+      "start, position_sigma: 1 cm, velocity_sigma: 1 mm/s, level_sigma: 0.001 deg, heading_sigma: 0.001 deg}\n"
       "aids: {start: {file: truth.csv, used: no, position: 1 m, velocity: 1 m/s, attitude: 1 deg}}\n");
   const std::string sensor = scratch_.file(
-      "imu.yaml",
-      "gyro: {arw: 0.1 deg/sqrt(h), turn_on_bias: 5 deg/h}\naccelerometer: {turn_on_bias: 1 mg}\n");
+      "imu.yaml", "gyro: {arw: 0.1 deg/sqrt(h), turn_on_bias: 5 deg/h}\naccelerometer: {turn_on_bias: 1 mg}\n");
   const Outcome simulated = gyrobudget_run("simulate " + sensor + " -q --trajectory " + scene + " --truth " +
                                            scratch_.path("truth.csv") + " -o " + scratch_.path("flight.csv"));
   ASSERT_EQ(simulated.exit_code, 0) << simulated.err;
@@ -164,8 +152,7 @@ TEST_F(Navigate, OneSceneIsSimulatedAndNavigated) {
   EXPECT_LT(found["reference"]["nees"].get<double>(), 45);
   EXPECT_GT(found["reference"]["position_rms_m"].get<double>(), 0.1);
   EXPECT_LT(found["reference"]["position_rms_m"].get<double>(), 60);
-  EXPECT_EQ(gyrobudget_run("simulate " + sensor + " -q --trajectory " + scratch_.file("none.yaml", scene_))
-                .exit_code,
+  EXPECT_EQ(gyrobudget_run("simulate " + sensor + " -q --trajectory " + scratch_.file("none.yaml", scene_)).exit_code,
             3);
 }
 
@@ -176,19 +163,15 @@ TEST_F(Navigate, SimulatedFixesAreConsistent) {
       "drone.yaml",
       "trajectory: cruise:speed=25,duration=120,turn_acceleration=3,turn_period=20\nsensor: imu.yaml\n"
       "imu: {file: drone.csv}\nreference: {file: truth.csv}\n"
-      "alignment: {position: gnss, velocity: gnss, attitude: {heading: 110.8 deg, pitch: 0 deg, roll: 0 "
-      "deg}, "
-      "level_sigma: 1 deg, heading_sigma: 3 deg}\n"
-      "aids:\n  gnss: {file: gnss.csv, lever_arm: [0.2 m, 0 m, -0.3 m], time_tag_sigma: 5 ms, "
-      "outages: [[60 s, 80 s]], position: [1.5 m, 1.5 m, 3 m], velocity: 5 cm/s}\n"
+      "alignment: {position: gnss, velocity: gnss, attitude: {heading: 110.8 deg, pitch: 0 deg, roll: 0 deg}, level_sigma: 1 deg, heading_sigma: 3 deg}\n"
+      "aids:\n  gnss: {file: gnss.csv, lever_arm: [0.2 m, 0 m, -0.3 m], time_tag_sigma: 5 ms, outages: [[60 s, 80 s]], position: [1.5 m, 1.5 m, 3 m], velocity: 5 cm/s}\n"
       "  baro: {file: baro.csv, rate: 5 Hz, height: {sigma: 0.3 m, bias_sigma: 2 m}}\n");
   const std::string sensor = scratch_.file(
       "imu.yaml",
-      "gyro: {arw: 0.15 deg/sqrt(h), turn_on_bias: 100 deg/h}\naccelerometer: {vrw: 0.05 m/s/sqrt(h), "
-      "turn_on_bias: 3000 ug}\n");
-  const Outcome simulated = gyrobudget_run("simulate " + sensor + " --trajectory " + scene + " --truth " +
-                                           scratch_.path("truth.csv") + " -o " + scratch_.path("drone.csv") +
-                                           " --fixes " + scratch_.path("."));
+      "gyro: {arw: 0.15 deg/sqrt(h), turn_on_bias: 100 deg/h}\naccelerometer: {vrw: 0.05 m/s/sqrt(h), turn_on_bias: 3000 ug}\n");
+  const Outcome simulated =
+      gyrobudget_run("simulate " + sensor + " --trajectory " + scene + " --truth " + scratch_.path("truth.csv") +
+                     " -o " + scratch_.path("drone.csv") + " --fixes " + scratch_.path("."));
   ASSERT_EQ(simulated.exit_code, 0) << simulated.err;
   const json found = json_of(gyrobudget_run("navigate " + scene + " --json"));
   for (const json& aid : found["nis"]["aids"]) {
@@ -199,8 +182,7 @@ TEST_F(Navigate, SimulatedFixesAreConsistent) {
   }
   EXPECT_LT(found["reference"]["nees"].get<double>(), 45);  // as above
   EXPECT_LT(found["reference"]["position_rms_m"].get<double>(), 5);
-  EXPECT_EQ(gyrobudget_run("simulate " + sensor + " -q --trajectory ascent --fixes " + scratch_.path("."))
-                .exit_code,
+  EXPECT_EQ(gyrobudget_run("simulate " + sensor + " -q --trajectory ascent --fixes " + scratch_.path(".")).exit_code,
             2);
 }
 
@@ -222,8 +204,8 @@ class MemsBesideFog : public testing::Test {
 };
 
 TEST_F(MemsBesideFog, FindsThePublishedBiasesAndStaysInsideItsSigmas) {
-  const json found = json_of(gyrobudget_run("navigate " + kExamples + "/scenes/mems-beside-fog.yaml --data " +
-                                            kData + "/nav --json"));
+  const json found =
+      json_of(gyrobudget_run("navigate " + kExamples + "/scenes/mems-beside-fog.yaml --data " + kData + "/nav --json"));
   // Estimates published with the data, in their axes right, forward, up; ours are forward, right, down. They are no
   // truth: what is asked is agreement to a fifth of the largest gyro bias, and of 3 mg where only velocities tell.
   const std::array<double, 3> gyro{7.70503e-4, -1.03577e-3, -4.09542e-4};          // rad/s
@@ -233,8 +215,7 @@ TEST_F(MemsBesideFog, FindsThePublishedBiasesAndStaysInsideItsSigmas) {
   for (std::size_t i = 0; i < 3; ++i) {
     const std::string axis(1, "xyz"[i]);
     EXPECT_NEAR(state(found, "gyro bias " + axis) * kDegreePerHour, gyro[i], kGyroLimit) << axis;
-    EXPECT_NEAR(state(found, "accelerometer bias " + axis) * kMicroG, accelerometer[i], kAccelerometerLimit)
-        << axis;
+    EXPECT_NEAR(state(found, "accelerometer bias " + axis) * kMicroG, accelerometer[i], kAccelerometerLimit) << axis;
     // Their mounting turns the other way: from the body to the INS.
     EXPECT_NEAR(std::abs(state(found, "ins.attitude mounting " + axis)) * kPi / 180, std::abs(mounting[i]),
                 kMountingLimit)
@@ -261,10 +242,9 @@ TEST_F(MemsBesideFog, FindsThePublishedBiasesAndStaysInsideItsSigmas) {
 // A ring laser IMU in a parked vehicle with people in it.
 TEST(ParkedVehicle, TheGyrocompassKnowsThatPeopleMoveInIt) {
   if (!std::filesystem::exists(kData + "/static/rlg_vehicle_counts.csv.gz"))
-    GTEST_SKIP() << "no " << kData
-                 << "/static/rlg_vehicle_counts.csv.gz; set GYROBUDGET_DATA to the public data";
-  const json found = json_of(gyrobudget_run("navigate " + kExamples + "/scenes/parked-vehicle.yaml --data " +
-                                            kData + "/static --json"));
+    GTEST_SKIP() << "no " << kData << "/static/rlg_vehicle_counts.csv.gz; set GYROBUDGET_DATA to the public data";
+  const json found = json_of(
+      gyrobudget_run("navigate " + kExamples + "/scenes/parked-vehicle.yaml --data " + kData + "/static --json"));
   // An independent gyrocompass of the whole record: 88.6 deg, 5-minute parts from 84.6 to 94.2.
   const double heading = found["final"]["heading_deg"].get<double>();
   const double sigma = found["sigma"]["attitude_deg"]["up"].get<double>();

@@ -40,9 +40,7 @@ const Run& default_run() {
   return run;
 }
 
-double value(const std::string& id, const char* key) {
-  return default_run().rows.at(id).at(key).get<double>();
-}
+double value(const std::string& id, const char* key) { return default_run().rows.at(id).at(key).get<double>(); }
 
 const std::string kModels[] = {"model1", "model2", "model3", "mems"};
 const std::string kKeys[] = {"arw", "bias_instability", "rrw"};
@@ -61,8 +59,8 @@ void has_every_row_with_its_reason() {
     expected.insert("fig7." + model + ".minimum");
   }
   for (const char* id :
-       {"fig8.mems.crossrange_m", "fig9.reference.reach_km", "fig9.ideal.distance_km",
-        "fig9.ifog.distance_km", "fig9.mems.distance_km", "fig10.yaw.max_error_deg", "fig10.pitch.lag_deg"})
+       {"fig8.mems.crossrange_m", "fig9.reference.reach_km", "fig9.ideal.distance_km", "fig9.ifog.distance_km",
+        "fig9.mems.distance_km", "fig10.yaw.max_error_deg", "fig10.pitch.lag_deg"})
     expected.insert(id);
   for (const auto& id : expected) {
     ASSERT_TRUE(run.rows.contains(id)) << id;
@@ -196,8 +194,7 @@ void the_fit_holds_the_truth() {
 }
 
 void table_two_is_the_error_of_table_one() {
-  const std::map<std::string, double> reference = {
-      {"arw", 5.40e-4}, {"bias_instability", 1.70e-3}, {"rrw", 4.32e-2}};
+  const std::map<std::string, double> reference = {{"arw", 5.40e-4}, {"bias_instability", 1.70e-3}, {"rrw", 4.32e-2}};
   constexpr double kRounding = 1e-9;
   for (const auto& model : {"model1", "model2", "model3"}) {
     for (const auto& [key, fed_in] : reference) {
@@ -212,8 +209,7 @@ void table_two_is_the_error_of_table_one() {
 void drift_is_the_angle_random_walk() {
   // 1000 runs: relative standard error 1/sqrt(2000) = 2.2 %; four comparisons at four of them.
   constexpr double kBound = 4 * 0.0224;
-  for (const char* id :
-       {"fig4.mems.std", "fig4.ifog.std", "fig4.mems.std_at_10_hz", "fig4.ifog.std_at_10_hz"}) {
+  for (const char* id : {"fig4.mems.std", "fig4.ifog.std", "fig4.mems.std_at_10_hz", "fig4.ifog.std_at_10_hz"}) {
     EXPECT_NEAR(value(id, "ours") / value(id, "theory"), 1, kBound) << id;
   }
   EXPECT_NEAR(value("fig3.mems.growth", "ours"), 0.5, 0.06);
@@ -251,8 +247,8 @@ void distances_are_the_lag_of_the_loop_whatever_the_gyro() {
 void gyros_cost_what_linear_theory_says() {
   // Of the mean square of 48 flights in two directions, 99.9 %: 3.3/sqrt(48) of it, half that of its root.
   const double band = 3.3 / 2 / std::sqrt(48.0) + kTheory;
-  for (const char* id : {"fig9.ifog.from_ideal_m", "fig9.mems.from_ideal_m", "fig9.ifog.navigation_m",
-                         "fig9.mems.navigation_m"})
+  for (const char* id :
+       {"fig9.ifog.from_ideal_m", "fig9.mems.from_ideal_m", "fig9.ifog.navigation_m", "fig9.mems.navigation_m"})
     EXPECT_NEAR(value(id, "ours") / value(id, "theory"), 1, band) << id;
   EXPECT_NEAR(value("fig8.mems.crossrange_m", "ours") / value("fig8.mems.crossrange_m", "theory"), 1,
               3.3 / std::sqrt(2 * 48.0) + kTheory);
@@ -265,8 +261,7 @@ void no_factor_on_the_noise_makes_both_distances() {
   constexpr double kNoiseRatio = 0.15 / 5.4e-4, kPublishedRatio = 5.92 / 4.66;
   for (const char* id : {"as_it_should_be", "radians", "root_second", "frozen_seed"}) {
     EXPECT_NEAR(km(id, "mems") / km(id, "ifog") / kNoiseRatio, 1, 0.05) << id;
-    EXPECT_NEAR(of(id, "takes", "ifog") / of(id, "takes", "mems") / kNoiseRatio * kPublishedRatio, 1, 0.05)
-        << id;
+    EXPECT_NEAR(of(id, "takes", "ifog") / of(id, "takes", "mems") / kNoiseRatio * kPublishedRatio, 1, 0.05) << id;
     EXPECT_LT(km(id, "ifog"), 0.01) << id;
   }
   EXPECT_EQ(km("per_second", "mems"), -1) << "it comes down";

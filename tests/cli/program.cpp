@@ -10,7 +10,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "../report/published_schemas.h"
+#include "../app/report/published_schemas.h"
 
 namespace gyrobudget::tests {
 namespace {

@@ -64,8 +64,7 @@ TEST_F(CurveTables, GiveTheCoefficientsTheyWereMadeOf) {
 
 TEST_F(CurveTables, LongerRecordsKnowMore) {
   const auto spread = [&](const std::string& duration) {
-    const auto json =
-        json_of(calibrate(table(octaves()), "--rate 100 --terms N,K --json --duration " + duration));
+    const auto json = json_of(calibrate(table(octaves()), "--rate 100 --terms N,K --json --duration " + duration));
     return json["axes"][0]["parameters"]["rrw"]["relative_std"].get<double>();
   };
   EXPECT_LT(spread("40h"), spread("10h"));
@@ -119,8 +118,7 @@ std::vector<std::string> cells() {
 std::string log_of(const std::vector<std::string>& cells, int repeated_stamp = -1) {
   std::string text = "time (s),gyro_x (deg/h)\n";
   for (int i = 0; i < kRows; ++i) {
-    text += fmt::format("{:.1f},{}\n", 0.1 * (i == repeated_stamp ? i - 1 : i),
-                        cells[static_cast<std::size_t>(i)]);
+    text += fmt::format("{:.1f},{}\n", 0.1 * (i == repeated_stamp ? i - 1 : i), cells[static_cast<std::size_t>(i)]);
   }
   return text;
 }

@@ -16,13 +16,13 @@ class Runs {
  public:
   std::string add(const std::string& arw, const std::string& rate = "10") {
     const std::string index = std::to_string(++count_);
-    const std::string sensor = scratch_.file(
-        "sensor.yaml", "name: m\ngyro:\n  arw: " + arw +
-                           " deg/sqrt(h)\n  rrw: 4.32 deg/h/sqrt(h)\n"
-                           "accelerometer:\n  vrw: 0.05 m/s/sqrt(h)\n  accel_rw: 50 ug/sqrt(h)\n");
+    const std::string sensor =
+        scratch_.file("sensor.yaml", "name: m\ngyro:\n  arw: " + arw +
+                                         " deg/sqrt(h)\n  rrw: 4.32 deg/h/sqrt(h)\n"
+                                         "accelerometer:\n  vrw: 0.05 m/s/sqrt(h)\n  accel_rw: 50 ug/sqrt(h)\n");
     const std::string log = scratch_.path("run" + index + ".csv");
-    EXPECT_EQ(gyrobudget_run("simulate " + sensor + " --duration 2h --axes x --rate " + rate + " --seed " +
-                             index + " -o " + log)
+    EXPECT_EQ(gyrobudget_run("simulate " + sensor + " --duration 2h --axes x --rate " + rate + " --seed " + index +
+                             " -o " + log)
                   .exit_code,
               0);
     return log + " ";
@@ -62,11 +62,10 @@ TEST(Runs, OfOneSensorAgreeAndAreKnownBetterTogether) {
 TEST(Runs, OfUnitsThatDifferSaySoAndHowMuch) {
   Runs runs;
   const std::string logs = runs.add("0.12") + runs.add("0.15") + runs.add("0.18");
-  const auto outcome = gyrobudget_run("calibrate " + logs + " -o " + runs.path("type.yaml") + " --report " +
-                                      runs.path("page.html"));
+  const auto outcome =
+      gyrobudget_run("calibrate " + logs + " -o " + runs.path("type.yaml") + " --report " + runs.path("page.html"));
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  for (const std::string text :
-       {"3 records of one sensor type", "run2.csv", "together", "they DIFFER", "spread"})
+  for (const std::string text : {"3 records of one sensor type", "run2.csv", "together", "they DIFFER", "spread"})
     EXPECT_NE(outcome.out.find(text), std::string::npos) << text << outcome.out;
   const auto arw = json_of(logs)["combined"][0]["parameters"]["arw"];
   // Root mean square of the three; their standard deviation is 0.03.
@@ -83,9 +82,7 @@ TEST(Runs, ColumnsAreMatchedByName) {
   Runs runs;
   const std::string first = runs.add("0.15"), second = runs.add("0.15");
   const std::string swapped = runs.path("swapped.csv"), renamed = runs.path("renamed.csv");
-  ASSERT_EQ(
-      shell("awk -F, -v OFS=, '/^#/ {print; next} {print $1, $3, $2}' " + second + "> " + swapped).exit_code,
-      0);
+  ASSERT_EQ(shell("awk -F, -v OFS=, '/^#/ {print; next} {print $1, $3, $2}' " + second + "> " + swapped).exit_code, 0);
   ASSERT_EQ(shell("sed s/gyro_x/gyro_a/ " + second + "> " + renamed).exit_code, 0);
   EXPECT_EQ(json_of(first + second)["combined"], json_of(first + swapped)["combined"]);
   const auto outcome = gyrobudget_run("calibrate " + first + renamed);

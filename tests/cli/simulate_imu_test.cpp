@@ -15,8 +15,7 @@ namespace {
 
 constexpr const char* kIdeal = "name: ideal\ngyro:\naccelerometer:\n";
 constexpr const char* kSensor =
-    "name: s\ngyro: {arw: 0.1 deg/sqrt(h), bias_instability: 1 deg/h, turn_on_bias: 3 deg/h, range: 0.5 "
-    "deg/s}\n"
+    "name: s\ngyro: {arw: 0.1 deg/sqrt(h), bias_instability: 1 deg/h, turn_on_bias: 3 deg/h, range: 0.5 deg/s}\n"
     "accelerometer: {vrw: 0.05 m/s/sqrt(h), vibration_rectification: 100 ug/g^2}\n";
 
 /// Rows of a CSV behind its comments and its header.
@@ -49,8 +48,7 @@ class SimulateImu : public testing::Test {
 
 TEST_F(SimulateImu, AnIdealOneAtRestSensesEarth) {
   const std::string log = simulate(kIdeal, "static:latitude=0,duration=1 --rate 10");
-  EXPECT_NE(log.find("time (s),gyro_x (rad/s),gyro_y (rad/s),gyro_z (rad/s),accel_x (m/s^2)"),
-            std::string::npos);
+  EXPECT_NE(log.find("time (s),gyro_x (rad/s),gyro_y (rad/s),gyro_z (rad/s),accel_x (m/s^2)"), std::string::npos);
   const auto found = rows(log);
   ASSERT_EQ(found.size(), 10U);
   EXPECT_EQ(found.front()[0], 0.1);  // the end of its interval
@@ -94,8 +92,7 @@ TEST_F(SimulateImu, TruthIsATrajectoryAgain) {
     ASSERT_EQ(again.size(), 80U);
     for (std::size_t k = 0; k < again.size(); ++k) {
       // Splines through positions of 1 nm, 50 ms apart: 2e-6 m/s^2 between rounded samples.
-      for (std::size_t c = 1; c < 7; ++c)
-        ASSERT_NEAR(again[k][c], direct[k][c], c < 4 ? 1e-11 : 1e-5) << k << c;
+      for (std::size_t c = 1; c < 7; ++c) ASSERT_NEAR(again[k][c], direct[k][c], c < 4 ? 1e-11 : 1e-5) << k << c;
     }
   }
 }
@@ -116,8 +113,7 @@ TEST_F(SimulateImu, AnIMUOffTheCentreOfMassSensesItsTurning) {
   double largest = 0;
   for (std::size_t k = 1; k + 1 < right.size(); ++k) {
     const double wx = centre[k][1], wy = centre[k][2], wz = centre[k][3];
-    const double ax = (centre[k + 1][1] - centre[k - 1][1]) * 100,
-                 az = (centre[k + 1][3] - centre[k - 1][3]) * 100;
+    const double ax = (centre[k + 1][1] - centre[k - 1][1]) * 100, az = (centre[k + 1][3] - centre[k - 1][3]) * 100;
     const double expected[3] = {-az + wx * wy, -wx * wx - wz * wz, ax + wy * wz};
     for (std::size_t i = 0; i < 3; ++i) {
       EXPECT_NEAR(right[k][4 + i] - centre[k][4 + i], expected[i], kDifference) << k;

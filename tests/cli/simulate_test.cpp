@@ -41,8 +41,7 @@ std::string rows(const std::string& log) { return log.substr(log.find('\n', log.
 std::vector<double> first_column(const std::string& log) {
   std::istringstream lines(rows(log));
   std::vector<double> numbers;
-  for (std::string line; std::getline(lines, line);)
-    numbers.push_back(std::stod(line.substr(line.find(',') + 1)));
+  for (std::string line; std::getline(lines, line);) numbers.push_back(std::stod(line.substr(line.find(',') + 1)));
   return numbers;
 }
 
@@ -76,8 +75,7 @@ TEST(Simulate, SkippingGivesTheTailOfTheLog) {
   for (const auto& model : kStreaming) {
     const std::string line = "--duration 100s --rate 200 --axes x,z --model " + model;
     const std::string whole = rows(simulate(line));
-    for (const auto& [skip, samples] :
-         {std::pair{"37s", 7400}, std::pair{"12345", 12345}, std::pair{"0", 0}}) {
+    for (const auto& [skip, samples] : {std::pair{"37s", 7400}, std::pair{"12345", 12345}, std::pair{"0", 0}}) {
       const std::string rest = rows(simulate(line + " --skip " + skip));
       ASSERT_GT(rest.size(), 1000U);
       EXPECT_TRUE(whole.ends_with(rest)) << model << ' ' << skip;
@@ -97,8 +95,8 @@ TEST(Simulate, StreamsInConstantMemory) {
   // Three axes of 2e7 samples are 480 MB; of 2e5, 5 MB. Both must take what the program takes by itself.
   const Scratch scratch;
   const auto run = [&](const char* skip, const char* duration) {
-    return usage_of({"simulate", kIfog, "-q", "--model", "2", "--rate", "100", "--duration", duration,
-                     "--skip", skip, "-o", scratch.path("log.csv")});
+    return usage_of({"simulate", kIfog, "-q", "--model", "2", "--rate", "100", "--duration", duration, "--skip", skip,
+                     "-o", scratch.path("log.csv")});
   };
   const Usage small = run("100000", "2000s"), large = run("19900000", "200000s");
   EXPECT_EQ(small.exit_code, 0);
@@ -135,8 +133,7 @@ TEST(Simulate, ModelTwoKnowsItsNoiseTypes) {
   const double single = sample_noise(first_column(simulate(line + "single-sided")));
   constexpr double kWalkAndFilter = 2e-3;  // the rest of the sensor in one sample, same random numbers
   EXPECT_NEAR(both / single, std::sqrt(0.5), kWalkAndFilter);
-  EXPECT_EQ(simulate("--duration 9s --model 2"),
-            simulate("--duration 9s --model 2 --noise-type double-sided"));
+  EXPECT_EQ(simulate("--duration 9s --model 2"), simulate("--duration 9s --model 2 --noise-type double-sided"));
 }
 
 TEST(Simulate, OptionsChangeWhatTheySay) {
@@ -145,16 +142,14 @@ TEST(Simulate, OptionsChangeWhatTheySay) {
   EXPECT_NE(rows(simulate(line + "2")), rows(simulate(line + "2 --taps 5")));
   EXPECT_EQ(rows(simulate(line + "3")), rows(simulate(line + "3 --rrw off --variant integrated_legacy")));
   EXPECT_NE(rows(simulate(line + "3")), rows(simulate(line + "3 --rrw on")));
-  EXPECT_EQ(rows(simulate(line + "3 --variant flicker")),
-            rows(simulate(line + "3 --variant flicker --rrw on")));
+  EXPECT_EQ(rows(simulate(line + "3 --variant flicker")), rows(simulate(line + "3 --variant flicker --rrw on")));
 }
 
 TEST(Simulate, RefusesOptionsOfOtherModels) {
-  for (const char* options :
-       {"--model spectral --taps 5", "--model 3 --taps 5", "--model 1 --noise-type single-sided",
-        "--model 2 --variant flicker", "--model gauss-markov --rrw on", "--model 3 --correlation-time 5s",
-        "--model 1 --taps 0", "--model 1 --taps many", "--model 4", "--model 1 --skip 10s",
-        "--model 1 --skip -1", "--model 1 --skip 1km"}) {
+  for (const char* options : {"--model spectral --taps 5", "--model 3 --taps 5", "--model 1 --noise-type single-sided",
+                              "--model 2 --variant flicker", "--model gauss-markov --rrw on",
+                              "--model 3 --correlation-time 5s", "--model 1 --taps 0", "--model 1 --taps many",
+                              "--model 4", "--model 1 --skip 10s", "--model 1 --skip -1", "--model 1 --skip 1km"}) {
     const Outcome run = gyrobudget_run("simulate " + kIfog + " --duration 10s " + options);
     EXPECT_EQ(run.exit_code, 2) << options << run.err;
     EXPECT_EQ(run.out, "") << options;

@@ -24,10 +24,9 @@ const std::string kSensor =
 // 5 h at 10 Hz, or another length, of a sensor.
 class Log {
  public:
-  explicit Log(const std::string& sensor,
-               const std::string& options = "--duration 5h --rate 10 --axes x --seed 3") {
-    const auto outcome = gyrobudget_run("simulate " + scratch_.file("sensor.yaml", sensor) + " " + options +
-                                        " -o " + path("log.csv"));
+  explicit Log(const std::string& sensor, const std::string& options = "--duration 5h --rate 10 --axes x --seed 3") {
+    const auto outcome =
+        gyrobudget_run("simulate " + scratch_.file("sensor.yaml", sensor) + " " + options + " -o " + path("log.csv"));
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   }
   [[nodiscard]] std::string path(const std::string& name) const { return scratch_.path(name); }
@@ -52,8 +51,7 @@ double number(const nlohmann::json& parameters, const char* key, const char* wha
 
 // Within 4 standard deviations (6e-5 of false alarms each), those of the fit's own intervals.
 void expect_near(const nlohmann::json& parameter, double truth) {
-  const double value = parameter["value"].get<double>(),
-               std_dev = value * parameter["relative_std"].get<double>();
+  const double value = parameter["value"].get<double>(), std_dev = value * parameter["relative_std"].get<double>();
   EXPECT_NEAR(value, truth, 4 * std_dev) << parameter;
   EXPECT_LT(std_dev, 0.1 * truth) << parameter;
 }
@@ -94,10 +92,10 @@ TEST(Terms, TextPageAndSensorFileHoldThem) {
   const std::string sensor = contents(log.path("out.yaml"));
   EXPECT_NE(sensor.find("gauss_markov:"), std::string::npos) << sensor;
   EXPECT_NE(sensor.find("frequency: 0.04999"), std::string::npos) << sensor;
-  EXPECT_EQ(gyrobudget_run("simulate " + log.path("out.yaml") + " --duration 1min --rate 10 -o " +
-                           log.path("again.csv"))
-                .exit_code,
-            0);
+  EXPECT_EQ(
+      gyrobudget_run("simulate " + log.path("out.yaml") + " --duration 1min --rate 10 -o " + log.path("again.csv"))
+          .exit_code,
+      0);
   EXPECT_NE(contents(log.path("imu.yaml")).find("Gauss-Markov noise"), std::string::npos);
 }
 
@@ -122,9 +120,8 @@ TEST(Terms, AutoFindsThemAndListsWhatItWeighed) {
 
 // A floor of half a decade is flicker to one reader and a Gauss-Markov process to another: both stand there.
 TEST(Terms, WhatTheRecordCannotTellApartIsPrintedTwice) {
-  const Log log(
-      "name: m\ngyro:\n  arw: 0.15 deg/sqrt(h)\n  bias_instability: 0.70 deg/h\n  rrw: 4.32 deg/h/sqrt(h)\n",
-      "--duration 10h --rate 10 --axes x --seed 1");
+  const Log log("name: m\ngyro:\n  arw: 0.15 deg/sqrt(h)\n  bias_instability: 0.70 deg/h\n  rrw: 4.32 deg/h/sqrt(h)\n",
+                "--duration 10h --rate 10 --axes x --seed 1");
   const auto axis = log.axis("--terms auto");
   const auto& other = axis["fit"]["alternative"];
   ASSERT_TRUE(other.is_object()) << axis["fit"]["weighed"];

@@ -63,8 +63,7 @@ TEST(Verbs, AxesDoNotDependOnWhichOthersAreSimulated) {
 TEST(Verbs, FromSensorToLogToSensor) {
   const Scratch scratch;
   const std::string log = scratch.path("log.csv"), sensor = scratch.path("sensor.yaml");
-  ASSERT_EQ(gyrobudget_run("simulate " + kMems + " --duration 10h --rate 10 --axes x -o " + log).exit_code,
-            0);
+  ASSERT_EQ(gyrobudget_run("simulate " + kMems + " --duration 10h --rate 10 --axes x -o " + log).exit_code, 0);
   const Outcome run =
       gyrobudget_run("calibrate " + log + " --json -o " + sensor + " --kalibr " + scratch.path("imu.yaml") +
                      " --report " + scratch.path("page.html") + " --plot " + scratch.path("plot.svg"));
@@ -103,8 +102,8 @@ TEST(Verbs, CalibrateGivesTheSameBytesAtAnyThreadCount) {
 }
 
 TEST(Verbs, AllanReadsStdinAndWritesJson) {
-  const auto json = json_of(
-      shell("%P simulate " + kMems + " --duration 100s --axes x,y | %P allan - --json --taus octave"));
+  const auto json =
+      json_of(shell("%P simulate " + kMems + " --duration 100s --axes x,y | %P allan - --json --taus octave"));
   EXPECT_EQ(json["schema"], "gyrobudget.allan/1");
   EXPECT_EQ(json["record"]["samples"], 10000);
   EXPECT_EQ(json["record"]["rate_hz"], 100);
@@ -122,8 +121,8 @@ TEST(Verbs, AllanReadsStdinAndWritesJson) {
 }
 
 TEST(Verbs, IeeeFormHasOneTermLess) {
-  const auto json = json_of(
-      shell("%P simulate " + kMems + " --duration 10s --axes x | %P allan - --json --taus octave --ieee"));
+  const auto json =
+      json_of(shell("%P simulate " + kMems + " --duration 10s --axes x | %P allan - --json --taus octave --ieee"));
   EXPECT_EQ(json["axes"][0]["points"][3]["terms"], 1000 - 2 * 8);
 }
 
@@ -141,13 +140,10 @@ TEST(Verbs, PlanKnowsThePapersGyros) {
 TEST(Verbs, OnePercentOfSamplesLostMovesNoCoefficientByAFifthOfItsSigma) {
   const Scratch scratch;
   const std::string whole = scratch.path("whole.csv"), holed = scratch.path("holed.csv");
-  ASSERT_EQ(gyrobudget_run("simulate " + kMems + " --duration 36000s --rate 1 --axes x --seed 3 -o " + whole)
-                .exit_code,
+  ASSERT_EQ(gyrobudget_run("simulate " + kMems + " --duration 36000s --rate 1 --axes x --seed 3 -o " + whole).exit_code,
             0);
   // A hash of the row number drops one row in a hundred.
-  ASSERT_EQ(
-      shell("awk 'NR < 4 || (NR * 2654435761) % 4294967296 > 42949672' " + whole + " > " + holed).exit_code,
-      0);
+  ASSERT_EQ(shell("awk 'NR < 4 || (NR * 2654435761) % 4294967296 > 42949672' " + whole + " > " + holed).exit_code, 0);
   const auto a = json_of(gyrobudget_run("calibrate --json " + whole)),
              b = json_of(gyrobudget_run("calibrate --json " + holed));
   EXPECT_NEAR(b["record"]["missing_samples"].get<double>(), 360, 100);
@@ -170,8 +166,8 @@ class RealLogs : public testing::Test {
 };
 
 TEST_F(RealLogs, ConsumerMemsComesOutUsable) {
-  const auto json = json_of(
-      gyrobudget_run("calibrate " GYROBUDGET_DATA "/static/mems_gyro_x.csv.gz --rate 1 --unit deg/s --json"));
+  const auto json =
+      json_of(gyrobudget_run("calibrate " GYROBUDGET_DATA "/static/mems_gyro_x.csv.gz --rate 1 --unit deg/s --json"));
   const auto& axis = json["axes"][0];
   EXPECT_NE(axis["fit"]["verdict"], "not_described");
   EXPECT_EQ(axis["parameters"]["arw"]["status"], "identified");
@@ -184,11 +180,11 @@ TEST_F(RealLogs, ConsumerMemsComesOutUsable) {
 }
 
 TEST_F(RealLogs, RingLaserOnAVehicleWithPeopleIsNotDescribed) {
-  const auto json =
-      json_of(gyrobudget_run("calibrate " GYROBUDGET_DATA
-                             "/static/rlg_vehicle_counts.csv.gz --rate 100 --input increment --unit arcsec "
-                             "--scale 0.1 --column gx gy gz --json"),
-              1);
+  const auto json = json_of(
+      gyrobudget_run(
+          "calibrate " GYROBUDGET_DATA
+          "/static/rlg_vehicle_counts.csv.gz --rate 100 --input increment --unit arcsec --scale 0.1 --column gx gy gz --json"),
+      1);
   ASSERT_EQ(json["axes"].size(), 3U);
   for (const auto& axis : json["axes"]) EXPECT_EQ(axis["fit"]["verdict"], "not_described") << axis["name"];
   // Earth's rate on the axes, from the data's own page.

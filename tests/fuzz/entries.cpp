@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "entries.h"
 
+#include "gyrobudget/app/files/scene_file.h"
+#include "gyrobudget/app/files/vehicle_file.h"
 #include "gyrobudget/app/log/curve_table.h"
 #include "gyrobudget/app/log/log.h"
-#include "gyrobudget/app/files/scene_file.h"
 #include "gyrobudget/app/sensor_file/sensor_file.h"
-#include "gyrobudget/app/files/vehicle_file.h"
 #include "gyrobudget/noise/units.h"
 
 #include <sys/mman.h>
@@ -84,8 +84,7 @@ bool same(const allan::Record& a, const allan::Record& b) {
   for (std::size_t i = 0; i < a.axes.size(); ++i) {
     for (std::size_t k = 0; k < a.axes[i].rate.size(); ++k) {
       const double x = a.axes[i].rate[k], y = b.axes[i].rate[k];
-      if (!(std::isnan(x) && std::isnan(y)) &&
-          std::bit_cast<std::uint64_t>(x) != std::bit_cast<std::uint64_t>(y)) {
+      if (!(std::isnan(x) && std::isnan(y)) && std::bit_cast<std::uint64_t>(x) != std::bit_cast<std::uint64_t>(y)) {
         return false;
       }
     }
@@ -148,7 +147,8 @@ void read_sensor(std::string_view bytes) {
   // What was read can be written, and what is written can be read.
   const std::string text = sensor_file::sensor_yaml(sensor);
   const MemoryFile written(text);
-  promise(sensor_file::sensor_yaml(sensor_file::read_sensor(written.path())) == text, "a sensor file does not come back");
+  promise(sensor_file::sensor_yaml(sensor_file::read_sensor(written.path())) == text,
+          "a sensor file does not come back");
 }
 
 void read_curve(std::string_view bytes) {
@@ -178,8 +178,7 @@ void read_scene(std::string_view bytes) {
     promise(scene.aids.size() == scene.scenario.aids.size(), "an aid without its source");
     promise(scene.imu || !scene.trajectory.empty(), "nothing moves");
     for (const auto& aid : scene.scenario.aids) {
-      for (int i = 0; i < navigation::rows(aid.kind); ++i)
-        promise(aid.sigma[i] > 0, "a sigma is not above 0");
+      for (int i = 0; i < navigation::rows(aid.kind); ++i) promise(aid.sigma[i] > 0, "a sigma is not above 0");
     }
     for (const std::size_t aid : scene.scenario.reference)
       promise(aid < scene.scenario.aids.size(), "a reference that there is not");
@@ -212,9 +211,7 @@ void parse_unit(std::string_view bytes) {
   }
 }
 
-std::string with_options(int choice, std::string_view text) {
-  return static_cast<char>(choice) + std::string(text);
-}
+std::string with_options(int choice, std::string_view text) { return static_cast<char>(choice) + std::string(text); }
 
 /// A .npy of version 1 with this header and so many bytes behind it.
 std::string npy(std::string header, std::size_t bytes) {
@@ -230,8 +227,7 @@ std::string npy(std::string header, std::size_t bytes) {
 /// Two stretches at 10 Hz, the second one beginning so many seconds behind the first one's start.
 std::string two_stretches(int rows, int start) {
   std::string text = "t (s),w (deg/s)\n";
-  for (int i = 0; i < 2 * rows; ++i)
-    text += std::to_string((i < rows ? 0 : start) + 0.1 * (i % rows)) + ",1\n";
+  for (int i = 0; i < 2 * rows; ++i) text += std::to_string((i < rows ? 0 : start) + 0.1 * (i % rows)) + ",1\n";
   return text;
 }
 
@@ -241,9 +237,8 @@ const std::vector<Entry>& entries() {
   static const std::vector<Entry> kEntries = {
       {"log",
        read_log,
-       {with_options(0,
-                     "time (s),gyro_x (deg/s),acc_x "
-                     "(m/s^2)\n0.00,0.25,-9.81\n0.01,-1.5e-3,nan\n0.02,3,9.8\n0.03,4,1\n"),
+       {with_options(
+            0, "time (s),gyro_x (deg/s),acc_x (m/s^2)\n0.00,0.25,-9.81\n0.01,-1.5e-3,nan\n0.02,3,9.8\n0.03,4,1\n"),
         with_options(0,
                      "#timestamp [ns],w_RS_S_x [rad s^-1]\n1403636579758555392,-0.099134701513277898\n"
                      "1403636579763555584,0.1\n1403636579768555520,0.2\n1403636579773555456,0.3\n"),
@@ -266,11 +261,9 @@ const std::vector<Entry>& entries() {
         with_options(80, two_stretches(33, -5)), with_options(3, "1\nnan\n2\n")}},
       {"sensor",
        read_sensor,
-       {"name: IFOG\ngyro:\n  arw: 5.4e-4 deg/sqrt(h)\n  bias_instability: 1.7e-3 deg/h\n  rrw: 4.32e-2 "
-        "deg/h/sqrt(h)\n"
+       {"name: IFOG\ngyro:\n  arw: 5.4e-4 deg/sqrt(h)\n  bias_instability: 1.7e-3 deg/h\n  rrw: 4.32e-2 deg/h/sqrt(h)\n"
         "  gauss_markov: [{sigma: 0.1 deg/h, correlation_time: 300 s}]\n"
-        "  sinusoid: [{amplitude: 2 deg/h, frequency: 50 mHz, phase: 0 deg}]\naccelerometer:\n  vrw: 0.05 "
-        "m/s/sqrt(h)\n",
+        "  sinusoid: [{amplitude: 2 deg/h, frequency: 50 mHz, phase: 0 deg}]\naccelerometer:\n  vrw: 0.05 m/s/sqrt(h)\n",
         "%YAML:1.0\n---\nimu0:\n  accelerometer_noise_density: 2.0e-3\n  gyroscope_noise_density: 1.7e-4\n"
         "  accelerometer_random_walk: 3e-3\n  gyroscope_random_walk: 1.9e-5\n  update_rate: 200.0\n",
         "gyr_n: 0.004\ngyr_w: 2.0e-6\nacc_n: 0.08\nacc_w: 0.00004\n",
@@ -282,32 +275,17 @@ const std::vector<Entry>& entries() {
         with_options(3, "tau_s;x;y\n0,1;1,5;2\n0,2;1,25;3\n")}},
       {"scene",
        read_scene,
-       {"site: alcantara\nimu: {file: a.csv, axes: [y, x, -z], columns: {gyro_x: gx (0.1 "
-        "arcsec)}}\nalignment: "
-        "{position_sigma: [1 m, 1 m, 2 m], velocity_sigma: 1 cm/s, attitude: self, duration: 5 min}\naids:\n "
-        " gnss: "
-        "{file: g.csv, position: {sigma: 2 m, correlated: {sigma: 1 m, time: 5 min}}, velocity: 5 cm/s, "
-        "outages: [[1 "
-        "s, 2 s]]}\n  pad: {rest: 5 mm/s}\nreference: gnss\n",
-        "site: {latitude: -2 deg, longitude: 3 deg, height: 0 m}\ntrajectory: ascent:duration=50\nfilter: "
-        "{form: "
-        "joseph, gate: 1e-6, order: 4}\nsolution: {rate: 10 Hz, at: [83 s]}\nuntil: 20 min\n",
-        "imu: {file: -}\nalignment: {position: ins, velocity: ins, attitude: {heading: 3 deg}, level_sigma: "
-        "1 deg, "
-        "heading_sigma: 1 deg, velocity_sigma: 1 m/s}\naids: {ins: {file: a, position: 1 m, attitude: "
-        "{sigma: 1 deg, "
-        "bias_sigma: 1 deg}}}\n"}},
+       {"site: alcantara\nimu: {file: a.csv, axes: [y, x, -z], columns: {gyro_x: gx (0.1 arcsec)}}\nalignment: {position_sigma: [1 m, 1 m, 2 m], velocity_sigma: 1 cm/s, attitude: self, duration: 5 min}\naids:\n  gnss: {file: g.csv, position: {sigma: 2 m, correlated: {sigma: 1 m, time: 5 min}}, velocity: 5 cm/s, outages: [[1 s, 2 s]]}\n  pad: {rest: 5 mm/s}\nreference: gnss\n",
+        "site: {latitude: -2 deg, longitude: 3 deg, height: 0 m}\ntrajectory: ascent:duration=50\nfilter: {form: joseph, gate: 1e-6, order: 4}\nsolution: {rate: 10 Hz, at: [83 s]}\nuntil: 20 min\n",
+        "imu: {file: -}\nalignment: {position: ins, velocity: ins, attitude: {heading: 3 deg}, level_sigma: 1 deg, heading_sigma: 1 deg, velocity_sigma: 1 m/s}\naids: {ins: {file: a, position: 1 m, attitude: {sigma: 1 deg, bias_sigma: 1 deg}}}\n"}},
       {"vehicle",
        read_vehicle,
        {std::string(files::vehicle_help()),
-        "lift_off_mass: {value: 28 t, origin: sourced, reason: published}\npropellant: 12 t\nburn_time: 83 "
-        "s\nspecific_impulse: 277 s\ncentre_of_mass: [[0, 7 m], [1, 10 m]]\nroll_inertia: 7e3 kg "
-        "m^2\npitch_inertia: {points: [[0, 4e5 kg m^2], [0.5, 3e5 kg m^2], [1, 2e5 kg m^2]], interpolation: "
-        "smooth}\nbending: none\n"}},
+        "lift_off_mass: {value: 28 t, origin: sourced, reason: published}\npropellant: 12 t\nburn_time: 83 s\nspecific_impulse: 277 s\ncentre_of_mass: [[0, 7 m], [1, 10 m]]\nroll_inertia: 7e3 kg m^2\npitch_inertia: {points: [[0, 4e5 kg m^2], [0.5, 3e5 kg m^2], [1, 2e5 kg m^2]], interpolation: smooth}\nbending: none\n"}},
       {"unit",
        parse_unit,
-       {"deg/sqrt(h)", "rad s^-1", "m/s^2/sqrt(Hz)", "\xc2\xb0/h/\xe2\x88\x9ah", "ug*s^(1/2)",
-        "5.4e-4 deg/sqrt(h)", "300 s", "1.5 h^1/2", "(((m)))", "mrad/s", "1", "%"}}};
+       {"deg/sqrt(h)", "rad s^-1", "m/s^2/sqrt(Hz)", "\xc2\xb0/h/\xe2\x88\x9ah", "ug*s^(1/2)", "5.4e-4 deg/sqrt(h)",
+        "300 s", "1.5 h^1/2", "(((m)))", "mrad/s", "1", "%"}}};
   return kEntries;
 }
 

@@ -78,8 +78,7 @@ class Mutator {
   std::uint64_t below(std::uint64_t limit) { return limit == 0 ? 0 : engine_() % limit; }
 
   void change(std::string& text) {
-    const std::size_t at = below(text.size() + 1),
-                      length = below(std::min<std::size_t>(text.size() - at, 40) + 1);
+    const std::size_t at = below(text.size() + 1), length = below(std::min<std::size_t>(text.size() - at, 40) + 1);
     switch (below(6)) {
       case 0:
         if (at < text.size()) text[at] = static_cast<char>(below(256));

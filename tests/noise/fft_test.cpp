@@ -55,16 +55,14 @@ TEST(Fft, TransformsMatchTheDefinition) {
     const auto expected = slow_transform(x);
     auto actual = x;
     fft(actual);
-    for (std::size_t k = 0; k < n; ++k)
-      ASSERT_LT(std::abs(actual[k] - expected[k]), kTolerance) << n << ' ' << k;
+    for (std::size_t k = 0; k < n; ++k) ASSERT_LT(std::abs(actual[k] - expected[k]), kTolerance) << n << ' ' << k;
     if (n % 4 != 0) continue;
 
     const std::vector<double> real(numbers.begin(), numbers.begin() + static_cast<std::ptrdiff_t>(n));
     const auto spectrum = real_spectrum(real);
     const auto full = slow_transform({real.begin(), real.end()});
     ASSERT_EQ(spectrum.size(), n / 2 + 1);
-    for (std::size_t k = 0; k <= n / 2; ++k)
-      ASSERT_LT(std::abs(spectrum[k] - full[k]), kTolerance) << n << ' ' << k;
+    for (std::size_t k = 0; k <= n / 2; ++k) ASSERT_LT(std::abs(spectrum[k] - full[k]), kTolerance) << n << ' ' << k;
     const auto back = real_signal(spectrum);
     ASSERT_EQ(back.size(), n);
     for (std::size_t j = 0; j < n; ++j) ASSERT_NEAR(back[j] / static_cast<double>(n), real[j], kTolerance);

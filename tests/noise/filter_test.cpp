@@ -77,8 +77,7 @@ TEST(Filter, MomentsWithManyTapsAreExact) {
   }
   for (const std::int64_t k : {1, 2, 10}) {
     const double expected = allan_of_ar1(static_cast<double>(k), kPhi) / kTaps;
-    EXPECT_NEAR(moments.allan_variance(k * static_cast<std::int64_t>(kTaps)), expected, kBound * expected)
-        << k;
+    EXPECT_NEAR(moments.allan_variance(k * static_cast<std::int64_t>(kTaps)), expected, kBound * expected) << k;
   }
 }
 
@@ -98,13 +97,12 @@ double allan_from_psd(const FilteredNoise& noise, std::int64_t m) {
 TEST(Filter, SpectrumGivesAllanVariance) {
   constexpr double kBound = 1e-9;
   const FilteredNoise resonant{2, {1, 0.4, -0.2}, {2, -1.5, 0.9}};  // poles at 0.67 e^{+-0.98 i}
-  for (const FilteredNoise& noise : {autoregressive_flicker(1, 1), autoregressive_flicker(1, 100),
-                                     moving_average_flicker(1, 100), resonant}) {
+  for (const FilteredNoise& noise :
+       {autoregressive_flicker(1, 1), autoregressive_flicker(1, 100), moving_average_flicker(1, 100), resonant}) {
     const FilterMoments moments(noise);
     for (const std::int64_t m : {1, 2, 3, 17, 100, 1000}) {
       const double expected = allan_from_psd(noise, m);
-      EXPECT_NEAR(moments.allan_variance(m), expected, kBound * expected)
-          << noise.denominator.size() << ' ' << m;
+      EXPECT_NEAR(moments.allan_variance(m), expected, kBound * expected) << noise.denominator.size() << ' ' << m;
     }
   }
 }
@@ -122,9 +120,7 @@ TEST(Filter, SpectrumDoesNotKnowTheSampleInterval) {
 
 /// Mean of the overlapped estimate over n samples from rest, from the covariance of all pairs of samples.
 double brute_force(const std::vector<double>& response, std::int64_t m, std::int64_t n) {
-  const auto h = [&](std::int64_t j) {
-    return j < std::ssize(response) ? response[static_cast<std::size_t>(j)] : 0.0;
-  };
+  const auto h = [&](std::int64_t j) { return j < std::ssize(response) ? response[static_cast<std::size_t>(j)] : 0.0; };
   const auto covariance = [&](std::int64_t i, std::int64_t k) {
     double sum = 0;
     for (std::int64_t s = 0; s <= std::min(i, k); ++s) sum += h(i - s) * h(k - s);
@@ -170,8 +166,7 @@ TEST(Filter, TruncationTables) {
   struct Row {
     double clusters_per_tap, ratio, digit;
   };
-  const auto expect_table = [](const FilterMoments& moments, std::int64_t taps,
-                               std::initializer_list<Row> rows) {
+  const auto expect_table = [](const FilterMoments& moments, std::int64_t taps, std::initializer_list<Row> rows) {
     for (const auto& [per_tap, ratio, digit] : rows) {
       const auto m = static_cast<std::int64_t>(std::llround(per_tap * static_cast<double>(taps)));
       EXPECT_NEAR(std::sqrt(moments.allan_variance(m) / allan_variance(Flicker{1}, m, 1)), ratio, 0.6 * digit)
@@ -189,9 +184,8 @@ TEST(Filter, TruncationTables) {
                   {10, 0.77, 1e-2},
                   {30, 0.47, 1e-2},
                   {100, 0.265, 1e-3}});
-    expect_table(
-        FilterMoments(moving_average_flicker(1, taps)), taps,
-        {{0.1, 1.013, 1e-3}, {0.3, 1.043, 1e-3}, {1, 1.20, 1e-2}, {3, 0.895, 1e-3}, {10, 0.52, 1e-2}});
+    expect_table(FilterMoments(moving_average_flicker(1, taps)), taps,
+                 {{0.1, 1.013, 1e-3}, {0.3, 1.043, 1e-3}, {1, 1.20, 1e-2}, {3, 0.895, 1e-3}, {10, 0.52, 1e-2}});
   }
 }
 
@@ -221,8 +215,7 @@ TEST(Filter, MomentsScaleWithSigma) {
     for (const std::int64_t m : {1, 1000}) {
       const double expected = sigma * sigma * unit.allan_variance(m);
       EXPECT_NEAR(moments.allan_variance(m), expected, 1e-14 * expected);
-      EXPECT_NEAR(moments.allan_variance(m, 5000), sigma * sigma * unit.allan_variance(m, 5000),
-                  1e-14 * expected);
+      EXPECT_NEAR(moments.allan_variance(m, 5000), sigma * sigma * unit.allan_variance(m, 5000), 1e-14 * expected);
     }
   }
 }
@@ -247,13 +240,8 @@ TEST(Filter, RefusesMisuse) {
 }
 
 TEST(Filter, RefusesWhatIsNotStable) {
-  for (const std::vector<double>& denominator : {std::vector<double>{1, -2},
-                                                 {1, 0, 4},
-                                                 {1, -1},
-                                                 {1, 1},
-                                                 {1, 0, -1.01},
-                                                 {0.5, -0.5000001},
-                                                 {1, -2.5, 1}}) {
+  for (const std::vector<double>& denominator :
+       {std::vector<double>{1, -2}, {1, 0, 4}, {1, -1}, {1, 1}, {1, 0, -1.01}, {0.5, -0.5000001}, {1, -2.5, 1}}) {
     EXPECT_THROW(FilterMoments({1, {1}, denominator}), std::invalid_argument) << denominator[1];
   }
   EXPECT_NO_THROW(FilterMoments({1, {1, -7, 12}, {1, 0, 0.81}})) << "zeros may lie anywhere";
@@ -265,8 +253,7 @@ std::vector<double> by_definition(const FilteredNoise& noise, const std::vector<
   std::vector<double> y(x.size());
   for (std::size_t k = 0; k < x.size(); ++k) {
     double sum = 0;
-    for (std::size_t j = 0; j < std::min(noise.numerator.size(), k + 1); ++j)
-      sum += noise.numerator[j] * x[k - j];
+    for (std::size_t j = 0; j < std::min(noise.numerator.size(), k + 1); ++j) sum += noise.numerator[j] * x[k - j];
     for (std::size_t j = 1; j < std::min(noise.denominator.size(), k + 1); ++j) {
       sum -= noise.denominator[j] * y[k - j];
     }
@@ -285,8 +272,8 @@ TEST(Filter, BothWaysOfRunningAreTheDifferenceEquation) {
   for (const FilteredNoise& noise :
        {FilteredNoise{1, {2}, {0.5}}, FilteredNoise{1, {1, 3}, {1, -0.5}}, autoregressive_flicker(1, 1),
         autoregressive_flicker(1, 255), autoregressive_flicker(1, 256), autoregressive_flicker(1, 1500),
-        moving_average_flicker(1, 256), moving_average_flicker(1, 257), moving_average_flicker(1, 1500),
-        mixed, scaled}) {
+        moving_average_flicker(1, 256), moving_average_flicker(1, 257), moving_average_flicker(1, 1500), mixed,
+        scaled}) {
     const auto expected = by_definition(noise, x);
     for (const auto make : {detail::make_direct_filter, detail::make_block_filter}) {
       const auto filter = make(noise.numerator, noise.denominator);

@@ -21,8 +21,7 @@ const std::vector<Process> kEverything = {
     Quantization{1e-6}, White{1e-4},          Flicker{2e-5},         RateRandomWalk{1e-5},
     RateRamp{3e-6},     GaussMarkov{1e-4, 5}, GaussMarkov{2e-4, 50}, Sinusoid{1e-4, 0.7, 0.3}};
 
-std::vector<double> endless(std::span<const Process> processes, std::size_t samples,
-                            const Generator::Options& options,
+std::vector<double> endless(std::span<const Process> processes, std::size_t samples, const Generator::Options& options,
                             std::size_t chunk = std::numeric_limits<std::size_t>::max()) {
   Generator generator(processes, kDt, options);
   std::vector<double> record(samples);
@@ -146,8 +145,8 @@ TEST(Generate, FlickerApproximationKeepsItsBound) {
   struct Stated {
     double poles_per_decade, bound;
   };
-  for (const auto& [poles, bound] : {Stated{0.5, 0.32}, Stated{1, 0.0405}, Stated{1.5, 0.0065},
-                                     Stated{2, 1.6e-4}, Stated{3, 8e-5}, Stated{10, 8e-5}}) {
+  for (const auto& [poles, bound] : {Stated{0.5, 0.32}, Stated{1, 0.0405}, Stated{1.5, 0.0065}, Stated{2, 1.6e-4},
+                                     Stated{3, 8e-5}, Stated{10, 8e-5}}) {
     double worst = 0;
     // Band ends that fall anywhere between two poles.
     for (const double longest : {1., 1.3, 2., 5., 17., 30., 100., 333., 1e4, 2.5e5, 1e7, 4e9}) {
@@ -180,8 +179,7 @@ TEST(Generate, RefusesMisuse) {
   EXPECT_THROW((void)generate_record(white, 10, NAN, {}), std::invalid_argument);
   EXPECT_THROW((void)generate_record(white, 10, 1, {1, 1ULL << 48}), std::invalid_argument);
   EXPECT_THROW((void)generate_record(std::array<Process, 1>{White{NAN}}, 10, 1, {}), std::invalid_argument);
-  EXPECT_THROW((void)generate_record(std::array<Process, 1>{GaussMarkov{1, -1}}, 10, 1, {}),
-               std::invalid_argument);
+  EXPECT_THROW((void)generate_record(std::array<Process, 1>{GaussMarkov{1, -1}}, 10, 1, {}), std::invalid_argument);
   EXPECT_THROW(Generator(white, -1, {}), std::invalid_argument);
   EXPECT_THROW(Generator(flicker, 1, {.longest_tau = 0.5}), std::invalid_argument);
   EXPECT_THROW(Generator(flicker, 1, {.longest_tau = INFINITY}), std::invalid_argument);

@@ -55,8 +55,8 @@ struct Combination {
     double sum = 0;
     for (std::size_t i = 0; i < at.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) {
-        sum -= weight[i] * weight[j] *
-               structure_function(process, static_cast<std::int64_t>(std::abs(at[i] - at[j])), dt);
+        sum -=
+            weight[i] * weight[j] * structure_function(process, static_cast<std::int64_t>(std::abs(at[i] - at[j])), dt);
       }
     }
     return sum;
@@ -108,8 +108,7 @@ TEST(ImuEpoch, FirstOrderHoldsForAnyNumberOfSteps) {
   const auto slow = detail::FirstOrder::gauss_markov(1, 1e8, 1e-6).repeated(kSteps);
   EXPECT_NEAR(slow.decay, -std::expm1(-a * n), kRelative);
   EXPECT_NEAR(slow.var_end, -std::expm1(-2 * a * n), kRelative);
-  EXPECT_NEAR(slow.var_sum / (n * n), 2 * (1 - 2 * (1 - std::exp(-1.)) + 0.5 * (1 - std::exp(-2.))),
-              kRelative);
+  EXPECT_NEAR(slow.var_sum / (n * n), 2 * (1 - 2 * (1 - std::exp(-1.)) + 0.5 * (1 - std::exp(-2.))), kRelative);
   const auto fast = detail::FirstOrder::gauss_markov(1, 1e-9, 1).repeated(kSteps);
   EXPECT_EQ(fast.decay, 1);
   EXPECT_EQ(fast.var_end, 1);

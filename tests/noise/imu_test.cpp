@@ -116,8 +116,7 @@ TEST(Imu, ScaleMisalignmentAndSensitivityToAcceleration) {
     EXPECT_EQ(g.misalignment[i][i], 0);
     EXPECT_EQ(a.g_sensitivity[i], Vector3{});  // of an accelerometer that is s and M
     double gyro = w[i] * (1 + g.scale_factor[i]) + g.g2_sensitivity[i] * std::pow(v[i] / kDt, 2) * kDt;
-    double accelerometer =
-        v[i] * (1 + a.scale_factor[i]) + a.g2_sensitivity[i] * std::pow(v[i] / kDt, 2) * kDt;
+    double accelerometer = v[i] * (1 + a.scale_factor[i]) + a.g2_sensitivity[i] * std::pow(v[i] / kDt, 2) * kDt;
     for (std::size_t j = 0; j < 3; ++j) {
       gyro += g.misalignment[i][j] * w[j] + g.g_sensitivity[i][j] * v[j];
       accelerometer += a.misalignment[i][j] * v[j];
@@ -130,8 +129,7 @@ TEST(Imu, ScaleMisalignmentAndSensitivityToAcceleration) {
 
 TEST(Imu, VibrationRectifiesAsItsSquare) {
   const auto model = with_gyro([](ErrorModel& m) { m.vibration_rectification = 1e-6; });
-  Imu weak(model, kDt, {}, {.vibration = 10}), strong(model, kDt, {}, {.vibration = 30}),
-      none(model, kDt, {});
+  Imu weak(model, kDt, {}, {.vibration = 10}), strong(model, kDt, {}, {.vibration = 30}), none(model, kDt, {});
   expect_same(none.next(kTruth), kTruth);
   for (std::size_t i = 0; i < 3; ++i) {
     const double bias = weak.constants().gyro.vibration_bias[i];
@@ -244,8 +242,7 @@ TEST(ImuResponse, LowPassHalvesThePowerAtItsBandwidth) {
       const double y = filter.next(std::sin(2 * std::numbers::pi * k / kPeriod));
       if (k >= 19 * kPeriod) power += y * y;
     }
-    constexpr double kSettled =
-        1e-6;  // samples of 1/5000 of a period: (pi/5000)^2/6 and what is left of the start
+    constexpr double kSettled = 1e-6;  // samples of 1/5000 of a period: (pi/5000)^2/6 and what is left of the start
     EXPECT_NEAR(power / kPeriod, 0.25, kSettled) << order;
   }
 }
@@ -269,8 +266,7 @@ TEST(ImuResponse, DelaySharesOutFractions) {
     const double fraction = samples - std::floor(samples);
     for (std::size_t k = 0; k < u.size(); ++k) {
       const double younger = k >= whole ? u[k - whole] : u[0], older = k > whole ? u[k - whole - 1] : u[0];
-      ASSERT_NEAR(delay.next(u[k]), (1 - fraction) * younger + fraction * older, 1e-13)
-          << samples << ' ' << k;
+      ASSERT_NEAR(delay.next(u[k]), (1 - fraction) * younger + fraction * older, 1e-13) << samples << ' ' << k;
     }
   }
 }
@@ -387,14 +383,13 @@ TEST(Imu, SwitchingASourceOffLeavesTheOthers) {
   }
   constexpr int kSamples = 300;
   const auto readings = [&](ErrorSources sources) {
-    return run(Imu(model, kDt, {1, 2}, {.vibration = 5, .gyro = sources, .accelerometer = sources}),
-               kSamples);
+    return run(Imu(model, kDt, {1, 2}, {.vibration = 5, .gyro = sources, .accelerometer = sources}), kSamples);
   };
   const auto total = readings(ErrorSources::all());
   std::vector<ImuReading> sum(kSamples, kTruth);
   for (const auto source :
-       {turn_on_bias, scale_factor, misalignment, g_sensitivity, g2_sensitivity, vibration_rectification,
-        white, flicker, rate_random_walk, rate_ramp, gauss_markov, sinusoid}) {
+       {turn_on_bias, scale_factor, misalignment, g_sensitivity, g2_sensitivity, vibration_rectification, white,
+        flicker, rate_random_walk, rate_ramp, gauss_markov, sinusoid}) {
     const auto alone = readings({source});
     const auto without = readings(ErrorSources::all().without(source));
     double largest = 0;
@@ -446,8 +441,7 @@ TEST(Imu, ExtremesStayFinite) {
       for (const double scale : {1e-100, 1e100}) {
         SensorModel model = full_model();
         for (ErrorModel* m : {&model.gyro, &*model.accelerometer}) {
-          for (double* x : {&m->white, &m->bias_instability, &m->rate_random_walk, &m->rate_ramp})
-            *x *= scale;
+          for (double* x : {&m->white, &m->bias_instability, &m->rate_random_walk, &m->rate_ramp}) *x *= scale;
           m->turn_on_bias = scale;
           m->range.reset();
           m->powered_on_before = epoch;
@@ -467,8 +461,7 @@ TEST(Imu, ExtremesStayFinite) {
 
 TEST(Imu, RefusesWhatMakesNoSense) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  const auto refused = [](const std::function<void(ErrorModel&)>& set, const std::string& word,
-                          double dt = kDt) {
+  const auto refused = [](const std::function<void(ErrorModel&)>& set, const std::string& word, double dt = kDt) {
     try {
       Imu imu(with_gyro(set), dt, {});
       ADD_FAILURE() << "took " << word;

@@ -33,10 +33,9 @@ struct Case {
 };
 
 Case jerath(std::string name, std::int64_t taps, Jerath::Filter filter) {
-  return {
-      std::move(name), [=](double n, double b, double k, double dt) {
-        return Jerath{.arw = n, .bias_instability = b, .rrw = k, .taps = taps, .filter = filter}.model(dt);
-      }};
+  return {std::move(name), [=](double n, double b, double k, double dt) {
+            return Jerath{.arw = n, .bias_instability = b, .rrw = k, .taps = taps, .filter = filter}.model(dt);
+          }};
 }
 Case imu(std::string name, ImuSensor::NoiseType type, const FilterCoefficients& coefficients) {
   return {std::move(name), [=](double n, double b, double k, double dt) {
@@ -49,11 +48,11 @@ Case imu(std::string name, ImuSensor::NoiseType type, const FilterCoefficients& 
           }};
 }
 Case bielas(std::string name, Bielas::Bias bias, bool rrw) {
-  return {std::move(name), [=](double n, double b, double k, double dt) {
-            return Bielas{
-                .arw = n, .bias_instability = b, .rrw = rrw ? k : 0, .bias = bias, .correlation_time = 0.3}
-                .model(dt);
-          }};
+  return {
+      std::move(name), [=](double n, double b, double k, double dt) {
+        return Bielas{.arw = n, .bias_instability = b, .rrw = rrw ? k : 0, .bias = bias, .correlation_time = 0.3}.model(
+            dt);
+      }};
 }
 
 const std::vector<Case> kCases = {
@@ -147,8 +146,7 @@ TEST_P(ModelBattery, SkippingLeavesTheRestAlone) {
       generator.next(start);
       generator.skip(skipped);
       generator.next(rest);
-      EXPECT_TRUE(
-          std::equal(rest.begin(), rest.end(), whole.begin() + static_cast<std::ptrdiff_t>(before + skipped)))
+      EXPECT_TRUE(std::equal(rest.begin(), rest.end(), whole.begin() + static_cast<std::ptrdiff_t>(before + skipped)))
           << skipped << ' ' << before;
     }
   }
@@ -164,14 +162,12 @@ TEST_P(ModelBattery, Extremes) {
     for (const double scale : {0.0, 1e-30, 1e30}) {
       const Model scaled = GetParam().model(scale, scale, scale, dt);
       const auto z = record(scaled, 3000, dt, {5, 0});
-      for (std::size_t k = 0; k < z.size(); k += 13)
-        ASSERT_NEAR(z[k], scale * y[k], scale * largest * 1e-13) << k;
+      for (std::size_t k = 0; k < z.size(); k += 13) ASSERT_NEAR(z[k], scale * y[k], scale * largest * 1e-13) << k;
       const ModelMoments moments(scaled, dt), unit_moments(unit, dt);
       for (const std::int64_t m : {1, 1000}) {
         const double expected = scale * scale * unit_moments.allan_variance(m);
         EXPECT_NEAR(moments.allan_variance(m), expected, 1e-13 * expected);
-        EXPECT_NEAR(moments.psd(0.1 / dt), scale * scale * unit_moments.psd(0.1 / dt),
-                    1e-13 * moments.psd(0.1 / dt));
+        EXPECT_NEAR(moments.psd(0.1 / dt), scale * scale * unit_moments.psd(0.1 / dt), 1e-13 * moments.psd(0.1 / dt));
       }
     }
   }
@@ -195,8 +191,7 @@ TEST(Models, JerathReadsWhatItIsGiven) {
     EXPECT_NEAR(variance({.arw = 2}), 4 / tau, kExact * 4 / tau);
     EXPECT_NEAR(variance({.rrw = 2}), 4 * tau / 3, 4 * tau / 3 * 1e-6);
     const double floor = std::sqrt(2 * std::numbers::ln2 / std::numbers::pi);
-    EXPECT_NEAR(std::sqrt(variance({.bias_instability = 2, .taps = 10 * kFactor})), 2 * floor,
-                2 * floor * 1e-3);
+    EXPECT_NEAR(std::sqrt(variance({.bias_instability = 2, .taps = 10 * kFactor})), 2 * floor, 2 * floor * 1e-3);
   }
 }
 
@@ -210,8 +205,7 @@ TEST(Models, DoubleSidedImuSensorMissesByRootTwo) {
       const double tau = static_cast<double>(m) * dt;
       EXPECT_NEAR(std::sqrt(ModelMoments(sensor.model(0, dt), dt).allan_variance(m) * tau) / 3, arw, 5e-6);
       sensor = {.random_walk = {0, 0, 3}, .noise_type = type};
-      EXPECT_NEAR(std::sqrt(ModelMoments(sensor.model(2, dt), dt).allan_variance(m) * 3 / tau) / 3, rrw,
-                  5e-6);
+      EXPECT_NEAR(std::sqrt(ModelMoments(sensor.model(2, dt), dt).allan_variance(m) * 3 / tau) / 3, rrw, 5e-6);
     }
   }
 }
@@ -234,8 +228,7 @@ TEST(Models, LegacyBielasIsARandomWalkOfTheSampleRate) {
     const Model model = Bielas{.bias_instability = kDegree / kHour}.model(dt);
     const std::int64_t m = 100'000;
     const double tau = static_cast<double>(m) * dt;
-    return std::sqrt(3 * ModelMoments(model, dt).allan_variance(m) / tau) /
-           (kDegree / kHour / std::sqrt(kHour));
+    return std::sqrt(3 * ModelMoments(model, dt).allan_variance(m) / tau) / (kDegree / kHour / std::sqrt(kHour));
   };
   constexpr double kWhole = 2e-9;  // 60/(4 m^2), of tau/3 (1 + 1/(2 m^2))
   EXPECT_NEAR(k_eff(0.01), 6, kWhole);
@@ -273,8 +266,7 @@ TEST(Models, MeanOfManyRecordsIsTheTheoryOfTableOne) {
   const double n = 5.4e-4 * arw, b = 1.7e-3 * bias, k = 4.32e-2 * rrw;
   const Row rows[] = {
       {Jerath{.arw = n, .bias_instability = b, .rrw = k}.model(kDt), n, b, k, 80},
-      {ImuSensor{.noise_density = {n, 0, 0}, .bias_instability = {b, 0, 0}, .random_walk = {k, 0, 0}}.model(
-           0, kDt),
+      {ImuSensor{.noise_density = {n, 0, 0}, .bias_instability = {b, 0, 0}, .random_walk = {k, 0, 0}}.model(0, kDt),
        n / sqrt2, 0, k * sqrt2, 40},
       {Bielas{.arw = n, .bias_instability = b}.model(kDt), n, 0, 60 * 1.7e-3 * std::sqrt(kDt) * rrw, 300},
       {Bielas{.arw = 0.15 * arw, .bias_instability = 0.7 * bias}.model(kDt), 0.15 * arw, 0, 4.2 * rrw, 200}};
@@ -285,8 +277,7 @@ TEST(Models, MeanOfManyRecordsIsTheTheoryOfTableOne) {
       std::vector<double> angle = {0};
       for (const double y : record(row.model, kLong, kDt, {seed, 3})) angle.push_back(angle.back() + y);
       for (std::size_t i = 0; i < taus.size(); ++i) {
-        const double theory = row.n * row.n / taus[i] +
-                              2 * std::numbers::ln2 / std::numbers::pi * row.b * row.b +
+        const double theory = row.n * row.n / taus[i] + 2 * std::numbers::ln2 / std::numbers::pi * row.b * row.b +
                               row.k * row.k * taus[i] / 3;
         const double ratio = overlapped(angle, std::llround(taus[i] / kDt)) / theory;
         sum[i] += ratio;
@@ -362,8 +353,7 @@ TEST(ImuSensor, SaturatesThenRounds) {
 
 TEST(ImuSensor, GeneratorAddsTheNoiseOfEachAxis) {
   constexpr double kDt = 0.01;
-  const ImuSensor sensor{
-      .noise_density = {1, 2, 3}, .bias_instability = {0.1, 0, 0}, .random_walk = {0, 1, 0}};
+  const ImuSensor sensor{.noise_density = {1, 2, 3}, .bias_instability = {0.1, 0, 0}, .random_walk = {0, 1, 0}};
   const std::vector<ImuInput> inputs(3000, {.signal = {10, 20, 30}});
   std::vector<ImuSensor::Vector> whole(inputs.size()), part(inputs.size());
   ImuGenerator(sensor, kDt, {7, 5}).next(inputs, whole);
@@ -371,8 +361,7 @@ TEST(ImuSensor, GeneratorAddsTheNoiseOfEachAxis) {
     const auto noise =
         record(sensor.model(axis, kDt), inputs.size(), kDt, {7, 5 | static_cast<std::uint64_t>(axis) << 46});
     const auto i = static_cast<std::size_t>(axis);
-    for (std::size_t k = 0; k < noise.size(); ++k)
-      ASSERT_NEAR(whole[k][i], inputs[k].signal[i] + noise[k], 1e-12);
+    for (std::size_t k = 0; k < noise.size(); ++k) ASSERT_NEAR(whole[k][i], inputs[k].signal[i] + noise[k], 1e-12);
   }
   ImuGenerator later(sensor, kDt, {7, 5});
   later.next(std::span(inputs).first(10), std::span(part).first(10));
@@ -397,8 +386,7 @@ TEST(ImuSensor, RoundingAddsItsWhiteNoise) {
   }
   const double expected = kNoise * kNoise + kQ * kQ / 12;
   EXPECT_NEAR(squares / kLong, expected, 5 * expected * std::sqrt(2. / kLong));
-  EXPECT_GT(squares / kLong, kNoise * kNoise + 0.5 * kQ * kQ / 12)
-      << "five standard errors above no rounding";
+  EXPECT_GT(squares / kLong, kNoise * kNoise + 0.5 * kQ * kQ / 12) << "five standard errors above no rounding";
 }
 
 // --- Misuse ------------------------------------------------------------------------------------------------

@@ -65,13 +65,11 @@ TEST(Normal, TransformMatchesTheMathematicalLibrary) {
   detail::normal_blocks(detail::best_target(), {7, 3}, 0, kBlocks, z.data());
   for (std::size_t i = 0; i < u.size(); i += 2) {
     const long double radius = std::sqrt(-2 * std::log(static_cast<long double>(u[i])));
-    const long double angle =
-        (static_cast<long double>(u[i + 1]) - 0.5L) * std::numbers::pi_v<long double> / 2;
+    const long double angle = (static_cast<long double>(u[i + 1]) - 0.5L) * std::numbers::pi_v<long double> / 2;
     const double along = static_cast<double>(radius * std::cos(angle));
     const double across = static_cast<double>(radius * std::sin(angle));
-    const double sign = std::max(std::abs(z[i]), std::abs(z[i + 1])) == std::abs(z[i])
-                            ? std::copysign(1, z[i])
-                            : std::copysign(1, z[i + 1]);
+    const double sign = std::max(std::abs(z[i]), std::abs(z[i + 1])) == std::abs(z[i]) ? std::copysign(1, z[i])
+                                                                                       : std::copysign(1, z[i + 1]);
     const bool swapped = std::abs(z[i]) < std::abs(z[i + 1]);
     ASSERT_NEAR(sign * z[swapped ? i + 1 : i], along, kRelative * along) << i;
     ASSERT_NEAR(sign * z[swapped ? i : i + 1], across, kRelative * std::abs(across)) << i;
@@ -196,8 +194,7 @@ TEST(Normal, DirectionOfAPairIsUniform) {
 TEST(Normal, NeighboursStreamsAndSeedsAreUncorrelated) {
   constexpr std::size_t kCount = 1'000'000;
   const double limit = kSigmas / std::sqrt(static_cast<double>(kCount));
-  const auto correlation = [](const std::vector<double>& a, const std::vector<double>& b, std::size_t lag,
-                              int power) {
+  const auto correlation = [](const std::vector<double>& a, const std::vector<double>& b, std::size_t lag, int power) {
     double sum = 0;
     for (std::size_t i = 0; i + lag < kCount; ++i) {
       // Squares have variance 2 and show dependence that signs hide.
@@ -207,14 +204,12 @@ TEST(Normal, NeighboursStreamsAndSeedsAreUncorrelated) {
   };
   const auto z = normal({1, 0}, 0, kCount);
   for (const int power : {1, 2}) {
-    for (const std::size_t lag : {1, 2, 3, 4, 8, 256, 512})
-      EXPECT_NEAR(correlation(z, z, lag, power), 0, limit) << lag;
-    for (const StreamKey other : {StreamKey{1, 1}, StreamKey{1, 1ULL << 32}, StreamKey{1, 1ULL << 48},
-                                  StreamKey{2, 0}, StreamKey{1ULL << 32, 0}, StreamKey{0, 1}}) {
+    for (const std::size_t lag : {1, 2, 3, 4, 8, 256, 512}) EXPECT_NEAR(correlation(z, z, lag, power), 0, limit) << lag;
+    for (const StreamKey other : {StreamKey{1, 1}, StreamKey{1, 1ULL << 32}, StreamKey{1, 1ULL << 48}, StreamKey{2, 0},
+                                  StreamKey{1ULL << 32, 0}, StreamKey{0, 1}}) {
       const auto w = normal(other, 0, kCount);
       for (const std::size_t lag : {0, 1, 2}) {
-        EXPECT_NEAR(correlation(z, w, lag, power), 0, limit)
-            << other.seed << ' ' << other.stream << ' ' << lag;
+        EXPECT_NEAR(correlation(z, w, lag, power), 0, limit) << other.seed << ' ' << other.stream << ' ' << lag;
       }
     }
   }
@@ -227,8 +222,7 @@ TEST(Normal, UniformsOfAStreamAreNotItsNormals) {
   const auto z = normal({1, 0}, 0, kCount);
   double sum = 0;
   for (std::size_t i = 0; i < kCount; i += 2) {
-    sum +=
-        (std::log(u[i]) + 1) * (0.5 * (z[i] * z[i] + z[i + 1] * z[i + 1]) - 1);  // both of mean 0, variance 1
+    sum += (std::log(u[i]) + 1) * (0.5 * (z[i] * z[i] + z[i + 1] * z[i + 1]) - 1);  // both of mean 0, variance 1
   }
   const double pairs = kCount / 2;
   EXPECT_NEAR(sum / pairs, 0, kSigmas / std::sqrt(pairs));

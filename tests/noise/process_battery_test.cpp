@@ -54,8 +54,7 @@ double allan_from_phase(const Process& p, std::int64_t m, double dt) {
 /// Rounding of allan_from_phase: what it adds up over what is left.
 double phase_rounding(const Process& p, std::int64_t m, double dt, double allan) {
   const double M = static_cast<double>(m);
-  const double magnitude = 8 * std::abs(phase_covariance(p, M, dt)) +
-                           2 * std::abs(phase_covariance(p, 2 * M, dt)) +
+  const double magnitude = 8 * std::abs(phase_covariance(p, M, dt)) + 2 * std::abs(phase_covariance(p, 2 * M, dt)) +
                            6 * std::abs(phase_covariance(p, 0, dt));
   return 4 * kEpsilon * magnitude / (2 * M * M * dt * dt) + 8 * kEpsilon * allan;
 }
@@ -77,10 +76,10 @@ double allan_from_structure(const Process& p, std::int64_t m, double dt) {
 template <typename Gain>
 double spectral_integral(const Process& p, double m, double dt, Gain gain) {
   // 10-point nodes and weights on [-1, 1] (Abramowitz & Stegun table 25.4).
-  constexpr std::array<double, 5> kNode = {0.148874338981631, 0.433395394129247, 0.679409568299024,
-                                           0.865063366688985, 0.973906528517172};
-  constexpr std::array<double, 5> kWeight = {0.295524224714753, 0.269266719309996, 0.219086362515982,
-                                             0.149451349150581, 0.066671344308688};
+  constexpr std::array<double, 5> kNode = {0.148874338981631, 0.433395394129247, 0.679409568299024, 0.865063366688985,
+                                           0.973906528517172};
+  constexpr std::array<double, 5> kWeight = {0.295524224714753, 0.269266719309996, 0.219086362515982, 0.149451349150581,
+                                             0.066671344308688};
   double sum = 0;
   for (double lower = 0, upper = 1e-9; lower < 0.5;
        lower = upper, upper = std::min({2 * upper, upper + 1 / (3 * m), 0.5})) {
@@ -248,8 +247,7 @@ std::vector<double> endless_record(const Process& p, double dt, std::uint64_t ru
 }
 
 TEST_P(Battery, SamplesOfBothGeneratorsHaveTheAllanVariance) {
-  constexpr double kApproximation =
-      2 * 6e-4;  // of flicker by the endless generator, stated there for the deviation
+  constexpr double kApproximation = 2 * 6e-4;  // of flicker by the endless generator, stated there for the deviation
   for (const double dt : {0.01, 1e6}) {
     const Process p = process(1, dt);
     for (const Make make : {whole_record, endless_record}) {
@@ -265,8 +263,7 @@ TEST_P(Battery, SamplesOfBothGeneratorsHaveTheAllanVariance) {
       for (std::size_t i = 0; i < values.size(); ++i) {
         const double expected = allan_variance(p, kSampledFactors[i], dt);
         const auto [mean, error] = summary(values[i]);
-        EXPECT_NEAR(mean, expected, kSigmas * error + kApproximation * expected)
-            << kSampledFactors[i] << ' ' << dt;
+        EXPECT_NEAR(mean, expected, kSigmas * error + kApproximation * expected) << kSampledFactors[i] << ' ' << dt;
         EXPECT_LT(error, 0.15 * expected) << "too few records to tell";
       }
     }

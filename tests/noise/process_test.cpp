@@ -32,8 +32,8 @@ double odd_harmonic_sum(std::int64_t n) {
 }
 
 TEST(Process, KnowsItsTermAndCoefficient) {
-  for (const Term t : {Term::quantization, Term::white, Term::flicker, Term::rate_random_walk,
-                       Term::rate_ramp, Term::gauss_markov, Term::sinusoid}) {
+  for (const Term t : {Term::quantization, Term::white, Term::flicker, Term::rate_random_walk, Term::rate_ramp,
+                       Term::gauss_markov, Term::sinusoid}) {
     const Process unit = unit_process(t);
     EXPECT_EQ(term(unit), t);
     EXPECT_EQ(coefficient(unit), 1);
@@ -49,12 +49,11 @@ TEST(Process, KnowsItsTermAndCoefficient) {
 
 TEST(Process, FlickerAllanVarianceOfKasdinSamples) {
   // Quadrature of 4 S sin^4/(m^2 sin^2) with S = B^2 dt/(2 sin(pi f dt)), B = 1, to 16 digits.
-  const std::vector<std::pair<std::int64_t, double>> table = {
-      {1, 0.6366197723675813}, {2, 0.5092958178940652}, {3, 0.4767350182491621},
-      {5, 0.4564485080469557}, {10, 0.445889791439050}, {100, 0.441344860873598}};
+  const std::vector<std::pair<std::int64_t, double>> table = {{1, 0.6366197723675813}, {2, 0.5092958178940652},
+                                                              {3, 0.4767350182491621}, {5, 0.4564485080469557},
+                                                              {10, 0.445889791439050}, {100, 0.441344860873598}};
   constexpr double kTableDigits = 2e-15;
-  for (const auto& [m, value] : table)
-    EXPECT_REL(allan_variance(Flicker{1}, m, 0.01), value, kTableDigits) << m;
+  for (const auto& [m, value] : table) EXPECT_REL(allan_variance(Flicker{1}, m, 0.01), value, kTableDigits) << m;
 }
 
 TEST(Process, FlickerAllanVarianceMatchesItsSumWithoutCancellation) {

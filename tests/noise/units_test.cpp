@@ -343,8 +343,7 @@ TEST(Units, RefusalsNameTheFindingAndTheNearestSpelling) {
   EXPECT_EQ(refusal_of_unit("deg/H"), "unit 'deg/H': 'H' is no known unit (did you mean 'h'?)");
   EXPECT_EQ(refusal_of_unit("G"), "unit 'G': 'G' is no known unit (did you mean 'g'?)");
   EXPECT_EQ(refusal_of_unit("MG"), "unit 'MG': 'MG' is no known unit (did you mean 'mg'?)");
-  EXPECT_EQ(refusal_of_unit("degree/hou"),
-            "unit 'degree/hou': 'hou' is no known unit (did you mean 'hour'?)");
+  EXPECT_EQ(refusal_of_unit("degree/hou"), "unit 'degree/hou': 'hou' is no known unit (did you mean 'hour'?)");
   EXPECT_EQ(refusal_of_unit("furlong"), "unit 'furlong': 'furlong' is no known unit");
   EXPECT_EQ(refusal_of_unit(""), "unit '': there is no unit; write 1 for a plain number");
   EXPECT_EQ(refusal_of_unit("deg/"), "unit 'deg/': it stops where a name was expected");
@@ -354,13 +353,11 @@ TEST(Units, RefusalsNameTheFindingAndTheNearestSpelling) {
   EXPECT_EQ(refusal_of_unit("s^"), "unit 's^': an exponent is missing or unreadable");
   EXPECT_EQ(refusal_of_unit("s^0.3"), "unit 's^0.3': an exponent must be a whole or half number up to 16");
   EXPECT_EQ(refusal_of_unit("s^1/0"), "unit 's^1/0': an exponent must be a whole or half number up to 16");
-  EXPECT_EQ(refusal_of_unit("sqrt(sqrt(s))"),
-            "unit 'sqrt(sqrt(s))': a fourth root is in no unit of a sensor");
+  EXPECT_EQ(refusal_of_unit("sqrt(sqrt(s))"), "unit 'sqrt(sqrt(s))': a fourth root is in no unit of a sensor");
   EXPECT_EQ(refusal_of_unit("((((m^16)^16)^16)^16)^16"),
             "unit '((((m^16)^16)^16)^16)^16': its size or powers are beyond reason");
   EXPECT_EQ(refusal_of_unit("counts"),
-            "unit 'counts': 'counts' has no size of its own; give the size of one as a scale (--scale) and "
-            "its unit");
+            "unit 'counts': 'counts' has no size of its own; give the size of one as a scale (--scale) and its unit");
   for (const char* raw : {"LSB", "count", "digit", "mV", "raw"}) {
     EXPECT_NE(refusal_of_unit(raw).find("--scale"), std::string::npos) << raw;
   }
@@ -371,13 +368,11 @@ TEST(Units, RefusesQuantitiesWithWhatWouldDo) {
             "'5.4e-4' has no unit; expected one like deg/sqrt(h), deg/h/sqrt(Hz), rad/s/sqrt(Hz)");
   EXPECT_EQ(
       refusal_of_quantity("5.4e-4 deg/h", kArw),
-      "'5.4e-4 deg/h' has a unit of the wrong kind (the kind of deg/h, deg/s, rad/s); expected one like "
-      "deg/sqrt(h), deg/h/sqrt(Hz), rad/s/sqrt(Hz)");
-  EXPECT_EQ(
-      refusal_of_quantity("abc deg/h", dimension::kAngularRate),
-      "'abc deg/h' does not start with a finite number; expected a number and a unit (deg/h, deg/s, rad/s)");
-  for (const char* bad : {"", " ", "nan deg/h", "inf deg/h", "1e999 deg/h", "1e307 dps s/us", "--1 deg/h",
-                          "+-1 deg/h", "1,5 deg/h"}) {
+      "'5.4e-4 deg/h' has a unit of the wrong kind (the kind of deg/h, deg/s, rad/s); expected one like deg/sqrt(h), deg/h/sqrt(Hz), rad/s/sqrt(Hz)");
+  EXPECT_EQ(refusal_of_quantity("abc deg/h", dimension::kAngularRate),
+            "'abc deg/h' does not start with a finite number; expected a number and a unit (deg/h, deg/s, rad/s)");
+  for (const char* bad :
+       {"", " ", "nan deg/h", "inf deg/h", "1e999 deg/h", "1e307 dps s/us", "--1 deg/h", "+-1 deg/h", "1,5 deg/h"}) {
     EXPECT_NE(refusal_of_quantity(bad, dimension::kAngularRate), "accepted") << bad;
   }
   EXPECT_EQ(example_units({4, 0, -2}), "rad^2 s^-1");

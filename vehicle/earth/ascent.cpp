@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/vehicle/earth/detail/check.h"
-#include "frames.h"
-#include "gravity.h"
-#include "paths.h"
 
 #include <boost/numeric/odeint/algebra/vector_space_algebra.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
@@ -12,6 +9,10 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+
+#include "frames.h"
+#include "gravity.h"
+#include "paths.h"
 
 namespace gyrobudget::inline v0::earth {
 namespace {
@@ -23,9 +24,8 @@ using PositionVelocity = Eigen::Matrix<double, 6, 1>;
 constexpr double kStep = 0.5;  // [s]; against the 800 s in which gravity changes along an orbit
 constexpr double kFastest = 0.25;
 
-using Stepper =
-    boost::numeric::odeint::runge_kutta_fehlberg78<PositionVelocity, double, PositionVelocity, double,
-                                                   boost::numeric::odeint::vector_space_algebra>;
+using Stepper = boost::numeric::odeint::runge_kutta_fehlberg78<PositionVelocity, double, PositionVelocity, double,
+                                                               boost::numeric::odeint::vector_space_algebra>;
 
 class AscentPath final : public Path {
  public:
@@ -36,9 +36,7 @@ class AscentPath final : public Path {
   }
 
   [[nodiscard]] double duration() const override { return o_.duration; }
-  [[nodiscard]] double fastest() const override {
-    return std::max(kFastest, 4 * std::abs(pitch_rate(o_.duration)));
-  }
+  [[nodiscard]] double fastest() const override { return std::max(kFastest, 4 * std::abs(pitch_rate(o_.duration))); }
   [[nodiscard]] std::vector<double> breaks() const override {
     std::vector<double> breaks{o_.pitch_over_at, o_.duration - o_.tail_off};
     std::sort(breaks.begin(), breaks.end());
@@ -121,15 +119,13 @@ Trajectory ascent(const Ascent& o) {
   detail::check_finite(o.force_end, "specific force before the tail-off", "m/s^2");
   detail::check_positive(o.duration, "duration", "s");
   if (o.duration > kLongestAscent)
-    throw std::invalid_argument(
-        fmt::format("duration {} s must be at most the {} s over which an ascent is integrated", o.duration,
-                    kLongestAscent));
+    throw std::invalid_argument(fmt::format("duration {} s must be at most the {} s over which an ascent is integrated",
+                                            o.duration, kLongestAscent));
   detail::check_not_negative(o.pitch_over_at, "start of the pitch-over", "s");
   detail::check_not_negative(o.tail_off, "tail-off", "s");
   if (o.pitch_over_at > o.duration || o.tail_off > o.duration)
-    throw std::invalid_argument(
-        fmt::format("pitch-over at {} s and tail-off of {} s must be within the ascent's {} s",
-                    o.pitch_over_at, o.tail_off, o.duration));
+    throw std::invalid_argument(fmt::format("pitch-over at {} s and tail-off of {} s must be within the ascent's {} s",
+                                            o.pitch_over_at, o.tail_off, o.duration));
   return Trajectory(std::make_shared<AscentPath>(o));
 }
 

@@ -71,8 +71,8 @@ Eigen::Matrix3d orthonormalised(const Eigen::Matrix3d& C) {
   const Eigen::Matrix3d R = svd.matrixU() * svd.matrixV().transpose();
   const Eigen::Vector3d s = svd.singularValues();
   if (!(s(2) > 1e-8 * s(0)) || !(R.col(0).cross(R.col(1)).dot(R.col(2)) > 0))
-    throw std::invalid_argument(fmt::format("no rotation is near a matrix of singular values {}, {}, {}{}",
-                                            s(0), s(1), s(2), s(2) > 1e-8 * s(0) ? " that mirrors" : ""));
+    throw std::invalid_argument(fmt::format("no rotation is near a matrix of singular values {}, {}, {}{}", s(0), s(1),
+                                            s(2), s(2) > 1e-8 * s(0) ? " that mirrors" : ""));
   return R;
 }
 

@@ -60,8 +60,7 @@ Normal normal_through(double out, double along) {
 Geodetic Geodetic::from_degrees(double latitude_deg, double longitude_deg, double height_m) {
   if (!(std::abs(latitude_deg) <= 90))
     throw std::invalid_argument(fmt::format("latitude {} deg must be from -90 to 90", latitude_deg));
-  if (!std::isfinite(longitude_deg))
-    throw std::invalid_argument(fmt::format("longitude is {} deg", longitude_deg));
+  if (!std::isfinite(longitude_deg)) throw std::invalid_argument(fmt::format("longitude is {} deg", longitude_deg));
   if (!std::isfinite(height_m)) throw std::invalid_argument(fmt::format("height is {} m", height_m));
   return {latitude_deg * kDegree, longitude_deg * kDegree, height_m};
 }
@@ -78,21 +77,19 @@ Geodetic to_geodetic(const Eigen::Vector3d& p_eb_e) {
   const double out = std::hypot(p_eb_e.x(), p_eb_e.y());
   const double along = p_eb_e.z();
   if (!(std::hypot(out, along) <= kFarthest))
-    throw std::invalid_argument(fmt::format("position ({}, {}, {}) m must be within {} m of the centre",
-                                            p_eb_e.x(), p_eb_e.y(), p_eb_e.z(), kFarthest));
+    throw std::invalid_argument(fmt::format("position ({}, {}, {}) m must be within {} m of the centre", p_eb_e.x(),
+                                            p_eb_e.y(), p_eb_e.z(), kFarthest));
   const Normal normal = normal_through(out, along);
   const double length = std::hypot(normal.out, normal.along);
   const double cos_latitude = normal.out / length;
   const double sin_latitude = normal.along / length;
   // Projected on the normal, the height does not feel a small error of the latitude.
-  const double height =
-      out * cos_latitude + along * sin_latitude - kA * std::sqrt(normal_factor(sin_latitude));
+  const double height = out * cos_latitude + along * sin_latitude - kA * std::sqrt(normal_factor(sin_latitude));
   return {std::atan2(normal.along, normal.out), std::atan2(p_eb_e.y(), p_eb_e.x()), height};
 }
 
 Eigen::Vector3d up_e(double latitude, double longitude) {
-  return {std::cos(latitude) * std::cos(longitude), std::cos(latitude) * std::sin(longitude),
-          std::sin(latitude)};
+  return {std::cos(latitude) * std::cos(longitude), std::cos(latitude) * std::sin(longitude), std::sin(latitude)};
 }
 
 double meridian_radius(double latitude) {

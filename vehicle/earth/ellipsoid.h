@@ -13,8 +13,8 @@ namespace gyrobudget::inline v0::earth {
 namespace wgs84 {
 inline constexpr double kEquatorialRadius = 6378137;      ///< a [m]
 inline constexpr double kFlattening = 1 / 298.257223563;  ///< f = (a - b)/a
-inline constexpr double kGM = 3986004.418e8;       ///< gravitational constant, atmosphere included [m^3/s^2]
-inline constexpr double kEarthRate = 7292115e-11;  ///< omega_ie [rad/s]
+inline constexpr double kGM = 3986004.418e8;              ///< gravitational constant, atmosphere included [m^3/s^2]
+inline constexpr double kEarthRate = 7292115e-11;         ///< omega_ie [rad/s]
 inline constexpr double kPolarRadius = kEquatorialRadius * (1 - kFlattening);       ///< b [m]
 inline constexpr double kEccentricitySquared = kFlattening * (2 - kFlattening);     ///< e^2 = (a^2 - b^2)/a^2
 inline constexpr double kAxisRatioSquared = (1 - kFlattening) * (1 - kFlattening);  ///< 1 - e^2 = b^2/a^2

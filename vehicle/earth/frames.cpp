@@ -43,12 +43,11 @@ Eigen::Vector3d earth_rate_ned(double latitude) {
 
 Eigen::Vector3d transport_rate_ned(const Geodetic& g, const Eigen::Vector3d& v_eb_n) {
   if (!(std::abs(g.latitude) <= std::numbers::pi / 2 - kPolarCap))
-    throw std::invalid_argument(fmt::format(
-        "north, east, down has no finite rate at latitude {} rad; it must be {} rad off the poles",
-        g.latitude, kPolarCap));
+    throw std::invalid_argument(
+        fmt::format("north, east, down has no finite rate at latitude {} rad; it must be {} rad off the poles",
+                    g.latitude, kPolarCap));
   const double east_rate = v_eb_n.y() / (transverse_radius(g.latitude) + g.height);
-  return {east_rate, -v_eb_n.x() / (meridian_radius(g.latitude) + g.height),
-          -east_rate * std::tan(g.latitude)};
+  return {east_rate, -v_eb_n.x() / (meridian_radius(g.latitude) + g.height), -east_rate * std::tan(g.latitude)};
 }
 
 Eigen::Matrix3d Inertial::C_ie(double t) const {

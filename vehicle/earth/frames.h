@@ -11,7 +11,6 @@
 #pragma once
 
 #include "ellipsoid.h"
-
 #include <Eigen/Core>
 
 namespace gyrobudget::inline v0::earth {

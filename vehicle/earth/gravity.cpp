@@ -43,8 +43,7 @@ constexpr std::array<double, kZonals> zonals() {
   std::array<double, kZonals> J{};
   double power = 1;  // (-1)^(k+1) e^(2k-2)
   for (int k = 1; k <= kZonals; ++k, power *= -kE2)
-    J[static_cast<std::size_t>(k - 1)] =
-        3 * power * (kE2 * (1 - k) + 5 * k * kJ2) / ((2 * k + 1) * (2 * k + 3));
+    J[static_cast<std::size_t>(k - 1)] = 3 * power * (kE2 * (1 - k) + 5 * k * kJ2) / ((2 * k + 1) * (2 * k + 3));
   return J;
 }
 constexpr std::array<double, kZonals> kJ = zonals();
@@ -102,9 +101,7 @@ Eigen::Vector3d normal_gravitation(const Eigen::Vector3d& p_eb_e) {
   return g;
 }
 
-Eigen::Vector3d centrifugal(const Eigen::Vector3d& p_eb_e) {
-  return {kRate2 * p_eb_e.x(), kRate2 * p_eb_e.y(), 0};
-}
+Eigen::Vector3d centrifugal(const Eigen::Vector3d& p_eb_e) { return {kRate2 * p_eb_e.x(), kRate2 * p_eb_e.y(), 0}; }
 
 Eigen::Vector3d normal_gravity(const Eigen::Vector3d& p_eb_e) {
   return normal_gravitation(p_eb_e) + centrifugal(p_eb_e);
@@ -135,8 +132,7 @@ double somigliana(double latitude) {
 
 double normal_zonal(int n) {
   if (n < 2 || n > kHighest || n % 2 != 0)
-    throw std::invalid_argument(
-        fmt::format("degree {} of a normal zonal must be even, from 2 to {}", n, kHighest));
+    throw std::invalid_argument(fmt::format("degree {} of a normal zonal must be even, from 2 to {}", n, kHighest));
   return kJ[static_cast<std::size_t>(n / 2 - 1)];
 }
 

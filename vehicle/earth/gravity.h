@@ -7,7 +7,6 @@
 #pragma once
 
 #include "ellipsoid.h"
-
 #include <Eigen/Core>
 
 namespace gyrobudget::inline v0::earth {

@@ -17,8 +17,7 @@ GeographicLib::GravityModel read(const std::string& path, int highest_degree) {
   if (file.extension() != ".egm" || !file.has_stem())
     throw std::invalid_argument(fmt::format("gravity model '{}' must be a file that ends in .egm", path));
   if (highest_degree < 0)
-    throw std::invalid_argument(
-        fmt::format("highest degree {} of a gravity model must be 0 or more", highest_degree));
+    throw std::invalid_argument(fmt::format("highest degree {} of a gravity model must be 0 or more", highest_degree));
   const std::string folder = file.has_parent_path() ? file.parent_path().string() : ".";
   try {
     return GeographicLib::GravityModel(file.stem().string(), folder, highest_degree, highest_degree);

@@ -5,7 +5,6 @@
 #include "paths.h"
 
 #include "gyrobudget/vehicle/earth/detail/check.h"
-#include "frames.h"
 
 #include <boost/math/differentiation/autodiff.hpp>
 
@@ -14,6 +13,8 @@
 #include <cmath>
 #include <numbers>
 #include <utility>
+
+#include "frames.h"
 
 namespace gyrobudget::inline v0::earth {
 namespace {
@@ -38,9 +39,7 @@ TaylorQuaternion operator*(const TaylorQuaternion& a, const TaylorQuaternion& b)
           a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x, a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w};
 }
 
-TaylorQuaternion constant(const Quaterniond& q) {
-  return {Taylor(q.w()), Taylor(q.x()), Taylor(q.y()), Taylor(q.z())};
-}
+TaylorQuaternion constant(const Quaterniond& q) { return {Taylor(q.w()), Taylor(q.x()), Taylor(q.y()), Taylor(q.z())}; }
 
 /// Rotation by `angle` about a fixed axis.
 TaylorQuaternion turn(const Taylor& angle, const Vector3d& axis) {
@@ -50,21 +49,18 @@ TaylorQuaternion turn(const Taylor& angle, const Vector3d& axis) {
 }
 
 TaylorVector y_axis(const TaylorQuaternion& q) {
-  return {2 * (q.x * q.y - q.w * q.z), q.w * q.w - q.x * q.x + q.y * q.y - q.z * q.z,
-          2 * (q.y * q.z + q.w * q.x)};
+  return {2 * (q.x * q.y - q.w * q.z), q.w * q.w - q.x * q.x + q.y * q.y - q.z * q.z, 2 * (q.y * q.z + q.w * q.x)};
 }
 
 TaylorVector z_axis(const TaylorQuaternion& q) {
-  return {2 * (q.x * q.z + q.w * q.y), 2 * (q.y * q.z - q.w * q.x),
-          q.w * q.w - q.x * q.x - q.y * q.y + q.z * q.z};
+  return {2 * (q.x * q.z + q.w * q.y), 2 * (q.y * q.z - q.w * q.x), q.w * q.w - q.x * q.x - q.y * q.y + q.z * q.z};
 }
 
 /// The point at that height whose down is the z axis of q_en: a D n/(n' D n)^(1/2) + h n, D = diag(1, 1, 1 -
 /// e^2).
 TaylorVector point_of_normal(const TaylorQuaternion& q_en, double height) {
   const TaylorVector down = z_axis(q_en);
-  const Taylor norm =
-      sqrt(down[0] * down[0] + down[1] * down[1] + wgs84::kAxisRatioSquared * down[2] * down[2]);
+  const Taylor norm = sqrt(down[0] * down[0] + down[1] * down[1] + wgs84::kAxisRatioSquared * down[2] * down[2]);
   const Taylor level = -wgs84::kEquatorialRadius / norm;
   return {(level - height) * down[0], (level - height) * down[1],
           (wgs84::kAxisRatioSquared * level - height) * down[2]};
@@ -87,14 +83,12 @@ void vibrate(const Vibration& v, const Taylor& t, Pose& pose) {
   if (v.coning_frequency > 0) {
     const Taylor phase = 2 * pi * v.coning_frequency * t;
     const double s = std::sin(v.coning_angle / 2);
-    pose.q_eb = pose.q_eb * TaylorQuaternion{Taylor(std::cos(v.coning_angle / 2)), Taylor(0.0),
-                                             s * cos(phase), s * sin(phase)};
+    pose.q_eb =
+        pose.q_eb * TaylorQuaternion{Taylor(std::cos(v.coning_angle / 2)), Taylor(0.0), s * cos(phase), s * sin(phase)};
   }
 }
 
-double vibration_frequency(const Vibration& v) {
-  return 2 * pi * (v.coning_frequency + v.sculling_frequency);
-}
+double vibration_frequency(const Vibration& v) { return 2 * pi * (v.coning_frequency + v.sculling_frequency); }
 
 Motion motion(const Vector3d& p_fixed, const Pose& pose) {
   const auto order = [](const TaylorVector& p, std::size_t n) {
@@ -106,21 +100,15 @@ Motion motion(const Vector3d& p_fixed, const Pose& pose) {
   };
   const Quaterniond q = quaternion(0).normalized();
   // dq/dt = q (0, w_eb_b)/2
-  return {p_fixed + order(pose.p, 0), order(pose.p, 1), order(pose.p, 2), q,
-          2 * (q.conjugate() * quaternion(1)).vec()};
+  return {p_fixed + order(pose.p, 0), order(pose.p, 1), order(pose.p, 2), q, 2 * (q.conjugate() * quaternion(1)).vec()};
 }
 
 /// A pose function, vibration on top.
 template <typename PoseOfTime>
 class PosePath final : public Path {
  public:
-  PosePath(double duration, double fastest, const Vector3d& p_fixed, const Vibration& vibration,
-           PoseOfTime pose)
-      : duration_(duration),
-        fastest_(fastest),
-        p_fixed_(p_fixed),
-        vibration_(vibration),
-        pose_(std::move(pose)) {}
+  PosePath(double duration, double fastest, const Vector3d& p_fixed, const Vibration& vibration, PoseOfTime pose)
+      : duration_(duration), fastest_(fastest), p_fixed_(p_fixed), vibration_(vibration), pose_(std::move(pose)) {}
 
   [[nodiscard]] double duration() const override { return duration_; }
   [[nodiscard]] double fastest() const override { return fastest_; }
@@ -143,8 +131,7 @@ template <typename PoseOfTime>
 Trajectory trajectory(double duration, double fastest, const Vector3d& p_fixed, const Vibration& vibration,
                       PoseOfTime pose) {
   return Trajectory(std::make_shared<PosePath<PoseOfTime>>(
-      duration, std::max(fastest, kSlowest) + vibration_frequency(vibration), p_fixed, vibration,
-      std::move(pose)));
+      duration, std::max(fastest, kSlowest) + vibration_frequency(vibration), p_fixed, vibration, std::move(pose)));
 }
 
 void check(const Vibration& v) {
@@ -185,9 +172,8 @@ Trajectory cruise(const Cruise& o) {
   }
   // On the unit sphere of normals the centre line runs at `rate`, and the S-turns sway by `sway` to the left
   // of it.
-  const double radius =
-      std::hypot((meridian_radius(o.start.latitude) + o.start.height) * std::cos(o.azimuth),
-                 (transverse_radius(o.start.latitude) + o.start.height) * std::sin(o.azimuth));
+  const double radius = std::hypot((meridian_radius(o.start.latitude) + o.start.height) * std::cos(o.azimuth),
+                                   (transverse_radius(o.start.latitude) + o.start.height) * std::sin(o.azimuth));
   const double rate = o.speed / radius;
   const double w = turns ? 2 * pi / o.turn_period : 0;
   const double sway = turns ? -o.turn_acceleration / (w * w) / radius : 0;

@@ -40,7 +40,7 @@ struct Stand {
 struct Cruise {
   Geodetic start = Geodetic{alcantara().position.latitude, alcantara().position.longitude, 10000};
   double azimuth = 90 * kDegree;  ///< of the centre line at the start
-  double speed = 250;  ///< [m/s] along the centre line at the start; constant to 1 % by the ellipsoid's shape
+  double speed = 250;            ///< [m/s] along the centre line at the start; constant to 1 % by the ellipsoid's shape
   double turn_acceleration = 0;  ///< peak lateral acceleration of the S-turns [m/s^2]
   double turn_period = 60;       ///< of a whole S [s]
   Vibration vibration;

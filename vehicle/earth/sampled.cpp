@@ -2,8 +2,6 @@
 #include "sampled.h"
 
 #include "gyrobudget/vehicle/earth/detail/check.h"
-#include "frames.h"
-#include "gravity.h"
 
 #include <fmt/core.h>
 
@@ -12,6 +10,9 @@
 #include <stdexcept>
 #include <utility>
 #include <vector>
+
+#include "frames.h"
+#include "gravity.h"
 
 namespace gyrobudget::inline v0::earth {
 namespace {
@@ -33,8 +34,7 @@ template <typename Vector>
 class CubicSpline {
  public:
   CubicSpline() = default;
-  CubicSpline(const std::vector<double>& t, std::vector<Vector> y)
-      : y_(std::move(y)), second_(solve(t, y_)) {}
+  CubicSpline(const std::vector<double>& t, std::vector<Vector> y) : y_(std::move(y)), second_(solve(t, y_)) {}
 
   [[nodiscard]] Jet<Vector> at(const std::vector<double>& t, std::size_t piece, double time) const {
     const double h = t[piece + 1] - t[piece];
@@ -153,8 +153,8 @@ class SampledPath final : public Path {
 void check_lengths(std::size_t times, std::size_t positions, std::size_t attitudes) {
   if (times != positions || times != attitudes || times < kFewest)
     throw std::invalid_argument(
-        fmt::format("{} times, {} positions and {} attitudes must be equally many, and at least {}", times,
-                    positions, attitudes, kFewest));
+        fmt::format("{} times, {} positions and {} attitudes must be equally many, and at least {}", times, positions,
+                    attitudes, kFewest));
 }
 
 std::vector<double> from_zero(std::span<const double> times) {
@@ -163,8 +163,7 @@ std::vector<double> from_zero(std::span<const double> times) {
   for (std::size_t k = 0; k < times.size(); ++k) {
     detail::check_finite(times[k], "time of a sample", "s");
     if (k > 0 && !(times[k] > times[k - 1]))
-      throw std::invalid_argument(
-          fmt::format("time {} s of sample {} must be after {} s", times[k], k, times[k - 1]));
+      throw std::invalid_argument(fmt::format("time {} s of sample {} must be after {} s", times[k], k, times[k - 1]));
     shifted.push_back(times[k] - times[0]);
   }
   return shifted;
@@ -175,8 +174,7 @@ std::vector<double> from_zero(std::span<const double> times) {
 Trajectory through_samples(std::span<const double> times, std::span<const Vector3d> p_eb_e,
                            std::span<const Quaterniond> q_eb) {
   check_lengths(times.size(), p_eb_e.size(), q_eb.size());
-  for (const Vector3d& p : p_eb_e)
-    static_cast<void>(normal_gravitation(p));  // refuses what is not a position
+  for (const Vector3d& p : p_eb_e) static_cast<void>(normal_gravitation(p));  // refuses what is not a position
   return Trajectory(std::make_shared<SampledPath>(from_zero(times), p_eb_e, q_eb));
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <span>
+
 #include "ellipsoid.h"
 #include "trajectory.h"
-
-#include <span>
 
 namespace gyrobudget::inline v0::earth {
 
@@ -20,8 +20,7 @@ namespace gyrobudget::inline v0::earth {
 /// @throws std::invalid_argument for fewer than 4 samples, spans of different length, times not ascending,
 /// numbers that are not finite, norms off 1 by more than 1e-6, or a turn of more than 90 degrees between
 /// samples.
-[[nodiscard]] Trajectory through_samples(std::span<const double> times,
-                                         std::span<const Eigen::Vector3d> p_eb_e,
+[[nodiscard]] Trajectory through_samples(std::span<const double> times, std::span<const Eigen::Vector3d> p_eb_e,
                                          std::span<const Eigen::Quaterniond> q_eb);
 
 /// The same from geodetic positions and attitudes against north, east, down at each.

@@ -26,8 +26,7 @@ const Site& alcantara() { return kSites.front(); }
 std::span<const Site> sites() { return kSites; }
 
 const Site& find_site(std::string_view name) {
-  const auto found =
-      std::find_if(kSites.begin(), kSites.end(), [&](const Site& s) { return s.name == name; });
+  const auto found = std::find_if(kSites.begin(), kSites.end(), [&](const Site& s) { return s.name == name; });
   if (found == kSites.end())
     throw std::invalid_argument(fmt::format("no launch site is named '{}'; there are: {}", name, names()));
   return *found;

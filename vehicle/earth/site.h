@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "ellipsoid.h"
-
 #include <span>
 #include <string_view>
+
+#include "ellipsoid.h"
 
 namespace gyrobudget::inline v0::earth {
 

@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "trajectory.h"
 
-#include "ellipsoid.h"
-#include "gravity.h"
-
 #include <boost/math/quadrature/gauss.hpp>
 #include <fmt/core.h>
 
@@ -12,6 +9,9 @@
 #include <iterator>
 #include <stdexcept>
 #include <utility>
+
+#include "ellipsoid.h"
+#include "gravity.h"
 
 namespace gyrobudget::inline v0::earth {
 namespace {
@@ -45,8 +45,7 @@ void add_panel(const Path& path, double from, double to, ImuIncrement& sum) {
 Sensed sense(const Motion& m) {
   const Eigen::Vector3d w_ie_e(0, 0, wgs84::kEarthRate);
   const Eigen::Quaterniond q_be = m.q_eb.conjugate();
-  return {q_be * (m.a_eb_e + 2 * w_ie_e.cross(m.v_eb_e) - normal_gravity(m.p_eb_e)),
-          m.w_eb_b + q_be * w_ie_e};
+  return {q_be * (m.a_eb_e + 2 * w_ie_e.cross(m.v_eb_e) - normal_gravity(m.p_eb_e)), m.w_eb_b + q_be * w_ie_e};
 }
 
 Sensed Path::sensed(double t) const { return sense(at(t)); }
@@ -55,8 +54,7 @@ Trajectory::Trajectory(std::shared_ptr<const Path> path) : path_(std::move(path)
   if (!path_) throw std::invalid_argument("a trajectory needs a path");
   duration_ = path_->duration();
   if (!(duration_ > 0) || !std::isfinite(duration_))
-    throw std::invalid_argument(
-        fmt::format("duration {} s of a trajectory must be positive and finite", duration_));
+    throw std::invalid_argument(fmt::format("duration {} s of a trajectory must be positive and finite", duration_));
   const double fastest = path_->fastest();
   if (!(fastest > 0) || !std::isfinite(fastest))
     throw std::invalid_argument(
@@ -67,8 +65,7 @@ Trajectory::Trajectory(std::shared_ptr<const Path> path) : path_(std::move(path)
 
 void Trajectory::check_time(double t) const {
   if (!(t >= 0 && t <= duration_ * (1 + kRoundOfTime)))
-    throw std::invalid_argument(
-        fmt::format("time {} s must be within the trajectory, 0 to {} s", t, duration_));
+    throw std::invalid_argument(fmt::format("time {} s must be within the trajectory, 0 to {} s", t, duration_));
 }
 
 TrajectoryPoint Trajectory::at(double t) const {
@@ -82,8 +79,7 @@ TrajectoryPoint Trajectory::at(double t) const {
 ImuIncrement Trajectory::increment(double from, double to) const {
   check_time(from);
   check_time(to);
-  if (to < from)
-    throw std::invalid_argument(fmt::format("an increment from {} s to {} s runs backwards", from, to));
+  if (to < from) throw std::invalid_argument(fmt::format("an increment from {} s to {} s runs backwards", from, to));
   to = std::min(to, duration_);
   ImuIncrement sum{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   auto next_break = std::upper_bound(breaks_.begin(), breaks_.end(), from);
@@ -92,8 +88,7 @@ ImuIncrement Trajectory::increment(double from, double to) const {
     const double piece_end = next_break != breaks_.end() ? *next_break++ : duration_;
     const double end = std::min(to, piece_end);
     const double panels = std::ceil((end - from) / panel_);
-    const auto add =
-        end - from <= kShort * std::min(panel_, piece_end - piece_start) ? add_panel<3> : add_panel<7>;
+    const auto add = end - from <= kShort * std::min(panel_, piece_end - piece_start) ? add_panel<3> : add_panel<7>;
     for (double k = 0; k < panels; ++k)
       add(*path_, from + (end - from) * (k / panels), from + (end - from) * ((k + 1) / panels), sum);
     from = end;

@@ -35,9 +35,9 @@ struct Base {
 
 Base within(const Base& base, const Layer& layer, double above) {
   const double temperature = base.temperature + layer.gradient * above;
-  const double exponent =
-      layer.gradient == 0 ? -kGravity / kGas * above / base.temperature
-                          : -kGravity / (kGas * layer.gradient) * std::log(temperature / base.temperature);
+  const double exponent = layer.gradient == 0
+                              ? -kGravity / kGas * above / base.temperature
+                              : -kGravity / (kGas * layer.gradient) * std::log(temperature / base.temperature);
   return {temperature, base.pressure * std::exp(exponent)};
 }
 
@@ -52,8 +52,7 @@ const std::array<Base, kLayers> kBases = make_bases();
 
 std::array<double, kLayers + 1> make_bounds() {
   std::array<double, kLayers + 1> heights{};
-  for (std::size_t k = 0; k <= kLayers; ++k)
-    heights[k] = kRadius * kTable[k].from / (kRadius - kTable[k].from);
+  for (std::size_t k = 0; k <= kLayers; ++k) heights[k] = kRadius * kTable[k].from / (kRadius - kTable[k].from);
   return heights;
 }
 const std::array<double, kLayers + 1> kBounds = make_bounds();
@@ -73,8 +72,8 @@ Air at(double height, int layer) {
   const auto k = static_cast<std::size_t>(layer);
   const double h = std::max(height, kLowest);
   const Base air = within(kBases[k], kTable[k], kRadius * h / (kRadius + h) - kTable[k].from);
-  return {air.pressure, air.pressure / (kGas * air.temperature),
-          std::sqrt(kHeatRatio * kGas * air.temperature), air.temperature};
+  return {air.pressure, air.pressure / (kGas * air.temperature), std::sqrt(kHeatRatio * kGas * air.temperature),
+          air.temperature};
 }
 
 }  // namespace standard_atmosphere

@@ -3,10 +3,9 @@
 // Source: U.S. Standard Atmosphere, 1976 (NOAA-S/T 76-1562), sections 1.2 and 1.3, tables 2 to 4.
 #pragma once
 
-#include "lookup_table.h"
-
 #include <array>
 
+#include "lookup_table.h"
 #include <Eigen/Core>
 
 namespace gyrobudget::inline v0::flight {
@@ -47,7 +46,7 @@ struct Gust {
 /// Earth (so poles are no special places; 12 km downrange they lean by 0.1 degrees).
 struct Wind {
   Eigen::Vector3d steady = Eigen::Vector3d::Zero();  ///< at every height [m/s]
-  LookupTable east = 0;                                    ///< shear: more, by height [m], of [m/s]
+  LookupTable east = 0;                              ///< shear: more, by height [m], of [m/s]
   LookupTable north = 0;
   Gust gust;
 

@@ -55,10 +55,9 @@ BodyState on_pad(const earth::Geodetic& site, double azimuth, double pitch) {
 
 namespace {
 
-constexpr double kInstant = 1e-12;  // [s]; times nearer than this are one
-constexpr double kStableStep =
-    2.0;                           // step times eigenvalue an explicit method of order 4 bears with a margin
-constexpr double kHopeless = 1e9;  // as error of a step that is no number
+constexpr double kInstant = 1e-12;   // [s]; times nearer than this are one
+constexpr double kStableStep = 2.0;  // step times eigenvalue an explicit method of order 4 bears with a margin
+constexpr double kHopeless = 1e9;    // as error of a step that is no number
 constexpr double kLayerSide = 1e-4;  // [m]; nearer to a layer's end, the way of flight tells the layer
 
 /// Steps of fixed or adapted size over a segment, by any method with step(system, x, t, h, out, error).
@@ -102,8 +101,8 @@ double equal_step(double length, double longest, int& steps) {
 
 /// True where the segment was crossed.
 template <class Stepper, class System, class X>
-bool cross(Stepper& stepper, const System& system, X& x, double from, double to, int order, int evaluations,
-           Pace& pace, Body::Work& work) {
+bool cross(Stepper& stepper, const System& system, X& x, double from, double to, int order, int evaluations, Pace& pace,
+           Body::Work& work) {
   const X scale = system.scale();
   X out, error;
   double t = from;
@@ -155,8 +154,7 @@ class Queue {
  public:
   void push(double arrives, const Vector2d& command) {
     if (count_ == kSize)
-      throw std::invalid_argument(
-          fmt::format("more than {} commands are delayed on their way to the nozzle", kSize));
+      throw std::invalid_argument(fmt::format("more than {} commands are delayed on their way to the nozzle", kSize));
     items_[(first_ + count_++) % kSize] = {arrives, command};
   }
   [[nodiscard]] double next() const {
@@ -226,16 +224,14 @@ struct Body::Impl {
     const Vector2d allowed = reached.cwiseMax(-a.deflection_limit).cwiseMin(a.deflection_limit);
     limited = change != asked || allowed != reached;
     issued = allowed;
-    roll_moment =
-        std::clamp(command.roll_moment, -plant.vehicle.roll_moment_limit, plant.vehicle.roll_moment_limit);
+    roll_moment = std::clamp(command.roll_moment, -plant.vehicle.roll_moment_limit, plant.vehicle.roll_moment_limit);
     if (!stuck) queue.push(state.t + a.delay, allowed);
   }
 
   [[nodiscard]] int layer_now() const {
     if (!plant.world.atmosphere) return standard_atmosphere::kLayers;
     const Height h = height_of(state.p_ib_i);
-    return standard_atmosphere::layer(h.above_ellipsoid +
-                                      (h.up.dot(state.v_ib_i) < 0 ? -kLayerSide : kLayerSide));
+    return standard_atmosphere::layer(h.above_ellipsoid + (h.up.dot(state.v_ib_i) < 0 ? -kLayerSide : kLayerSide));
   }
   [[nodiscard]] Segment segment_at(double from, double to) const {
     return {plant.burn.piece((from + to) / 2), layer_now(), acting, roll_moment};
@@ -254,8 +250,8 @@ struct Body::Impl {
       const double gap = bounds[k] - h.above_ellipsoid;
       if (std::abs(gap) > span || std::abs(gap) < kLayerSide) continue;
       Segment here = segment_at(state.t, to);
-      const Vector3d a = motion(plant, here, state.t, rigid(), state.deflection).acceleration_i -
-                         2 * spin.cross(v) - spin.cross(spin.cross(state.p_ib_i));
+      const Vector3d a = motion(plant, here, state.t, rigid(), state.deflection).acceleration_i - 2 * spin.cross(v) -
+                         spin.cross(spin.cross(state.p_ib_i));
       const double discriminant = rate * rate + 2 * h.up.dot(a) * gap;
       if (discriminant < 0) continue;
       const double wait = 2 * gap / (rate + std::copysign(std::sqrt(discriminant), rate));
@@ -390,8 +386,7 @@ Body::Body(const Vehicle& vehicle, const World& world, const BodyState& start, c
   vehicle.check();
   check_state(start);
   if (!(integration.step > 0) || !std::isfinite(integration.step))
-    throw std::invalid_argument(
-        fmt::format("longest step is {} s, but must be positive and finite", integration.step));
+    throw std::invalid_argument(fmt::format("longest step is {} s, but must be positive and finite", integration.step));
   if (!(integration.tolerance >= 0))
     throw std::invalid_argument(
         fmt::format("tolerance of a step is {}, but must be zero or more", integration.tolerance));
@@ -403,8 +398,7 @@ Body::~Body() = default;
 
 bool Body::advance(const Command& command, double t) {
   if (!(t >= impl_->state.t) || !std::isfinite(t))
-    throw std::invalid_argument(
-        fmt::format("asked to fly to {} s, but it is {} s already", t, impl_->state.t));
+    throw std::invalid_argument(fmt::format("asked to fly to {} s, but it is {} s already", t, impl_->state.t));
   return impl_->advance(command, t);
 }
 
@@ -442,8 +436,7 @@ earth::TrajectoryPoint Body::imu() const {
 
 Body::Flow Body::flow() const {
   Stream air;
-  const Motion m =
-      motion(impl_->plant, impl_->segment, impl_->state.t, impl_->rigid(), impl_->state.deflection, &air);
+  const Motion m = motion(impl_->plant, impl_->segment, impl_->state.t, impl_->rigid(), impl_->state.deflection, &air);
   const double sound = air.air.speed_of_sound;
   return {air.height,
           0.5 * air.air.density * air.speed * air.speed,

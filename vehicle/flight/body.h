@@ -4,14 +4,14 @@
 #include "gyrobudget/vehicle/earth/ellipsoid.h"
 #include "gyrobudget/vehicle/earth/site.h"
 #include "gyrobudget/vehicle/earth/trajectory.h"
-#include "atmosphere.h"
-#include "vehicle.h"
 
 #include <cstdint>
 #include <limits>
 #include <memory>
 #include <string_view>
 
+#include "atmosphere.h"
+#include "vehicle.h"
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 

@@ -28,8 +28,7 @@ void check_positive(double value, const char* what, const char* unit) {
 AttitudeControl::AttitudeControl(const Vehicle& vehicle, const earth::Geodetic& site, const Options& options)
     : vehicle_(vehicle),
       options_(options),
-      q_el_(Quaterniond(earth::C_e_ned(site.latitude, site.longitude)) *
-            earth::exp_rotation({0, 0, options.azimuth})) {
+      q_el_(Quaterniond(earth::C_e_ned(site.latitude, site.longitude)) * earth::exp_rotation({0, 0, options.azimuth})) {
   vehicle.check();
   check_positive(options.frequency, "frequency of the attitude loop", "rad/s");
   check_positive(options.damping, "damping of the attitude loop", "");
@@ -77,9 +76,8 @@ AttitudeControl::Coefficients AttitudeControl::coefficients(const Notch& notch, 
   const double w = 2 * std::numbers::pi * notch.frequency(t / vehicle_.burn_time);
   const double k = 1 / std::tan(w * options_.period / 2);
   const double over = 1 / (k * k + 2 * notch.width * k + 1);
-  return {(k * k + 2 * notch.depth * k + 1) * over, 2 * (1 - k * k) * over,
-          (k * k - 2 * notch.depth * k + 1) * over, 2 * (1 - k * k) * over,
-          (k * k - 2 * notch.width * k + 1) * over};
+  return {(k * k + 2 * notch.depth * k + 1) * over, 2 * (1 - k * k) * over, (k * k - 2 * notch.depth * k + 1) * over,
+          2 * (1 - k * k) * over, (k * k - 2 * notch.width * k + 1) * over};
 }
 
 Vector2d AttitudeControl::filtered(const Vector2d& input, double t) {

@@ -4,13 +4,13 @@
 
 #include "gyrobudget/vehicle/earth/ellipsoid.h"
 #include "gyrobudget/vehicle/earth/trajectory.h"
-#include "body.h"
 
 #include <array>
 #include <complex>
 #include <concepts>
 #include <vector>
 
+#include "body.h"
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 

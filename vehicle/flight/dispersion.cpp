@@ -53,8 +53,7 @@ class Draw {
   Draw(std::uint64_t seed, std::uint64_t run) : seed_(seed), run_(run) {}
   double operator()(Quantity quantity) const {
     double x = 0;
-    const std::uint64_t stream =
-        (std::uint64_t{'V'} << 56) | (static_cast<std::uint64_t>(quantity) << 48) | run_;
+    const std::uint64_t stream = (std::uint64_t{'V'} << 56) | (static_cast<std::uint64_t>(quantity) << 48) | run_;
     noise::fill_normal({seed_, stream}, 0, {&x, 1});
     return x;
   }
@@ -77,14 +76,14 @@ void Dispersion::check(const Vehicle& vehicle) const {
     if (!(sigma >= 0) || !std::isfinite(sigma))
       throw std::invalid_argument(fmt::format("dispersion of {} is {}, expected 0 or more", n.name, sigma));
     if (n.relative && sigma * kFarthest >= 1)
-      throw std::invalid_argument(fmt::format(
-          "dispersion of {} is {}, expected below {:.3f}: draws reach {} sigma and must stay above 0", n.name,
-          sigma, 1 / kFarthest, kFarthest));
+      throw std::invalid_argument(
+          fmt::format("dispersion of {} is {}, expected below {:.3f}: draws reach {} sigma and must stay above 0",
+                      n.name, sigma, 1 / kFarthest, kFarthest));
   }
   if ((1 - kFarthest * mass) * vehicle.lift_off_mass <= vehicle.propellant)
     throw std::invalid_argument(
-        fmt::format("dispersion of mass is {}: {} sigma below {} kg leave less than the propellant's {} kg",
-                    mass, kFarthest, vehicle.lift_off_mass, vehicle.propellant));
+        fmt::format("dispersion of mass is {}: {} sigma below {} kg leave less than the propellant's {} kg", mass,
+                    kFarthest, vehicle.lift_off_mass, vehicle.propellant));
 }
 
 Flight disperse(const Flight& flight, const Dispersion& d, std::uint64_t seed, std::uint64_t run) {
@@ -99,15 +98,13 @@ Flight disperse(const Flight& flight, const Dispersion& d, std::uint64_t seed, s
   v.lift_off_mass *= factor(d.mass, Quantity::mass);
   if (const double f = factor(d.inertia, Quantity::inertia); f != 1)
     for (LookupTable* table : {&v.roll_inertia, &v.pitch_inertia, &v.yaw_inertia}) *table = table->scaled(f);
-  if (const double f = factor(d.axial_drag, Quantity::axial_drag); f != 1)
-    v.axial_drag = v.axial_drag.scaled(f);
+  if (const double f = factor(d.axial_drag, Quantity::axial_drag); f != 1) v.axial_drag = v.axial_drag.scaled(f);
   v.normal_force_slope *= factor(d.normal_force, Quantity::normal_force);
   v.pressure_ahead += offset(d.pressure_ahead, Quantity::pressure_ahead);
   if (const double shift = offset(d.centre_of_mass, Quantity::centre_of_mass); shift != 0)
     v.centre_of_mass = v.centre_of_mass.shifted(shift);
-  result.faults.thrust_misalignment +=
-      Eigen::Vector2d(offset(d.thrust_misalignment, Quantity::misalignment_pitch),
-                      offset(d.thrust_misalignment, Quantity::misalignment_yaw));
+  result.faults.thrust_misalignment += Eigen::Vector2d(offset(d.thrust_misalignment, Quantity::misalignment_pitch),
+                                                       offset(d.thrust_misalignment, Quantity::misalignment_yaw));
   result.world.wind.steady +=
       Eigen::Vector3d(offset(d.wind, Quantity::wind_east), offset(d.wind, Quantity::wind_north), 0);
   result.world.wind.gust.peak *= factor(d.gust, Quantity::gust);

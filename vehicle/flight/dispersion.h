@@ -2,9 +2,9 @@
 // What differs from one vehicle of a kind to the next, and from day to day.
 #pragma once
 
-#include "fly.h"
-
 #include <cstdint>
+
+#include "fly.h"
 
 namespace gyrobudget::inline v0::flight {
 

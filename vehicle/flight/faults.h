@@ -3,11 +3,12 @@
 #pragma once
 
 #include "gyrobudget/vehicle/earth/trajectory.h"
-#include "control.h"
 
 #include <cstddef>
 #include <optional>
 #include <vector>
+
+#include "control.h"
 
 namespace gyrobudget::inline v0::flight {
 

@@ -23,21 +23,18 @@ double checked_duration(const Flight& flight) {
     throw std::invalid_argument(fmt::format("control period is {} s, but must be positive", flight.period));
   const double duration = std::isnan(flight.duration) ? flight.vehicle.burn_time : flight.duration;
   if (!(duration > 0) || !(duration / flight.period < 1e8))
-    throw std::invalid_argument(
-        fmt::format("duration is {} s, but must be positive and below 1e8 periods", duration));
+    throw std::invalid_argument(fmt::format("duration is {} s, but must be positive and below 1e8 periods", duration));
   return duration;
 }
 
 bool sound(const Seen& s) {
   return s.p_eb_e.allFinite() && s.v_eb_e.allFinite() && s.q_eb.coeffs().allFinite() && s.w_ib_b.allFinite();
 }
-bool sound(const Command& c) {
-  return std::isfinite(c.pitch) && std::isfinite(c.yaw) && std::isfinite(c.roll_moment);
-}
+bool sound(const Command& c) { return std::isfinite(c.pitch) && std::isfinite(c.yaw) && std::isfinite(c.roll_moment); }
 
 std::string account(Ended ended, const FlightPoint& at, const Flight& flight) {
-  const std::string where = fmt::format("at {:.2f} s, {:.1f} m high, {:.1f} m/s against the air", at.t,
-                                        at.flow.height, at.flow.speed);
+  const std::string where =
+      fmt::format("at {:.2f} s, {:.1f} m high, {:.1f} m/s against the air", at.t, at.flow.height, at.flow.speed);
   switch (ended) {
     case Ended::complete:
       return "flew to the end " + where;
@@ -73,15 +70,13 @@ FlightInProgress::FlightInProgress(const Flight& flight)
       interval_(flight.period) {
   increment_ = {Vector3d::Zero(), body_.imu().w_ib_b * interval_};
   const auto periods = static_cast<std::size_t>(std::ceil(duration_ / flight.period));
-  if (flight.record_every > 0)
-    result_.points.reserve(periods / static_cast<std::size_t>(flight.record_every) + 2);
+  if (flight.record_every > 0) result_.points.reserve(periods / static_cast<std::size_t>(flight.record_every) + 2);
   if (flight.keep_increments) result_.increments.reserve(periods);
 }
 
 void FlightInProgress::record(const Command& command, const Seen& seen) {
   const BodyState& s = body_.state();
-  result_.end = {s.t,          body_.pose(), {seen.p_eb_e, seen.v_eb_e, seen.q_eb}, body_.flow(), command,
-                 s.deflection, s.bend};
+  result_.end = {s.t, body_.pose(), {seen.p_eb_e, seen.v_eb_e, seen.q_eb}, body_.flow(), command, s.deflection, s.bend};
   result_.highest_pressure = std::max(result_.highest_pressure, result_.end.flow.dynamic_pressure);
 }
 
@@ -117,8 +112,7 @@ void FlightInProgress::advance(const Command& command, const Seen& seen) {
   ++period_;
   if (flight_.keep_increments) result_.increments.push_back(increment_);
   if (body_.limited()) ++limited_;
-  result_.largest_deflection =
-      std::max(result_.largest_deflection, body_.state().deflection.cwiseAbs().maxCoeff());
+  result_.largest_deflection = std::max(result_.largest_deflection, body_.state().deflection.cwiseAbs().maxCoeff());
   if (!beyond_limits() && to >= duration_ - 1e-9 * flight_.period) end(Ended::complete);
 }
 
@@ -156,8 +150,7 @@ std::string_view to_string(Ended ended) {
 }
 
 Body::Pose pose_on_pad(const Flight& flight) {
-  return Body(flight.vehicle, flight.world, detail::at_ignition(flight), {.method = Method::exact},
-              flight.faults)
+  return Body(flight.vehicle, flight.world, detail::at_ignition(flight), {.method = Method::exact}, flight.faults)
       .pose();
 }
 

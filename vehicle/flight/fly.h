@@ -2,13 +2,13 @@
 // The closed loop: vehicle, IMU, navigation, control.
 #pragma once
 
-#include "body.h"
-#include "control.h"
-
 #include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "body.h"
+#include "control.h"
 
 namespace gyrobudget::inline v0::flight {
 
@@ -25,8 +25,8 @@ struct Flight {
   /// Where a flight ends before: [rad/s], [Pa rad].
   double rate_limit = 3;
   double pressure_angle_limit = std::numeric_limits<double>::infinity();  ///< of dynamic pressure times angle
-  int record_every = 10;         ///< periods between points; 0 keeps none
-  bool keep_increments = false;  ///< of the exact IMU, one a period
+  int record_every = 10;                                                  ///< periods between points; 0 keeps none
+  bool keep_increments = false;                                           ///< of the exact IMU, one a period
 };
 
 /// One instant of a flight.

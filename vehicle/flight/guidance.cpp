@@ -29,12 +29,12 @@ TrajectoryControl::TrajectoryControl(const AttitudeControl& attitude, std::vecto
         fmt::format("a trajectory of {} waypoints cannot be followed: give at least 2", waypoints_.size()));
   for (std::size_t k = 1; k < waypoints_.size(); ++k)
     if (!(waypoints_[k].t > waypoints_[k - 1].t))
-      throw std::invalid_argument(fmt::format("times of waypoints must ascend, but {} s follows {} s",
-                                              waypoints_[k].t, waypoints_[k - 1].t));
+      throw std::invalid_argument(
+          fmt::format("times of waypoints must ascend, but {} s follows {} s", waypoints_[k].t, waypoints_[k - 1].t));
   if (!(options.frequency > 0) || !(options.damping > 0) || !(options.angle_limit > 0))
-    throw std::invalid_argument(fmt::format(
-        "guidance needs a frequency ({} rad/s), a damping ({}) and an angle ({} rad) that are positive",
-        options.frequency, options.damping, options.angle_limit));
+    throw std::invalid_argument(
+        fmt::format("guidance needs a frequency ({} rad/s), a damping ({}) and an angle ({} rad) that are positive",
+                    options.frequency, options.damping, options.angle_limit));
 }
 
 Waypoint TrajectoryControl::reference(double t) const {
@@ -47,8 +47,7 @@ Waypoint TrajectoryControl::reference(double t) const {
   const double h = b.t - a.t, x = (t - a.t) / h;
   const Vector3d way = (b.p_eb_e - a.p_eb_e) / h;
   const Vector3d second = 3 * way - 2 * a.v_eb_e - b.v_eb_e, third = a.v_eb_e + b.v_eb_e - 2 * way;
-  return {t, a.p_eb_e + h * x * (a.v_eb_e + x * (second + x * third)),
-          a.v_eb_e + x * (2 * second + 3 * x * third)};
+  return {t, a.p_eb_e + h * x * (a.v_eb_e + x * (second + x * third)), a.v_eb_e + x * (2 * second + 3 * x * third)};
 }
 
 Command TrajectoryControl::command(const Seen& seen) {
@@ -56,8 +55,7 @@ Command TrajectoryControl::command(const Seen& seen) {
   const Eigen::Quaterniond program = attitude_.reference(seen.t);
   const BurnState now = burn_state(attitude_.vehicle(), seen.t);
   const double push =
-      std::max(now.vacuum_thrust, attitude_.options().least_thrust * attitude_.vehicle().mean_thrust()) /
-      now.mass;
+      std::max(now.vacuum_thrust, attitude_.options().least_thrust * attitude_.vehicle().mean_thrust()) / now.mass;
   const double w = options_.frequency;
   const Vector3d acceleration =
       w * w * (wanted.p_eb_e - seen.p_eb_e) + 2 * options_.damping * w * (wanted.v_eb_e - seen.v_eb_e);

@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "control.h"
-#include "fly.h"
-
 #include <span>
 #include <vector>
 
+#include "control.h"
+#include "fly.h"
 #include <Eigen/Core>
 
 namespace gyrobudget::inline v0::flight {

@@ -18,11 +18,11 @@ LookupTable::LookupTable(std::vector<Point> points, bool smooth) : points_(std::
   if (points_.empty()) throw std::invalid_argument("a table needs at least one point");
   for (std::size_t k = 0; k < points_.size(); ++k) {
     if (!std::isfinite(points_[k].first) || !std::isfinite(points_[k].second))
-      throw std::invalid_argument(fmt::format("point {} of the table, ({}, {}), must be finite", k,
-                                              points_[k].first, points_[k].second));
+      throw std::invalid_argument(
+          fmt::format("point {} of the table, ({}, {}), must be finite", k, points_[k].first, points_[k].second));
     if (k > 0 && !(points_[k].first > points_[k - 1].first))
-      throw std::invalid_argument(fmt::format("the table's abscissae must ascend, but {} follows {}",
-                                              points_[k].first, points_[k - 1].first));
+      throw std::invalid_argument(
+          fmt::format("the table's abscissae must ascend, but {} follows {}", points_[k].first, points_[k - 1].first));
   }
   join(smooth_ ? slopes() : std::vector<double>());
 }
@@ -59,8 +59,7 @@ void LookupTable::join(const std::vector<double>& slopes) {
     }
     piece.sum = integral(x, k);
     if (!std::isfinite(piece.b + piece.c + piece.d + piece.sum))
-      throw std::invalid_argument(
-          fmt::format("the table is too steep from {} to {}", x, points_[k + 1].first));
+      throw std::invalid_argument(fmt::format("the table is too steep from {} to {}", x, points_[k + 1].first));
     pieces_.push_back(piece);
   }
   const double end = points_.back().first;

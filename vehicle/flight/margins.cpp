@@ -24,13 +24,11 @@ std::vector<double> grid(const Vehicle& v, const Condition& c, double highest) {
   constexpr int kPlain = 3000, kAbout = 500;
   constexpr double kLowest = 1e-3;
   std::vector<double> w;
-  for (int k = 0; k <= kPlain; ++k)
-    w.push_back(kLowest * std::pow(highest / kLowest, k / static_cast<double>(kPlain)));
+  for (int k = 0; k <= kPlain; ++k) w.push_back(kLowest * std::pow(highest / kLowest, k / static_cast<double>(kPlain)));
   if (v.bending) {
     const double centre = mode_frequency(v, c);
     for (int k = -kAbout; k <= kAbout; ++k) {  // spread as the phase turns through the resonance
-      const double at =
-          centre * (1 + std::max(v.bending->damping, 1e-6) * std::tan(k * (pi / 2 - 0.02) / kAbout));
+      const double at = centre * (1 + std::max(v.bending->damping, 1e-6) * std::tan(k * (pi / 2 - 0.02) / kAbout));
       if (at > kLowest && at < highest) w.push_back(at);
     }
   }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "control.h"
-#include "vehicle.h"
-
 #include <complex>
 #include <limits>
 #include <span>
 #include <vector>
+
+#include "control.h"
+#include "vehicle.h"
 
 namespace gyrobudget::inline v0::flight {
 
@@ -26,8 +26,7 @@ struct Condition {
 /// m = q S slope pressure_ahead/I. The first bracket has the gyros' mean over a period, the next the hold of
 /// the command. Left out: what the sampler folds back from above half its rate, and lateral drift of the
 /// vehicle, which is slower than 0.1 rad/s.
-[[nodiscard]] std::complex<double> open_loop(const Vehicle&, const AttitudeControl&, const Condition&,
-                                             double w);
+[[nodiscard]] std::complex<double> open_loop(const Vehicle&, const AttitudeControl&, const Condition&, double w);
 
 /// How far the loop is from oscillating.
 struct Margins {

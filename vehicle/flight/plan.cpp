@@ -16,8 +16,7 @@ FlightRecord fly_nominal(const Plan& plan) {
   nominal.flight.faults = {};
   constexpr double kSmooth = 0.05;  // [s] between points
   const double periods = std::round(kSmooth / nominal.flight.period);
-  nominal.flight.record_every =
-      plan.flight.vehicle.bending ? 1 : static_cast<int>(std::clamp(periods, 1.0, 1e6));
+  nominal.flight.record_every = plan.flight.vehicle.bending ? 1 : static_cast<int>(std::clamp(periods, 1.0, 1e6));
   PerfectNavigator navigator;
   return fly(nominal, nominal.flight, {}, navigator);
 }

@@ -2,13 +2,13 @@
 // A flight with who steers it: what a scene says, and how to fly it.
 #pragma once
 
+#include <optional>
+#include <span>
+
 #include "control.h"
 #include "faults.h"
 #include "fly.h"
 #include "guidance.h"
-
-#include <optional>
-#include <span>
 
 namespace gyrobudget::inline v0::flight {
 

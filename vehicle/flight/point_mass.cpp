@@ -27,16 +27,12 @@ class PointMass {
   PointMass(const Flight& flight, const AttitudeControl& program)
       : plant_(without_lever(flight.vehicle), flight.world, flight.faults), program_(program) {}
 
-  void operator()(const X& x, X& rate, double t) const {
-    rate << x.tail<3>(), motion_at(x, t, nullptr).acceleration_i;
-  }
+  void operator()(const X& x, X& rate, double t) const { rate << x.tail<3>(), motion_at(x, t, nullptr).acceleration_i; }
   [[nodiscard]] Motion motion_at(const X& x, double t, Stream* air) const {
-    const int layer = plant_.world.atmosphere
-                          ? standard_atmosphere::layer(height_of(x.head<3>()).above_ellipsoid)
-                          : standard_atmosphere::kLayers;
+    const int layer = plant_.world.atmosphere ? standard_atmosphere::layer(height_of(x.head<3>()).above_ellipsoid)
+                                              : standard_atmosphere::kLayers;
     const Segment segment{piece_, layer, Vector2d::Zero(), 0};
-    return motion(plant_, segment, t, {x.head<3>(), x.tail<3>(), attitude(t), Vector3d::Zero()},
-                  Vector2d::Zero(), air);
+    return motion(plant_, segment, t, {x.head<3>(), x.tail<3>(), attitude(t), Vector3d::Zero()}, Vector2d::Zero(), air);
   }
   void enter(double from, double to) { piece_ = plant_.burn.piece((from + to) / 2); }
   [[nodiscard]] std::vector<double> breaks() const { return plant_.burn.breaks(); }
@@ -50,8 +46,8 @@ class PointMass {
     return {t,
             pose,
             pose,
-            {air.height, 0.5 * air.air.density * air.speed * air.speed, sound > 0 ? air.speed / sound : 0,
-             air.speed, std::atan2(air.velocity_b.tail<2>().norm(), air.velocity_b.x()), m.thrust},
+            {air.height, 0.5 * air.air.density * air.speed * air.speed, sound > 0 ? air.speed / sound : 0, air.speed,
+             std::atan2(air.velocity_b.tail<2>().norm(), air.velocity_b.x()), m.thrust},
             {},
             Vector2d::Zero(),
             Vector2d::Zero()};
@@ -77,8 +73,8 @@ FlightRecord fly_point_mass(const Flight& flight, const AttitudeControl& program
   flight.vehicle.check();
   const double duration = std::isnan(flight.duration) ? flight.vehicle.burn_time : flight.duration;
   if (!(step > 0) || !(duration > 0) || !(duration / step < 1e8))
-    throw std::invalid_argument(fmt::format(
-        "step {} s and duration {} s must be positive, and fewer than 1e8 steps", step, duration));
+    throw std::invalid_argument(
+        fmt::format("step {} s and duration {} s must be positive, and fewer than 1e8 steps", step, duration));
   PointMass mass(flight, program);
   odeint::runge_kutta4<X, double, X, double, odeint::vector_space_algebra> stepper;
   const BodyState pad = on_pad(flight.world.site, flight.azimuth, flight.pitch);
@@ -99,8 +95,7 @@ FlightRecord fly_point_mass(const Flight& flight, const AttitudeControl& program
       result.points.push_back(mass.point(x, t));
       stepper.do_step(std::cref(mass), x, t, length / steps);
       t = k + 1 == steps ? from + length : from + (k + 1) * (length / steps);
-      if (height_of(x.head<3>()).above_ellipsoid < flight.world.site.height - kBelowPad)
-        result.ended = Ended::impact;
+      if (height_of(x.head<3>()).above_ellipsoid < flight.world.site.height - kBelowPad) result.ended = Ended::impact;
     }
     result.work.steps += steps;
   }
@@ -109,10 +104,9 @@ FlightRecord fly_point_mass(const Flight& flight, const AttitudeControl& program
   result.points.push_back(result.end);
   for (const FlightPoint& p : result.points)
     result.highest_pressure = std::max(result.highest_pressure, p.flow.dynamic_pressure);
-  result.account =
-      fmt::format("a point mass {} at {:.2f} s, {:.1f} m high",
-                  result.ended == Ended::complete ? "flew to the end" : "came down to the pad's height", t,
-                  result.end.flow.height);
+  result.account = fmt::format("a point mass {} at {:.2f} s, {:.1f} m high",
+                               result.ended == Ended::complete ? "flew to the end" : "came down to the pad's height", t,
+                               result.end.flow.height);
   return result;
 }
 

@@ -14,8 +14,7 @@ namespace gyrobudget::inline v0::flight {
 namespace {
 
 // `number` is the member's name, a literal.
-void require(bool holds, std::string_view number, const char* what, double value, const char* limit,
-             const char* unit) {
+void require(bool holds, std::string_view number, const char* what, double value, const char* limit, const char* unit) {
   if (!holds || !std::isfinite(value))
     throw VehicleError(number, fmt::format("{} is {} {}, but must be {}", what, value, unit, limit));
 }
@@ -46,15 +45,13 @@ void check_actuator(const Actuator& a) {
   require(a.deflection_limit >= 0 && a.deflection_limit < std::numbers::pi / 4, "actuator.deflection_limit",
           "deflection limit", a.deflection_limit, "from 0 to pi/4", "rad");
   not_negative(a.rate_limit, "actuator.rate_limit", "rate limit of the nozzle", "rad/s");
-  require(a.delay >= 0 && a.delay <= 1, "actuator.delay", "delay of the actuator", a.delay, "from 0 to 1",
-          "s");
+  require(a.delay >= 0 && a.delay <= 1, "actuator.delay", "delay of the actuator", a.delay, "from 0 to 1", "s");
 }
 
 void check_bending(const Bending& b) {
   positive(b.frequency, "bending.frequency", "frequency of the bending mode", "Hz");
   not_negative(b.damping, "bending.damping", "damping of the bending mode", "");
-  finite(b.gimbal_deflection, "bending.gimbal_deflection", "deflection of the bending mode at the gimbal",
-         "");
+  finite(b.gimbal_deflection, "bending.gimbal_deflection", "deflection of the bending mode at the gimbal", "");
   finite(b.slope_at_imu, "bending.slope_at_imu", "slope of the bending mode at the IMU", "rad/m");
 }
 
@@ -103,15 +100,8 @@ Vehicle vlm1() {
       LookupTable::linear({{0, 1.05}, {0.02, 1.10}, {0.25, 1.22}, {0.5, 1.12}, {0.75, 0.92}, {0.93, 0.75}, {1, 0}});
   v.exit_area = 0.35;
   v.reference_area = std::numbers::pi / 4 * diameter * diameter;
-  v.axial_drag = LookupTable::smooth({{0, 0.30},
-                                {0.8, 0.33},
-                                {0.95, 0.42},
-                                {1.05, 0.55},
-                                {1.2, 0.55},
-                                {1.5, 0.48},
-                                {2, 0.40},
-                                {3, 0.32},
-                                {5, 0.25}});
+  v.axial_drag = LookupTable::smooth(
+      {{0, 0.30}, {0.8, 0.33}, {0.95, 0.42}, {1.05, 0.55}, {1.2, 0.55}, {1.5, 0.48}, {2, 0.40}, {3, 0.32}, {5, 0.25}});
   v.normal_force_slope = 2.8;
   v.pressure_ahead = 3;
   v.centre_of_mass = LookupTable::linear({{0, 7}, {1, 10}});
@@ -147,16 +137,14 @@ std::span<const Provenance> vlm1_provenance() {
       Provenance{"normal_force_slope", assumed, "slender-body theory, 2 of the nose, more of the flare"},
       Provenance{"pressure_ahead", assumed, "no fins: unstable, as the nose carries the normal force"},
       Provenance{"centre_of_mass", assumed, "arm of the gimbal, from the stages' lengths"},
-      Provenance{"roll_inertia", derived,
-                 "from masses and diameter, the grain as a cylinder: rests on assumptions"},
+      Provenance{"roll_inertia", derived, "from masses and diameter, the grain as a cylinder: rests on assumptions"},
       Provenance{"pitch_inertia", derived, "from masses and lengths of the stages: rests on assumptions"},
       Provenance{"yaw_inertia", derived, "as pitch"},
       Provenance{"imu_station", assumed, "in the bay above the upper stages of a vehicle of 19.6 m"},
       Provenance{"actuator", assumed,
                  "3 degrees, 15 degrees/s, 4 Hz, 0.7: usual of flexible nozzles; 10 ms to compute"},
       Provenance{"roll_moment_limit", assumed, "two pairs of small thrusters at the skin"},
-      Provenance{"bending", assumed,
-                 "free-free beam: 6 to 8 Hz, 0.5 %, 2 at the gimbal, -0.47 rad/m at a forward IMU"},
+      Provenance{"bending", assumed, "free-free beam: 6 to 8 Hz, 0.5 %, 2 at the gimbal, -0.47 rad/m at a forward IMU"},
   };
   return kTable;
 }

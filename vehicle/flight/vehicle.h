@@ -2,13 +2,14 @@
 #pragma once
 
 #include "gyrobudget/vehicle/earth/ellipsoid.h"
-#include "lookup_table.h"
 
 #include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+
+#include "lookup_table.h"
 
 namespace gyrobudget::inline v0::flight {
 
@@ -39,8 +40,7 @@ struct Bending {
 
 /// What Vehicle::check found.
 struct VehicleError : std::invalid_argument {
-  VehicleError(std::string_view member, const std::string& message)
-      : std::invalid_argument(message), number(member) {}
+  VehicleError(std::string_view member, const std::string& message) : std::invalid_argument(message), number(member) {}
   std::string_view number;  ///< name of the member, "propellant" or "actuator.delay"
 };
 
@@ -48,18 +48,18 @@ struct VehicleError : std::invalid_argument {
 /// time over burn_time; propellant fraction is propellant used over propellant.
 struct Vehicle {
   std::string name;
-  double lift_off_mass = 0;     ///< [kg]
-  double propellant = 0;        ///< of this stage [kg]
-  double burn_time = 0;         ///< [s]
-  double specific_impulse = 0;  ///< in vacuum [s]
-  LookupTable thrust_shape = 1;     ///< over burn fraction; only its shape counts, its mean over 0 to 1 is set to 1
-  double exit_area = 0;       ///< [m^2]
-  double reference_area = 0;  ///< of the aerodynamic coefficients [m^2]
-  LookupTable axial_drag = 0;       ///< coefficient by Mach number
-  double normal_force_slope = 0;  ///< [1/rad]
-  double pressure_ahead = 0;      ///< centre of pressure ahead of centre of mass [m]
-  LookupTable centre_of_mass = 0;       ///< station over propellant fraction: the gimbal's arm [m]
-  LookupTable roll_inertia = 1;         ///< principal moments over propellant fraction [kg m^2]
+  double lift_off_mass = 0;        ///< [kg]
+  double propellant = 0;           ///< of this stage [kg]
+  double burn_time = 0;            ///< [s]
+  double specific_impulse = 0;     ///< in vacuum [s]
+  LookupTable thrust_shape = 1;    ///< over burn fraction; only its shape counts, its mean over 0 to 1 is set to 1
+  double exit_area = 0;            ///< [m^2]
+  double reference_area = 0;       ///< of the aerodynamic coefficients [m^2]
+  LookupTable axial_drag = 0;      ///< coefficient by Mach number
+  double normal_force_slope = 0;   ///< [1/rad]
+  double pressure_ahead = 0;       ///< centre of pressure ahead of centre of mass [m]
+  LookupTable centre_of_mass = 0;  ///< station over propellant fraction: the gimbal's arm [m]
+  LookupTable roll_inertia = 1;    ///< principal moments over propellant fraction [kg m^2]
   LookupTable pitch_inertia = 1;
   LookupTable yaw_inertia = 1;
   double imu_station = 0;  ///< [m]
@@ -68,9 +68,7 @@ struct Vehicle {
   std::optional<Bending> bending;  ///< none: the body is rigid and no bending is integrated
 
   /// Mean thrust in vacuum, specific_impulse g0 propellant/burn_time [N].
-  [[nodiscard]] double mean_thrust() const {
-    return specific_impulse * kStandardGravity * propellant / burn_time;
-  }
+  [[nodiscard]] double mean_thrust() const { return specific_impulse * kStandardGravity * propellant / burn_time; }
   /// @throws VehicleError naming the first number that cannot be, with its limit and unit.
   void check() const;
 };

@@ -45,8 +45,7 @@ double parity(double k) {
 double flicker_variance(double b, double k, double n) {
   const double half = pi * k / (2 * n), s = std::sin(half), c = std::cos(half);
   const double sign = parity(k);
-  const double ends =
-      1 + square(s) / c * std::log(std::tan(0.5 * half)) - (sign == 0 ? 0 : sign * end_integral(k));
+  const double ends = 1 + square(s) / c * std::log(std::tan(0.5 * half)) - (sign == 0 ? 0 : sign * end_integral(k));
   return 2 * square(b) * (s - ends / (pi * n));
 }
 

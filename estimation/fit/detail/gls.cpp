@@ -26,8 +26,7 @@ Eigen::VectorXd solve_on(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, con
   Eigen::VectorXd x = Eigen::VectorXd::Zero(A.cols());
   if (columns.empty()) return x;
   Eigen::MatrixXd chosen(A.rows(), static_cast<Eigen::Index>(columns.size()));
-  for (std::size_t j = 0; j < columns.size(); ++j)
-    chosen.col(static_cast<Eigen::Index>(j)) = A.col(columns[j]);
+  for (std::size_t j = 0; j < columns.size(); ++j) chosen.col(static_cast<Eigen::Index>(j)) = A.col(columns[j]);
   const Eigen::VectorXd y = chosen.householderQr().solve(b);
   for (std::size_t j = 0; j < columns.size(); ++j) x(columns[j]) = y(static_cast<Eigen::Index>(j));
   return x;
@@ -59,14 +58,12 @@ Eigen::VectorXd active_set(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, c
     auto best = free.end();
     for (auto j = free.begin(); j != free.end(); ++j) {
       const bool outside = std::find(passive.begin(), passive.end(), *j) == passive.end();
-      if (outside && gradient(*j) > tolerance && (best == free.end() || gradient(*j) > gradient(*best)))
-        best = j;
+      if (outside && gradient(*j) > tolerance && (best == free.end() || gradient(*j) > gradient(*best))) best = j;
     }
     if (best == free.end()) break;  // Karush-Kuhn-Tucker point
     passive.push_back(*best);
     Eigen::VectorXd z = solve_on(A, b, passive);
-    while (!passive.empty() &&
-           std::any_of(passive.begin(), passive.end(), [&](auto j) { return z(j) <= 0; })) {
+    while (!passive.empty() && std::any_of(passive.begin(), passive.end(), [&](auto j) { return z(j) <= 0; })) {
       step_to_boundary(x, z, passive);
       z = solve_on(A, b, passive);
     }
@@ -77,8 +74,7 @@ Eigen::VectorXd active_set(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, c
 
 // First weights: relative ones, which need no model.
 Eigen::VectorXd relative_start(const LinearModel& model, std::optional<Held> held) {
-  const double floor =
-      model.s.maxCoeff() * std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
+  const double floor = model.s.maxCoeff() * std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
   const Eigen::VectorXd weight = model.s.cwiseMax(floor).cwiseInverse();
   return nonnegative_least_squares(weight.asDiagonal() * model.A, weight.cwiseProduct(model.s), held);
 }
@@ -140,9 +136,8 @@ GlsSolution iterate_gls(const LinearModel& model, std::optional<Held> held, cons
     const Eigen::VectorXd step = optimum - solution.theta;
     // A lengthened step shrinks no coefficient away that the optimum holds: with all of them gone, nothing is left to
     // weigh with and no way back.
-    solution.theta = solution.converged || part == 1
-                         ? optimum
-                         : (solution.theta + part * step).cwiseMax(kShortest * optimum).eval();
+    solution.theta =
+        solution.converged || part == 1 ? optimum : (solution.theta + part * step).cwiseMax(kShortest * optimum).eval();
     ++solution.iterations;
     solution.chi2 = squared_norm_whitened(factor, model.s - model.A * solution.theta);
   }

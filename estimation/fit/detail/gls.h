@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "profile.h"
-
 #include <functional>
 #include <optional>
 
+#include "profile.h"
 #include <Eigen/Core>
 
 namespace gyrobudget::inline v0::fit {
@@ -46,8 +45,7 @@ struct GlsSolution {
 [[nodiscard]] double profile_test(const LinearModel&, Held held, const Eigen::VectorXd& start);
 
 /// {v : T(v) <= cut} around the estimate.
-[[nodiscard]] ProfileInterval profile_interval(const LinearModel&, Eigen::Index index,
-                                               const GlsSolution& best, double standard_deviation,
-                                               double cut);
+[[nodiscard]] ProfileInterval profile_interval(const LinearModel&, Eigen::Index index, const GlsSolution& best,
+                                               double standard_deviation, double cut);
 
 }  // namespace gyrobudget::inline v0::fit

@@ -16,8 +16,7 @@ namespace {
 
 using noise::Term;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kFailedModelLevel =
-    1e-3;  // of the F test that a term must pass where the model fails its own
+constexpr double kFailedModelLevel = 1e-3;  // of the F test that a term must pass where the model fails its own
 constexpr std::array kOrder{Term::quantization, Term::white,        Term::flicker, Term::rate_random_walk,
                             Term::rate_ramp,    Term::gauss_markov, Term::sinusoid};
 constexpr std::size_t kAlwaysListed = 5;  // Q N B K R
@@ -30,8 +29,7 @@ std::vector<Term> in_order(std::span<const Term> asked) {
   std::vector<Term> terms;
   for (const Term t : kOrder) {
     const auto count = std::count(asked.begin(), asked.end(), t);
-    if (count > 1)
-      throw std::invalid_argument(fmt::format("term {} is asked for twice", static_cast<char>(t)));
+    if (count > 1) throw std::invalid_argument(fmt::format("term {} is asked for twice", static_cast<char>(t)));
     if (count == 1) terms.push_back(t);
   }
   if (terms.size() != asked.size() || terms.empty()) {
@@ -44,8 +42,7 @@ noise::Process shaped_process(Term t, const Options& options) {
   noise::Process process = noise::unit_process(t);
   if (auto* g = std::get_if<noise::GaussMarkov>(&process))
     g->correlation_time = options.correlation_time_s.value_or(g->correlation_time);
-  if (auto* s = std::get_if<noise::Sinusoid>(&process))
-    s->frequency = options.frequency_hz.value_or(s->frequency);
+  if (auto* s = std::get_if<noise::Sinusoid>(&process)) s->frequency = options.frequency_hz.value_or(s->frequency);
   return process;
 }
 
@@ -62,8 +59,8 @@ Cuts cuts_of(double p_value, double chi2, int dof, const Options& options) {
           excess * kIntervalCut};
 }
 
-Coefficient judge(Term term, double theta, double deviation, double scale, const Cuts& cuts,
-                  const HeldTest& test, bool intervals) {
+Coefficient judge(Term term, double theta, double deviation, double scale, const Cuts& cuts, const HeldTest& test,
+                  bool intervals) {
   Coefficient c;
   c.term = term;
   c.fitted = true;
@@ -78,8 +75,7 @@ Coefficient judge(Term term, double theta, double deviation, double scale, const
   const ProfileInterval interval = profile_interval(test, theta, deviation, cuts.two_sided);
   c.lower = identified ? std::sqrt(interval.lower * scale) : 0;
   c.upper = c.upper_two_sided = std::sqrt(interval.upper * scale);
-  if (!identified)
-    c.upper = std::sqrt(profile_interval(test, theta, deviation, cuts.one_sided).upper * scale);
+  if (!identified) c.upper = std::sqrt(profile_interval(test, theta, deviation, cuts.one_sided).upper * scale);
   return c;
 }
 
@@ -98,8 +94,7 @@ void complete(std::vector<Coefficient>& list) {
     const bool listed = std::any_of(list.begin(), list.end(), [=](const auto& c) { return c.term == t; });
     if (!listed) list.push_back({.term = t});
   }
-  std::sort(list.begin(), list.end(),
-            [](const auto& a, const auto& b) { return place(a.term) < place(b.term); });
+  std::sort(list.begin(), list.end(), [](const auto& a, const auto& b) { return place(a.term) < place(b.term); });
 }
 
 Result no_answer(Method method, std::span<const Term> asked) {
@@ -111,8 +106,7 @@ Result no_answer(Method method, std::span<const Term> asked) {
 }
 
 void add_beta(Result& result) {
-  const double N = result[Term::white].value, B = result[Term::flicker].value,
-               K = result[Term::rate_random_walk].value;
+  const double N = result[Term::white].value, B = result[Term::flicker].value, K = result[Term::rate_random_walk].value;
   result.beta = N > 0 && K > 0 ? (B / N) * (B / K) : 0;
 }
 

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "profile.h"
 #include "gyrobudget/estimation/fit/fit.h"
 
 #include <span>
 #include <vector>
+
+#include "profile.h"
 
 namespace gyrobudget::inline v0::fit {
 
@@ -32,8 +33,8 @@ struct Cuts {
 [[nodiscard]] Cuts cuts_of(double p_value, double chi2, int dof, const Options&);
 
 /// A coefficient from its square theta >= 0 (times `scale`), the standard deviation of theta and its test T.
-[[nodiscard]] Coefficient judge(noise::Term, double theta, double deviation, double scale, const Cuts&,
-                                const HeldTest&, bool intervals);
+[[nodiscard]] Coefficient judge(noise::Term, double theta, double deviation, double scale, const Cuts&, const HeldTest&,
+                                bool intervals);
 
 /// The search never settled: a value for what it is worth, and no limit.
 [[nodiscard]] Coefficient without_answer(noise::Term, double theta, double scale);

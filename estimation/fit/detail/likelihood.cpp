@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "likelihood.h"
 
-#include "dst.h"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <utility>
 
+#include "dst.h"
 #include <Eigen/Cholesky>
 
 namespace gyrobudget::inline v0::fit {
@@ -35,8 +34,7 @@ std::vector<std::int64_t> bin_starts(std::int64_t last) {
 }
 
 // Mean of E[c_k^2] over first <= k < end: the sum, or three-point Gauss quadrature between the halves beside it.
-double mean_variance(const noise::Process& unit, std::int64_t first, std::int64_t end, std::int64_t n,
-                     double dt) {
+double mean_variance(const noise::Process& unit, std::int64_t first, std::int64_t end, std::int64_t n, double dt) {
   constexpr std::int64_t kSummed = 3;
   if (end - first <= kSummed) {
     double sum = 0;
@@ -58,8 +56,7 @@ noise::Process with_unit(const noise::Process& process) { return noise::with_coe
 SineBins::SineBins(std::span<const double> coefficients, std::int64_t samples_, double dt_, std::int64_t last)
     : samples(samples_), dt(dt_), first(bin_starts(last)) {
   const auto bins = static_cast<Eigen::Index>(first.size()) - 1;
-  count.resize(bins), power.resize(bins), reference.resize(bins), with_ramp.resize(bins),
-      ramp_power.resize(bins);
+  count.resize(bins), power.resize(bins), reference.resize(bins), with_ramp.resize(bins), ramp_power.resize(bins);
   for (Eigen::Index b = 0; b < bins; ++b) {
     const auto from = first[static_cast<std::size_t>(b)], to = first[static_cast<std::size_t>(b) + 1];
     double cc = 0, cd = 0, dd = 0;
@@ -98,8 +95,7 @@ void SineLikelihood::choose_units() {
   for (Eigen::Index from = 0; from < shape_.rows();) {
     double in_band = 0;
     Eigen::Index to = from;
-    const double wanted =
-        std::max(kBand, 3 * static_cast<double>(bins_.first[static_cast<std::size_t>(from)]));
+    const double wanted = std::max(kBand, 3 * static_cast<double>(bins_.first[static_cast<std::size_t>(from)]));
     while (to < shape_.rows() && in_band < wanted) in_band += bins_.count(to++);
     const auto rows = Eigen::seqN(from, to - from);
     const auto count = bins_.count.segment(from, to - from);
@@ -159,8 +155,7 @@ struct SineLikelihood::Curvature {
   double promise = 0;
 
   // max_u g'(u - u0) - 1/2 (u - u0)' M (u - u0) over u >= 0.
-  bool solve(const Eigen::MatrixXd& M, const Eigen::VectorXd& g, const Eigen::VectorXd& u,
-             std::optional<Held> held) {
+  bool solve(const Eigen::MatrixXd& M, const Eigen::VectorXd& g, const Eigen::VectorXd& u, std::optional<Held> held) {
     const Eigen::LLT<Eigen::MatrixXd> factor(M);
     if (factor.info() != Eigen::Success) return false;
     const Eigen::VectorXd target = factor.matrixL().solve(M * u + g);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gls.h"
 #include "gyrobudget/noise/process.h"
 
 #include <cstdint>
@@ -9,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "gls.h"
 #include <Eigen/Core>
 
 namespace gyrobudget::inline v0::fit {
@@ -23,9 +23,8 @@ struct SineBins {
   double dt = 1;
   std::vector<std::int64_t> first;  ///< k of each bin's first coefficient, and one past the last bin's
   Eigen::ArrayXd count;
-  Eigen::ArrayXd power;  ///< mean of c^2
-  Eigen::ArrayXd
-      reference;  ///< power that the cost is counted from: of the same record, whatever is taken off it
+  Eigen::ArrayXd power;       ///< mean of c^2
+  Eigen::ArrayXd reference;   ///< power that the cost is counted from: of the same record, whatever is taken off it
   Eigen::ArrayXd with_ramp;   ///< mean of c d, d the transform of a unit ramp
   Eigen::ArrayXd ramp_power;  ///< mean of d^2
 };

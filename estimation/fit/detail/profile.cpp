@@ -27,8 +27,7 @@ double solve_cut(const HeldTest& test, double cut, End inside, End outside) {
   };
   // Data at the edge of rounding may leave no bracket; the outer end is then the safe answer.
   const double at_inside = excess(inside.test), at_outside = excess(outside.test);
-  if (!(at_inside < 0 && at_outside > 0) || !std::isfinite(outside.v) || inside.v == outside.v)
-    return outside.v;
+  if (!(at_inside < 0 && at_outside > 0) || !std::isfinite(outside.v) || inside.v == outside.v) return outside.v;
   const bool rising = outside.v > inside.v;
   std::uintmax_t budget = 40;
   const auto bracket = boost::math::tools::toms748_solve(
@@ -40,8 +39,7 @@ double solve_cut(const HeldTest& test, double cut, End inside, End outside) {
 
 }  // namespace
 
-ProfileInterval profile_interval(const HeldTest& test, double estimate, double standard_deviation,
-                                 double cut) {
+ProfileInterval profile_interval(const HeldTest& test, double estimate, double standard_deviation, double cut) {
   const double step = 1.2 * std::sqrt(cut) * standard_deviation;
   ProfileInterval interval;
 

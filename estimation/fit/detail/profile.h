@@ -17,7 +17,6 @@ struct ProfileInterval {
 
 /// The interval around an estimate, its limits to about 1e-11 of their bracket. A standard deviation sets the first
 /// step only.
-[[nodiscard]] ProfileInterval profile_interval(const HeldTest&, double estimate, double standard_deviation,
-                                               double cut);
+[[nodiscard]] ProfileInterval profile_interval(const HeldTest&, double estimate, double standard_deviation, double cut);
 
 }  // namespace gyrobudget::inline v0::fit

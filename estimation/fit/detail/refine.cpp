@@ -24,13 +24,11 @@ class RelativeCost : public ceres::CostFunction {
   }
 
   bool Evaluate(const double* const* parameters, double* residuals, double** jacobians) const override {
-    const Eigen::VectorXd c =
-        scale_.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(parameters[0], scale_.size()));
+    const Eigen::VectorXd c = scale_.cwiseProduct(Eigen::Map<const Eigen::VectorXd>(parameters[0], scale_.size()));
     Eigen::Map<Eigen::VectorXd>(residuals, num_residuals()) = residual_.value(c);
     if (jacobians && jacobians[0]) {
       using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-      Eigen::Map<RowMajor>(jacobians[0], num_residuals(), scale_.size()) =
-          residual_.jacobian(c) * scale_.asDiagonal();
+      Eigen::Map<RowMajor>(jacobians[0], num_residuals(), scale_.size()) = residual_.jacobian(c) * scale_.asDiagonal();
     }
     return true;
   }
@@ -44,8 +42,7 @@ ceres::Solver::Options solver_options() {
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
   options.logging_type = ceres::SILENT;
-  options.initial_trust_region_radius =
-      1e12;  // the start is the optimum of the linear problem: take full steps
+  options.initial_trust_region_radius = 1e12;  // the start is the optimum of the linear problem: take full steps
   options.function_tolerance = 1e-15;
   options.gradient_tolerance = 1e-13;
   options.parameter_tolerance = 1e-12;
@@ -61,8 +58,7 @@ Eigen::MatrixXd covariance_at(ceres::Problem& problem, const double* block, cons
   ceres::Covariance covariance(options);
   const std::vector<std::pair<const double*, const double*>> blocks{{block, block}};
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> relative(scale.size(), scale.size());
-  if (!covariance.Compute(blocks, &problem) ||
-      !covariance.GetCovarianceBlock(block, block, relative.data())) {
+  if (!covariance.Compute(blocks, &problem) || !covariance.GetCovarianceBlock(block, block, relative.data())) {
     relative.setConstant(std::numeric_limits<double>::infinity());
   }
   return scale.asDiagonal() * relative * scale.asDiagonal();
@@ -70,20 +66,16 @@ Eigen::MatrixXd covariance_at(ceres::Problem& problem, const double* block, cons
 
 }  // namespace
 
-WhitenedResidual::WhitenedResidual(const Eigen::MatrixXd& A, const Eigen::VectorXd& s,
-                                   const Eigen::MatrixXd& S) {
+WhitenedResidual::WhitenedResidual(const Eigen::MatrixXd& A, const Eigen::VectorXd& s, const Eigen::MatrixXd& S) {
   const Eigen::LLT<Eigen::MatrixXd> factor(S);
-  if (factor.info() != Eigen::Success)
-    throw std::invalid_argument("covariance of the curve is not positive definite");
+  if (factor.info() != Eigen::Success) throw std::invalid_argument("covariance of the curve is not positive definite");
   WA_ = factor.matrixL().solve(A);
   Ws_ = factor.matrixL().solve(s);
 }
 
 Eigen::VectorXd WhitenedResidual::value(const Eigen::VectorXd& c) const { return Ws_ - WA_ * c.cwiseAbs2(); }
 
-Eigen::MatrixXd WhitenedResidual::jacobian(const Eigen::VectorXd& c) const {
-  return -2 * WA_ * c.asDiagonal();
-}
+Eigen::MatrixXd WhitenedResidual::jacobian(const Eigen::VectorXd& c) const { return -2 * WA_ * c.asDiagonal(); }
 
 Refined refine(const WhitenedResidual& residual, const Eigen::VectorXd& start) {
   Eigen::VectorXd u = Eigen::VectorXd::Ones(start.size());

@@ -1,21 +1,19 @@
 // SPDX-License-Identifier: MIT
 #include "sine.h"
 
-#include "dst.h"
-
 #include <boost/math/tools/minima.hpp>
 #include <boost/math/tools/roots.hpp>
 
 #include <algorithm>
 #include <numbers>
 
+#include "dst.h"
 #include <Eigen/Cholesky>
 
 namespace gyrobudget::inline v0::fit {
 namespace {
 
-constexpr std::size_t kSlowest =
-    16;  // half cycles in the record that a line must have to be told from a drift
+constexpr std::size_t kSlowest = 16;  // half cycles in the record that a line must have to be told from a drift
 
 // How much a line at w explains, from the coefficients near it, with the spectrum of the rest known.
 Sine line_at(double w, std::span<const double> c, std::span<const double> lambda, std::int64_t n) {
@@ -53,8 +51,8 @@ std::vector<double> variances(const SineLikelihood& likelihood, const Eigen::Vec
 
 }  // namespace
 
-Sine find_sine(const SineLikelihood& likelihood, const SineLikelihood::Point& point,
-               std::span<const double> c, std::optional<double> asked_w, std::optional<double> near_w) {
+Sine find_sine(const SineLikelihood& likelihood, const SineLikelihood::Point& point, std::span<const double> c,
+               std::optional<double> asked_w, std::optional<double> near_w) {
   const auto lambda = variances(likelihood, point.theta);
   const std::int64_t n = likelihood.bins().samples;
   std::vector<double> shown(c.begin(), c.begin() + static_cast<std::ptrdiff_t>(lambda.size()));
@@ -94,9 +92,8 @@ Sine find_sine(const SineLikelihood& likelihood, const SineLikelihood::Point& po
   const double low = slope(best - kReach), high = slope(best + kReach);
   if (low < 0 && high > 0 && best > 0.5 && best < top) {
     budget = 60;
-    const auto bracket =
-        boost::math::tools::toms748_solve(slope, best - kReach, best + kReach, low, high,
-                                          boost::math::tools::eps_tolerance<double>(48), budget);
+    const auto bracket = boost::math::tools::toms748_solve(slope, best - kReach, best + kReach, low, high,
+                                                           boost::math::tools::eps_tolerance<double>(48), budget);
     best = 0.5 * (bracket.first + bracket.second);
   }
   return line_at(best * bin, shown, lambda, n);

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "likelihood.h"
-#include "transformed.h"
-
 #include <array>
 #include <cmath>
 #include <optional>
 #include <span>
 #include <vector>
+
+#include "likelihood.h"
+#include "transformed.h"
 
 namespace gyrobudget::inline v0::fit {
 

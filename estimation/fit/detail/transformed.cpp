@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "transformed.h"
 
-#include "dst.h"
 #include "gyrobudget/noise/fft.h"
 
 #include <algorithm>
 #include <cmath>
+
+#include "dst.h"
 
 namespace gyrobudget::inline v0::fit {
 namespace {
@@ -33,8 +34,7 @@ Transformed transform_record(std::span<const double> rate, double dt) {
   t.used = longest_stretch(rate);
   t.used.count = noise::fft_length_within(t.used.count);
   if (t.used.count < kFewestSamples) return t;
-  const auto part =
-      rate.subspan(static_cast<std::size_t>(t.used.first), static_cast<std::size_t>(t.used.count));
+  const auto part = rate.subspan(static_cast<std::size_t>(t.used.first), static_cast<std::size_t>(t.used.count));
   double largest = 0;  // halves: a difference of two finite numbers may be none
   for (std::size_t i = 1; i < part.size(); ++i)
     largest = std::max(largest, std::abs(0.5 * part[i] - 0.5 * part[i - 1]));

@@ -27,8 +27,8 @@ WeightedSolution with_covariance(const LinearModel& model, GlsSolution solution,
   const Eigen::MatrixXd WA = W.asDiagonal() * model.A;
   const Eigen::VectorXd length = WA.colwise().norm();
   const Eigen::MatrixXd unit = WA * length.cwiseInverse().asDiagonal();
-  const Eigen::MatrixXd H = length.cwiseInverse().asDiagonal() *
-                            unit.completeOrthogonalDecomposition().pseudoInverse() * W.asDiagonal();
+  const Eigen::MatrixXd H =
+      length.cwiseInverse().asDiagonal() * unit.completeOrthogonalDecomposition().pseudoInverse() * W.asDiagonal();
   result.covariance = H * s.S * H.transpose();
   return result;
 }
@@ -65,8 +65,7 @@ WeightedSolution fit_logarithms(const LinearModel& whole) {
   };
   GlsSolution solution;
   const Eigen::VectorXd relative = model.s.cwiseInverse();
-  solution.theta =
-      nonnegative_least_squares(relative.asDiagonal() * model.A, Eigen::VectorXd::Ones(model.s.size()));
+  solution.theta = nonnegative_least_squares(relative.asDiagonal() * model.A, Eigen::VectorXd::Ones(model.s.size()));
   double squares = log_squares(model, solution.theta);
   while (solution.iterations < kMostSteps && !solution.converged && std::isfinite(squares)) {
     ++solution.iterations;
@@ -74,8 +73,7 @@ WeightedSolution fit_logarithms(const LinearModel& whole) {
     const Eigen::VectorXd fitted = model.A * solution.theta;
     const Eigen::VectorXd inverse = fitted.cwiseInverse();
     const Eigen::VectorXd target = (model.s.array() / fitted.array()).log() + 1;
-    const Eigen::VectorXd step =
-        nonnegative_least_squares(inverse.asDiagonal() * model.A, target) - solution.theta;
+    const Eigen::VectorXd step = nonnegative_least_squares(inverse.asDiagonal() * model.A, target) - solution.theta;
     const double change = (model.A * step).cwiseProduct(inverse).squaredNorm();
     double part = 1, there = log_squares(model, solution.theta + step);
     const bool trusted = change < kTrusted;  // the sum of squares is rounded more coarsely than the step

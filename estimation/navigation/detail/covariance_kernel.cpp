@@ -27,8 +27,8 @@ GYROBUDGET_INLINE InMemory& at(double* x) { return *reinterpret_cast<InMemory*>(
 GYROBUDGET_INLINE const InMemory& at(const double* x) { return *reinterpret_cast<const InMemory*>(x); }
 
 /// out_i = sum_j core(i, j) x_j + sum_s input(i, s) e_s for columns of `rows` numbers.
-GYROBUDGET_INLINE void transform(const double* core, const double* input, int rows, const double* x,
-                                 int x_stride, const double* e, int e_stride, double* out, int out_stride) {
+GYROBUDGET_INLINE void transform(const double* core, const double* input, int rows, const double* x, int x_stride,
+                                 const double* e, int e_stride, double* out, int out_stride) {
   for (int r = 0; r < rows; r += kLanes) {
     Lanes column[kCore], error[kInputs];
     for (int j = 0; j < kCore; ++j) column[j] = at(x + j * x_stride + r).lanes;
@@ -104,8 +104,7 @@ GYROBUDGET_INLINE void propagate(const Transition& step, double* p) {
     }
   for (int k = 0; k < terms; ++k) {
     const Transition::Term& term = step.terms[static_cast<std::size_t>(k)];
-    if (term.signal >= 0)
-      add(term.gain, rows + (kCore + k) * kCoreRows, shared + term.signal * kCoreRows, kCoreRows);
+    if (term.signal >= 0) add(term.gain, rows + (kCore + k) * kCoreRows, shared + term.signal * kCoreRows, kCoreRows);
   }
   transform(core, input, kCoreRows, rows, kCoreRows, shared, kCoreRows, updated, kCoreRows);
   for (int j = 0; j < kCore; ++j)

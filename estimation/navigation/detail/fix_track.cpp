@@ -68,9 +68,7 @@ std::optional<Eigen::Vector3d> position_at(const FixTrack& positions, const FixT
                          h * b1 * to_ecef_axes(v_to->value, b));
 }
 
-Eigen::Vector3d to_ecef_axes(const Eigen::Vector3d& v_n, const Eigen::Vector3d& p_eb_e) {
-  return C_en(p_eb_e) * v_n;
-}
+Eigen::Vector3d to_ecef_axes(const Eigen::Vector3d& v_n, const Eigen::Vector3d& p_eb_e) { return C_en(p_eb_e) * v_n; }
 
 Eigen::Quaterniond to_ecef_axes(const Eigen::Quaterniond& q_nb, const Eigen::Vector3d& p_eb_e) {
   return (Eigen::Quaterniond(C_en(p_eb_e)) * q_nb).normalized();

@@ -30,8 +30,8 @@ class FixTrack {
 };
 
 /// Position by a cubic through two positions and velocities; empty outside them.
-[[nodiscard]] std::optional<Eigen::Vector3d> position_at(const FixTrack& positions,
-                                                         const FixTrack& velocities, double t);
+[[nodiscard]] std::optional<Eigen::Vector3d> position_at(const FixTrack& positions, const FixTrack& velocities,
+                                                         double t);
 
 /// v_eb_e of a velocity in north, east, down at a place.
 [[nodiscard]] Eigen::Vector3d to_ecef_axes(const Eigen::Vector3d& v_n, const Eigen::Vector3d& p_eb_e);

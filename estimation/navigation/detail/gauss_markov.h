@@ -10,9 +10,7 @@ namespace gyrobudget::inline v0::navigation::detail {
 inline double mean_exponential(double x) { return x == 0 ? 1 : -std::expm1(-x) / x; }
 
 /// Variance of the mean over x: 2 (1 - mean_exponential(x))/x. Its series where that cancels.
-inline double mean_variance(double x) {
-  return x < 1e-4 ? 1 - x / 3 + x * x / 12 : 2 * (1 - mean_exponential(x)) / x;
-}
+inline double mean_variance(double x) { return x < 1e-4 ? 1 - x / 3 + x * x / 12 : 2 * (1 - mean_exponential(x)) / x; }
 
 /// Allan variance at x: (2/x) [1 - (3 - 4 e^-x + e^-2x)/(2x)]. Its series, 2x/3 - x^2/2 + 7 x^3/30 - ..., where that
 /// cancels.

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "start.h"
 
+#include "gyrobudget/estimation/navigation/alignment.h"
+#include "gyrobudget/estimation/navigation/planned_fix.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/frames.h"
 #include "gyrobudget/vehicle/earth/gravity.h"
-#include "gyrobudget/estimation/navigation/alignment.h"
-#include "gyrobudget/estimation/navigation/planned_fix.h"
 
 #include <fmt/format.h>
 
@@ -54,8 +54,7 @@ Piece piece_of(const Recording& recording, const Span& span) {
   std::size_t first = imu.increments.size(), last = 0;
   for (std::size_t k = 0; k < imu.increments.size(); ++k) {
     const double middle =
-        static_cast<double>(imu.stamps[k] - recording.origin + (imu.stamps[k + 1] - imu.stamps[k]) / 2) *
-        kNanosecond;
+        static_cast<double>(imu.stamps[k] - recording.origin + (imu.stamps[k + 1] - imu.stamps[k]) / 2) * kNanosecond;
     if (middle < span.from || middle > span.to) continue;
     first = std::min(first, k);
     last = k + 1;
@@ -119,16 +118,16 @@ noise::SensorModel sensor_at_epoch(const Scenario& scenario) {
   return sensor;
 }
 
-std::variant<NoStart, AtRest> align_at_rest(const Scenario& scenario, const Recording& recording,
-                                            const Span& span, const Vector3d& p_eb_e,
-                                            const ErrorStateModel& model, const StateMatrix& terms) {
+std::variant<NoStart, AtRest> align_at_rest(const Scenario& scenario, const Recording& recording, const Span& span,
+                                            const Vector3d& p_eb_e, const ErrorStateModel& model,
+                                            const StateMatrix& terms) {
   const auto& self = std::get<SelfAlignment>(scenario.alignment.attitude);
   const Piece piece = piece_of(recording, span);
   constexpr std::size_t kFewest = 12;
   if (piece.increments.size() < kFewest)
     return NoStart{Navigation::Status::no_start,
-                   fmt::format("{} IMU samples from {:g} s to {:g} s, the alignment needs {}",
-                               piece.increments.size(), span.from, span.to, kFewest)};
+                   fmt::format("{} IMU samples from {:g} s to {:g} s, the alignment needs {}", piece.increments.size(),
+                               span.from, span.to, kFewest)};
   AlignmentOptions options;
   options.sensor = sensor_at_epoch(scenario);
   options.latitude = earth::to_geodetic(p_eb_e).latitude;
@@ -150,18 +149,14 @@ std::variant<NoStart, AtRest> align_at_rest(const Scenario& scenario, const Reco
     return NoStart{
         Navigation::Status::not_at_rest,
         fmt::format(
-            "over the {:g} s of the alignment the mean specific force is {:.5f} m/s^2 and gravity {:.5f}, "
-            "more apart than the {:.2g} m/s^2 that this sensor may be off at rest; look at units and "
-            "axes of the log, or align where the body stands",
+            "over the {:g} s of the alignment the mean specific force is {:.5f} m/s^2 and gravity {:.5f}, more apart than the {:.2g} m/s^2 that this sensor may be off at rest; look at units and axes of the log, or align where the body stands",
             piece.seconds, force, gravity, may_err)};
   }
   if (!found.q_nb)
-    return NoStart{
-        Navigation::Status::heading_not_observable,
-        found.message + " The alignment takes heading and heading_sigma, or the attitude of an aid."};
+    return NoStart{Navigation::Status::heading_not_observable,
+                   found.message + " The alignment takes heading and heading_sigma, or the attitude of an aid."};
   AtRest result{*found.q_nb, found.covariance, {}, found.message};
-  const StepInput over{span.to - span.from, p_eb_e, Matrix3d::Identity(), found.means.w_ib_b,
-                       found.means.f_ib_b};
+  const StepInput over{span.to - span.from, p_eb_e, Matrix3d::Identity(), found.means.w_ib_b, found.means.f_ib_b};
   correlate(found, mean_errors(model, terms, over), result);
   return result;
 }
@@ -183,13 +178,11 @@ Place axes_at(const Vector3d& p_eb_e) {
 
 void say_attitude(AlignmentResult& result, const Quaterniond& q_nb, const Matrix3d& covariance_enu) {
   const earth::Euler euler = earth::to_euler(q_nb);
-  result.words.push_back(
-      fmt::format("heading {:.3f} deg, pitch {:.3f} deg, roll {:.3f} deg at {:g} s; one sigma {:.3g} deg in "
-                  "heading, {:.3g} deg "
-                  "in level",
-                  euler.yaw / earth::kDegree, euler.pitch / earth::kDegree, euler.roll / earth::kDegree,
-                  result.to, std::sqrt(covariance_enu(2, 2)) / earth::kDegree,
-                  std::sqrt(std::max(covariance_enu(0, 0), covariance_enu(1, 1))) / earth::kDegree));
+  result.words.push_back(fmt::format(
+      "heading {:.3f} deg, pitch {:.3f} deg, roll {:.3f} deg at {:g} s; one sigma {:.3g} deg in heading, {:.3g} deg in level",
+      euler.yaw / earth::kDegree, euler.pitch / earth::kDegree, euler.roll / earth::kDegree, result.to,
+      std::sqrt(covariance_enu(2, 2)) / earth::kDegree,
+      std::sqrt(std::max(covariance_enu(0, 0), covariance_enu(1, 1))) / earth::kDegree));
 }
 
 // The covariance of terms some time later.
@@ -208,8 +201,8 @@ StateMatrix moved_on(const std::vector<ErrorTerm>& terms, StateMatrix P, double 
 // in common.
 class Starter {
  public:
-  Starter(const Scenario& scenario, const Recording& recording, const std::vector<FixTrack>& tracks,
-          const Span& span, const ErrorStateModel& model, const StateMatrix& terms)
+  Starter(const Scenario& scenario, const Recording& recording, const std::vector<FixTrack>& tracks, const Span& span,
+          const ErrorStateModel& model, const StateMatrix& terms)
       : scenario_(scenario),
         plan_(scenario.alignment),
         recording_(recording),
@@ -307,8 +300,7 @@ class Starter {
     if (const auto* v_n = std::get_if<Vector3d>(&plan_.velocity)) {
       state().v_eb_e = axes_.C_ned * *v_n;
     } else if (const auto found = fix(plan_.velocity)) {
-      state().v_eb_e =
-          axes_.C_ned * found->value - state().q_eb * w_eb_b_.cross(aid_of(plan_.velocity).lever_arm);
+      state().v_eb_e = axes_.C_ned * found->value - state().q_eb * w_eb_b_.cross(aid_of(plan_.velocity).lever_arm);
     } else {
       return NoStart{Navigation::Status::no_start,
                      "the aid that gives the velocity has no fix where the alignment ends"};
@@ -329,8 +321,7 @@ class Starter {
     const auto k = static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(
         end - imu.stamps.begin() - 1, 0, static_cast<std::ptrdiff_t>(imu.increments.size()) - 1));
     const double dt = static_cast<double>(imu.stamps[k + 1] - imu.stamps[k]) * kNanosecond;
-    w_eb_b_ =
-        imu.increments[k].angle / dt - state().q_eb.conjugate() * Vector3d(0, 0, earth::wgs84::kEarthRate);
+    w_eb_b_ = imu.increments[k].angle / dt - state().q_eb.conjugate() * Vector3d(0, 0, earth::wgs84::kEarthRate);
     f_ib_b_ = imu.increments[k].velocity / dt;
   }
 
@@ -343,8 +334,7 @@ class Starter {
   }
   template <typename Given>
   [[nodiscard]] Matrix3d told(const Given& given, const std::optional<Vector3d>& sigma) const {
-    const Vector3d of_aid =
-        std::holds_alternative<FromAid>(given) ? total_sigma(aid_of(given)) : Vector3d::Zero();
+    const Vector3d of_aid = std::holds_alternative<FromAid>(given) ? total_sigma(aid_of(given)) : Vector3d::Zero();
     return squares(sigma.value_or(of_aid), axes_.C_enu);
   }
   template <typename Given>
@@ -355,8 +345,8 @@ class Starter {
   void covariance() {
     const Instant at = instant();
     if (is_the_aids(plan_.attitude, plan_.level_sigma || plan_.heading_sigma)) {
-      const StartFromFix from = start_from(
-          {0, AttitudeFix{state().q_eb, aid_of(plan_.attitude).sigma, number(plan_.attitude)}}, at, model_);
+      const StartFromFix from =
+          start_from({0, AttitudeFix{state().q_eb, aid_of(plan_.attitude).sigma, number(plan_.attitude)}}, at, model_);
       const Cross by_terms = from.by_terms.middleRows<3>(kAttitude);
       cross_ = by_terms * terms_;
       psi_ = cross_ * by_terms.transpose() + from.white.block<3, 3>(kAttitude, kAttitude);
@@ -375,17 +365,15 @@ class Starter {
     };
     if (is_the_aids(plan_.position, plan_.position_sigma.has_value())) {
       const Aid& aid = aid_of(plan_.position);
-      take(start_from(
-          {0, PositionFix{state().p_eb_e, aid.sigma, axes_.C_enu, aid.lever_arm, number(plan_.position)}}, at,
-          model_));
+      take(start_from({0, PositionFix{state().p_eb_e, aid.sigma, axes_.C_enu, aid.lever_arm, number(plan_.position)}},
+                      at, model_));
     } else {
       own.block<3, 3>(kPosition, kPosition) = told(plan_.position, plan_.position_sigma);
     }
     if (is_the_aids(plan_.velocity, plan_.velocity_sigma.has_value())) {
       const Aid& aid = aid_of(plan_.velocity);
-      take(start_from(
-          {0, VelocityFix{state().v_eb_e, aid.sigma, axes_.C_enu, aid.lever_arm, number(plan_.velocity)}}, at,
-          model_));
+      take(start_from({0, VelocityFix{state().v_eb_e, aid.sigma, axes_.C_enu, aid.lever_arm, number(plan_.velocity)}},
+                      at, model_));
     } else {
       own.block<3, 3>(kVelocity, kVelocity) = told(plan_.velocity, plan_.velocity_sigma);
     }
@@ -417,8 +405,8 @@ class Starter {
 
 }  // namespace
 
-std::variant<NoStart, Span> start_span(const Scenario& scenario, const ImuLog& imu,
-                                       const std::vector<FixTrack>& tracks, std::int64_t origin) {
+std::variant<NoStart, Span> start_span(const Scenario& scenario, const ImuLog& imu, const std::vector<FixTrack>& tracks,
+                                       std::int64_t origin) {
   const AlignmentPlan& a = scenario.alignment;
   double from = std::max(a.start, log_start(imu, origin));
   std::string missing;
@@ -447,8 +435,8 @@ std::variant<NoStart, Span> start_span(const Scenario& scenario, const ImuLog& i
 }
 
 std::variant<NoStart, Start> start(const Scenario& scenario, const Recording& recording,
-                                   const std::vector<FixTrack>& tracks, const Span& span,
-                                   const ErrorStateModel& model, const StateMatrix& terms) {
+                                   const std::vector<FixTrack>& tracks, const Span& span, const ErrorStateModel& model,
+                                   const StateMatrix& terms) {
   return Starter(scenario, recording, tracks, span, model, terms)();
 }
 

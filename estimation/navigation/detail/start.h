@@ -2,10 +2,11 @@
 // Inside navigation: from a scene's alignment to the filter's start.
 #pragma once
 
-#include "fix_track.h"
 #include "gyrobudget/estimation/navigation/navigate.h"
 
 #include <variant>
+
+#include "fix_track.h"
 
 namespace gyrobudget::inline v0::navigation::detail {
 
@@ -17,8 +18,8 @@ struct NoStart {
 
 /// When, at the earliest, a filter can start: all aids that the alignment needs have a fix, and what aligns
 /// itself has stood. Which part of the log that takes.
-[[nodiscard]] std::variant<NoStart, Span> start_span(const Scenario&, const ImuLog&,
-                                                     const std::vector<FixTrack>&, std::int64_t origin);
+[[nodiscard]] std::variant<NoStart, Span> start_span(const Scenario&, const ImuLog&, const std::vector<FixTrack>&,
+                                                     std::int64_t origin);
 
 struct Start {
   AlignmentResult result;
@@ -34,8 +35,7 @@ struct Start {
 /// so that this accelerometer sees none of it; a bias that has walked meanwhile, by as much of it as the mean has seen.
 /// A start that is taken from an aid has that aid's errors, and where a lever arm leads to its antenna those of the
 /// attitude. Of an aid that is not used, and where the scene gives a sigma beside it, only sigmas count.
-[[nodiscard]] std::variant<NoStart, Start> start(const Scenario&, const Recording&,
-                                                 const std::vector<FixTrack>&, const Span&,
-                                                 const ErrorStateModel&, const StateMatrix& terms);
+[[nodiscard]] std::variant<NoStart, Start> start(const Scenario&, const Recording&, const std::vector<FixTrack>&,
+                                                 const Span&, const ErrorStateModel&, const StateMatrix& terms);
 
 }  // namespace gyrobudget::inline v0::navigation::detail

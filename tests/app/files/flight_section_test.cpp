@@ -111,9 +111,8 @@ until: 40 s
 }
 
 TEST_F(FlightSection, WordsStandForGroups) {
-  const files::SceneFile scene =
-      read(vehicle() + "  guidance: trajectory\n  integrator: exact\n" +
-           "  control: {notch: none}\n  faults: {nozzle_stuck: 10 s, dead_gyro: x}\n");
+  const files::SceneFile scene = read(vehicle() + "  guidance: trajectory\n  integrator: exact\n" +
+                                      "  control: {notch: none}\n  faults: {nozzle_stuck: 10 s, dead_gyro: x}\n");
   const flight::Plan& plan = scene.flight.value().plan;
   EXPECT_TRUE(plan.guidance);
   EXPECT_TRUE(plan.control.notches.empty());
@@ -143,9 +142,8 @@ TEST_F(FlightSection, WhatIsWrongHasItsPlaceAndAMend) {
   expect(vehicle() + "  control: {notch: {frequency: 70 Hz}}\n", "4:", "half the control rate");
   expect("  vehicle: " + kVehicles + "vlm1-paper.yaml\n  bending: yes\n", "5:", "no bending mode");
   expect(vehicle() + "trajectory: ascent\n", "4:", "one of them");
-  EXPECT_CONTAINS(
-      message_of<InputError>([&] { (void)files::read_scene(file("scene.yaml", "flight:\n" + vehicle())); }),
-      "site");
+  EXPECT_CONTAINS(message_of<InputError>([&] { (void)files::read_scene(file("scene.yaml", "flight:\n" + vehicle())); }),
+                  "site");
 }
 
 TEST_F(FlightSection, ItsNominalFlightIsATrajectory) {
@@ -160,10 +158,9 @@ TEST_F(FlightSection, ItsNominalFlightIsATrajectory) {
   EXPECT_CONTAINS(short_one, "too short");
   EXPECT_CONTAINS(
       message_of<InputError>([&] {
-        (void)files::planned_trajectory(files::read_scene(
-            file("scene.yaml",
-                 "site: alcantara\nimu: {file: imu.csv}\nalignment: {position_sigma: 1 m, velocity_sigma: 1 "
-                 "m/s, attitude: {heading: 0 deg}, level_sigma: 1 deg, heading_sigma: 1 deg}\n")));
+        (void)files::planned_trajectory(files::read_scene(file(
+            "scene.yaml",
+            "site: alcantara\nimu: {file: imu.csv}\nalignment: {position_sigma: 1 m, velocity_sigma: 1 m/s, attitude: {heading: 0 deg}, level_sigma: 1 deg, heading_sigma: 1 deg}\n")));
       }),
       "found neither a trajectory nor a flight");
 }
@@ -178,8 +175,8 @@ TEST_F(FlightSection, AFlightWrittenReadsAsATrajectory) {
   EXPECT_LT((back.at(7).p_eb_e - record.points[700].truth.p_eb_e).norm(), 1e-6);
   EXPECT_LT(back.at(7).q_eb.angularDistance(record.points[700].truth.q_eb), 1e-7);
   const std::string head = content(path("flight.csv")).substr(0, 2000);
-  for (const char* column : {"nose_elevation (deg)", "position_error_east (m)", "nozzle_pitch (deg)",
-                             "dynamic_pressure (Pa)", "thrust (N)"})
+  for (const char* column :
+       {"nose_elevation (deg)", "position_error_east (m)", "nozzle_pitch (deg)", "dynamic_pressure (Pa)", "thrust (N)"})
     EXPECT_CONTAINS(head, column);
 }
 

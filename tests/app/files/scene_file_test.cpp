@@ -12,14 +12,12 @@ namespace gyrobudget::app_tests {
 namespace {
 
 using earth::kDegree;
-using text::InputError;
 using navigation::Aid;
 using navigation::FromAid;
+using text::InputError;
 
 const std::string kStart =
-    "alignment: {position_sigma: 1 m, velocity_sigma: 1 cm/s, attitude: {heading: 0 deg}, level_sigma: 1 "
-    "deg, "
-    "heading_sigma: 1 deg}\n";
+    "alignment: {position_sigma: 1 m, velocity_sigma: 1 cm/s, attitude: {heading: 0 deg}, level_sigma: 1 deg, heading_sigma: 1 deg}\n";
 const std::string kHead = "site: alcantara\nimu: {file: imu.csv}\n" + kStart;
 
 class SceneFile : public TemporaryFolder {
@@ -35,8 +33,7 @@ class SceneFile : public TemporaryFolder {
 
 TEST_F(SceneFile, AnotherSensorKeepsTheScenesEpoch) {
   (void)file("a.yaml", "gyro:\n  rrw: 1 deg/h/sqrt(h)\n");
-  const auto other =
-      file("b.yaml", "gyro:\n  rrw: 2 deg/h/sqrt(h)\n  powered_on_before: 3 s\naccelerometer:\n");
+  const auto other = file("b.yaml", "gyro:\n  rrw: 2 deg/h/sqrt(h)\n  powered_on_before: 3 s\naccelerometer:\n");
   files::SceneFile scene = read("trajectory: ascent\nsensor: {file: a.yaml, powered_on_before: 10 min}\n");
   const double walk = scene.scenario.sensor.gyro.rate_random_walk;
   files::change_sensor(scene, other);
@@ -97,9 +94,9 @@ TEST_F(SceneFile, TheExamplesRead) {
 TEST_F(SceneFile, DataMayLieElsewhere) {
   const std::string scene = file("scene.yaml", kHead);
   EXPECT_EQ(files::read_scene(scene, "/data").imu->path, "/data/imu.csv");
-  EXPECT_EQ(files::read_scene(file("other.yaml", "site: alcantara\nimu: {file: /a/b.csv}\n" + kStart), "/data")
-                .imu->path,
-            "/a/b.csv");
+  EXPECT_EQ(
+      files::read_scene(file("other.yaml", "site: alcantara\nimu: {file: /a/b.csv}\n" + kStart), "/data").imu->path,
+      "/a/b.csv");
 }
 
 TEST_F(SceneFile, ATrajectoryNeedsNoAlignment) {
@@ -114,31 +111,23 @@ TEST_F(SceneFile, WhatIsWrongHasItsPlaceAndAMend) {
   EXPECT_CONTAINS(message("name: x\n"), "found none of \"imu:\", \"trajectory:\" and \"flight:\"");
   EXPECT_CONTAINS(message("imu: {file: a.csv}\n"), "found no \"alignment:\"");
   EXPECT_CONTAINS(message("imu: {file: a.csv}\n" + kStart), "found no site");
-  EXPECT_CONTAINS(message("site: alcantra\n"),
-                  "scene.yaml:1:7: site: found 'alcantra' (did you mean 'alcantara'?)");
-  EXPECT_CONTAINS(message("site: {latitude: 91 deg, longitude: 0 deg, height: 0 m}\n"),
-                  "expected -90 to 90 deg");
-  EXPECT_CONTAINS(message("site: {latitude: 9 deg, height: 0 m}\n"),
-                  "expected latitude, longitude and height");
+  EXPECT_CONTAINS(message("site: alcantra\n"), "scene.yaml:1:7: site: found 'alcantra' (did you mean 'alcantara'?)");
+  EXPECT_CONTAINS(message("site: {latitude: 91 deg, longitude: 0 deg, height: 0 m}\n"), "expected -90 to 90 deg");
+  EXPECT_CONTAINS(message("site: {latitude: 9 deg, height: 0 m}\n"), "expected latitude, longitude and height");
   EXPECT_CONTAINS(message(kHead + "until: 20\n"), "scene.yaml:4:8: until: ");
   EXPECT_CONTAINS(message(kHead + "until: 20 m\n"), "scene.yaml:4:8: until: ");
   EXPECT_CONTAINS(message(kHead + "until: 20 s\nuntil: 30 s\n"), "is given twice");
-  EXPECT_CONTAINS(message(kHead + "aids: {gps: {file: g.csv}}\n"),
-                  "aids.gps: found nothing that it measures");
-  EXPECT_CONTAINS(message(kHead + "aids: {gps: {file: g.csv, position: {bias_sigma: 1 m}}}\n"),
-                  "found no \"sigma:\"");
+  EXPECT_CONTAINS(message(kHead + "aids: {gps: {file: g.csv}}\n"), "aids.gps: found nothing that it measures");
+  EXPECT_CONTAINS(message(kHead + "aids: {gps: {file: g.csv, position: {bias_sigma: 1 m}}}\n"), "found no \"sigma:\"");
   EXPECT_CONTAINS(message(kHead + "aids: {gps: {position: 3 m/s}}\n"), "sigma: ");
   EXPECT_CONTAINS(message(kHead + "aids: {gps: {position: 0 m}}\n"), "expected a value above 0");
   EXPECT_CONTAINS(message(kHead + "aids: {gps: {position: [1 m, 2 m]}}\n"),
                   "found a list of 2, expected one value or three");
-  EXPECT_CONTAINS(message(kHead + "aids: {gps: {position: 3 m, outages: [[3 s]]}}\n"),
-                  "expected pairs of times");
-  EXPECT_CONTAINS(message(kHead + "aids: {gps: {position: 3 m, outages: [[3 s, 2 s]]}}\n"),
-                  "before it begins");
+  EXPECT_CONTAINS(message(kHead + "aids: {gps: {position: 3 m, outages: [[3 s]]}}\n"), "expected pairs of times");
+  EXPECT_CONTAINS(message(kHead + "aids: {gps: {position: 3 m, outages: [[3 s, 2 s]]}}\n"), "before it begins");
   EXPECT_CONTAINS(message(kHead + "aids: {gps: {position: 3 m, columns: {latitud: x}}}\n"),
                   "(did you mean 'latitude'?)");
-  EXPECT_CONTAINS(message(kHead + "reference: gps\n"),
-                  "is no aid that measures position, velocity or attitude");
+  EXPECT_CONTAINS(message(kHead + "reference: gps\n"), "is no aid that measures position, velocity or attitude");
   EXPECT_CONTAINS(message(kHead + "filter: {form: josef}\n"), "(did you mean 'joseph'?)");
   EXPECT_CONTAINS(message(kHead + "filter: {gate: 2}\n"), "expected a share from 0 to below 1");
   EXPECT_CONTAINS(message(kHead + "filter: {order: 9}\n"), "expected a whole number from 1 to 8");
@@ -150,8 +139,7 @@ TEST_F(SceneFile, WhatIsWrongHasItsPlaceAndAMend) {
   const std::string align = "site: alcantara\nimu: {file: a.csv}\nalignment: ";
   EXPECT_CONTAINS(message(align + "{attitude: self}\n"), "found no \"position_sigma:\"");
   EXPECT_CONTAINS(message(align + "{position_sigma: 1 m}\n"), "found no \"attitude:\"");
-  EXPECT_CONTAINS(message(align + "{attitude: {heading: 0 deg}, duration: 3 s}\n"),
-                  "belong to \"attitude: self\"");
+  EXPECT_CONTAINS(message(align + "{attitude: {heading: 0 deg}, duration: 3 s}\n"), "belong to \"attitude: self\"");
   EXPECT_CONTAINS(message(align + "{attitude: self, heading: 3 deg}\n"), "needs its heading_sigma");
   EXPECT_CONTAINS(message(align + "{attitude: ins}\n"), "is no aid that measures attitude");
   EXPECT_CONTAINS(message("a: b: c\n"), "no YAML");
@@ -161,11 +149,7 @@ TEST_F(SceneFile, WhatIsWrongHasItsPlaceAndAMend) {
 TEST_F(SceneFile, ALogInCountsWithOtherAxes) {
   (void)file("imu.csv", "t;a;b;c;d;e;f\n0,00;1;2;3;0;0;80\n0,01;1;2;3;0;0;80\n0,02;1;2;3;0;0;80\n");
   const auto found = data(
-      "site: alcantara\nimu:\n  file: imu.csv\n  axes: [y, x, -z]\n  columns: {time: t (s), gyro_x: a (0.1 "
-      "arcsec), "
-      "gyro_y: b (0.1 arcsec), gyro_z: c (0.1 arcsec), accel_x: d (125 ug*s), accel_y: 6 (125 ug*s), "
-      "accel_z: f (125 "
-      "ug*s)}\n" +
+      "site: alcantara\nimu:\n  file: imu.csv\n  axes: [y, x, -z]\n  columns: {time: t (s), gyro_x: a (0.1 arcsec), gyro_y: b (0.1 arcsec), gyro_z: c (0.1 arcsec), accel_x: d (125 ug*s), accel_y: 6 (125 ug*s), accel_z: f (125 ug*s)}\n" +
       kStart);
   const auto& imu = found.recording.imu;
   ASSERT_EQ(imu.increments.size(), 3U);
@@ -179,21 +163,15 @@ TEST_F(SceneFile, ALogInCountsWithOtherAxes) {
 }
 
 TEST_F(SceneFile, RatesFromTheHeaderAndAids) {
-  (void)file(
-      "imu.csv",
-      "time (s),gyro_x (deg/s),gyro_y (deg/s),gyro_z (deg/s),accel_x (g),accel_y (g),accel_z (g)\n"
-      "100.0,1,0,0,0,0,-1\n100.1,1,0,0,0,0,-1\n100.2,1,0,0,0,0,-1\n100.5,1,0,0,0,0,-1\n100.6,1,0,0,0,0,-1\n");
+  (void)file("imu.csv",
+             "time (s),gyro_x (deg/s),gyro_y (deg/s),gyro_z (deg/s),accel_x (g),accel_y (g),accel_z (g)\n"
+             "100.0,1,0,0,0,0,-1\n100.1,1,0,0,0,0,-1\n100.2,1,0,0,0,0,-1\n100.5,1,0,0,0,0,-1\n100.6,1,0,0,0,0,-1\n");
   (void)file("ins.csv",
-             "t_s,lat,lon,h,vN,vE,vU,yaw,pitch,roll\n100,0.1,0.2,30,1,2,3,0.5,0.1,0\n100.2,0.1,0.2,30,1,2,,0."
-             "5,0.1,0\n"
+             "t_s,lat,lon,h,vN,vE,vU,yaw,pitch,roll\n100,0.1,0.2,30,1,2,3,0.5,0.1,0\n100.2,0.1,0.2,30,1,2,,0.5,0.1,0\n"
              "100.4,0.1,0.2,31,1,2,3,0.5,0.1,0\n");
-  const auto found = data(kHead +
-                          "aids:\n  ins:\n    file: ins.csv\n    columns: {time: t_s (s), latitude: lat "
-                          "(rad), longitude: lon (rad), "
-                          "height: h (m), velocity_north: vN (m/s), velocity_east: vE (m/s), velocity_up: vU "
-                          "(m/s), yaw_ccw: yaw (rad), "
-                          "pitch: pitch (rad), roll: roll (rad)}\n    position: 1 m\n    velocity: 1 m/s\n   "
-                          " attitude: 1 deg\n    height: 1 m\n");
+  const auto found = data(
+      kHead +
+      "aids:\n  ins:\n    file: ins.csv\n    columns: {time: t_s (s), latitude: lat (rad), longitude: lon (rad), height: h (m), velocity_north: vN (m/s), velocity_east: vE (m/s), velocity_up: vU (m/s), yaw_ccw: yaw (rad), pitch: pitch (rad), roll: roll (rad)}\n    position: 1 m\n    velocity: 1 m/s\n    attitude: 1 deg\n    height: 1 m\n");
   const auto& r = found.recording;
   EXPECT_EQ(r.origin, 0);  // the clock of a run is kept
   EXPECT_EQ(r.imu.gaps, 1);
@@ -227,13 +205,10 @@ TEST_F(SceneFile, LogsThatCannotBeReadSayWhere) {
   EXPECT_CONTAINS(complain("time (s),gyro_x (deg/s)\n0,1\n1,1\n"), "found no column 'gyro_y'");
   EXPECT_CONTAINS(complain("time (s),gyro_x (deg/s),gyro_y,gyro_z,accel_x,accel_y,accel_z\n0,1,1,1,1,1,1\n"),
                   "imu.csv:1:25: column 'gyro_y' has no unit");
-  EXPECT_CONTAINS(complain("gyro_x (rad),gyro_y (rad),gyro_z (rad),accel_x (g),accel_y (g),accel_z "
-                           "(g)\n1,1,1,1,1,1\n"),
+  EXPECT_CONTAINS(complain("gyro_x (rad),gyro_y (rad),gyro_z (rad),accel_x (g),accel_y (g),accel_z (g)\n1,1,1,1,1,1\n"),
                   "found no column 'time'");
-  const std::string head =
-      "time (s),gyro_x (rad),gyro_y (rad),gyro_z (rad),accel_x (g),accel_y (g),accel_z (g)\n";
-  EXPECT_CONTAINS(complain(head + "0,1,1,1,1,1,1\n0,1,1,1,1,1,1\n"),
-                  "imu.csv:3:1: found a time that is not after");
+  const std::string head = "time (s),gyro_x (rad),gyro_y (rad),gyro_z (rad),accel_x (g),accel_y (g),accel_z (g)\n";
+  EXPECT_CONTAINS(complain(head + "0,1,1,1,1,1,1\n0,1,1,1,1,1,1\n"), "imu.csv:3:1: found a time that is not after");
   EXPECT_CONTAINS(complain(head + "0,1,1,1,1,1,1\n"), "expected 2 or more IMU samples");
   EXPECT_CONTAINS(message_of<InputError>([&] { (void)data("trajectory: ascent\n"); }), "has no \"imu:\"");
 }

@@ -20,9 +20,7 @@ constexpr double kSameAttitude = 4e-15;  // of a unit quaternion, through its di
 
 class TrajectoryFile : public TemporaryFolder {
  protected:
-  [[nodiscard]] Trajectory read(std::string_view text) const {
-    return files::read_trajectory(file("truth.csv", text));
-  }
+  [[nodiscard]] Trajectory read(std::string_view text) const { return files::read_trajectory(file("truth.csv", text)); }
   [[nodiscard]] std::string message(std::string_view text) const {
     return message_of<InputError>([&] { (void)read(text); });
   }
@@ -52,39 +50,38 @@ TEST_F(TrajectoryFile, NamesAreThePathsWithTheirDefaults) {
 }
 
 TEST_F(TrajectoryFile, OptionsReachTheirPlaces) {
-  expect_same(files::read_trajectory("cruise:speed=900 km/h, duration=600,azimuth=30,turn_acceleration=0.5g,"
-                                  "turn_period=40,height=3000,coning_angle=1,coning_frequency=5,"
-                                  "sculling_angle=0.1 deg,sculling_acceleration=2,sculling_frequency=7Hz"),
-              earth::cruise({.start = {earth::alcantara().position.latitude,
-                                       earth::alcantara().position.longitude, 3000},
-                             .azimuth = 30 * kDegree,
-                             .speed = 250,
-                             .turn_acceleration = 0.5 * 9.80665,
-                             .turn_period = 40,
-                             .vibration = {.coning_angle = kDegree,
-                                           .coning_frequency = 5,
-                                           .sculling_angle = 0.1 * kDegree,
-                                           .sculling_acceleration = 2,
-                                           .sculling_frequency = 7},
-                             .duration = 600}));
-  expect_same(files::read_trajectory("static:latitude=45,longitude=0.1rad,height=1km,yaw=10,pitch=20,roll=30,"
-                                  "spin_x=1,spin_y=2,spin_z=3,duration=2min"),
-              earth::stand({.position = {45 * kDegree, 0.1, 1000},
-                            .q_nb = earth::from_euler({10 * kDegree, 20 * kDegree, 30 * kDegree}),
-                            .spin = Eigen::Vector3d(1, 2, 3) * kDegree,
-                            .duration = 120}));
+  expect_same(
+      files::read_trajectory(
+          "cruise:speed=900 km/h, duration=600,azimuth=30,turn_acceleration=0.5g,turn_period=40,height=3000,coning_angle=1,coning_frequency=5,sculling_angle=0.1 deg,sculling_acceleration=2,sculling_frequency=7Hz"),
+      earth::cruise({.start = {earth::alcantara().position.latitude, earth::alcantara().position.longitude, 3000},
+                     .azimuth = 30 * kDegree,
+                     .speed = 250,
+                     .turn_acceleration = 0.5 * 9.80665,
+                     .turn_period = 40,
+                     .vibration = {.coning_angle = kDegree,
+                                   .coning_frequency = 5,
+                                   .sculling_angle = 0.1 * kDegree,
+                                   .sculling_acceleration = 2,
+                                   .sculling_frequency = 7},
+                     .duration = 600}));
+  expect_same(
+      files::read_trajectory(
+          "static:latitude=45,longitude=0.1rad,height=1km,yaw=10,pitch=20,roll=30,spin_x=1,spin_y=2,spin_z=3,duration=2min"),
+      earth::stand({.position = {45 * kDegree, 0.1, 1000},
+                    .q_nb = earth::from_euler({10 * kDegree, 20 * kDegree, 30 * kDegree}),
+                    .spin = Eigen::Vector3d(1, 2, 3) * kDegree,
+                    .duration = 120}));
   expect_same(files::read_trajectory("climb:azimuth=0,acceleration=20,duration=10"),
               earth::climb({.azimuth = 0, .acceleration = 20, .duration = 10}));
-  expect_same(
-      files::read_trajectory("ascent:azimuth=10,pitch_over_at=5,pitch_end=40,force_start=14,force_end=20,"
-                          "tail_off=3,duration=60"),
-      earth::ascent({.azimuth = 10 * kDegree,
-                     .pitch_over_at = 5,
-                     .pitch_end = 40 * kDegree,
-                     .force_start = 14,
-                     .force_end = 20,
-                     .tail_off = 3,
-                     .duration = 60}));
+  expect_same(files::read_trajectory(
+                  "ascent:azimuth=10,pitch_over_at=5,pitch_end=40,force_start=14,force_end=20,tail_off=3,duration=60"),
+              earth::ascent({.azimuth = 10 * kDegree,
+                             .pitch_over_at = 5,
+                             .pitch_end = 40 * kDegree,
+                             .force_start = 14,
+                             .force_end = 20,
+                             .tail_off = 3,
+                             .duration = 60}));
 }
 
 TEST_F(TrajectoryFile, SiteSetsThePlaceAndLaterKeysChangeIt) {
@@ -134,19 +131,18 @@ TEST_F(TrajectoryFile, WrittenTruthComesBack) {
 
 TEST_F(TrajectoryFile, VelocityIsAgainstEarthInNorthEastDown) {
   files::write_trajectory(path("climb.csv"), earth::climb({.acceleration = 10, .duration = 4.9}),
-                       {.rate_hz = 1, .duration = 4.1});
+                          {.rate_hz = 1, .duration = 4.1});
   const std::string text = content(path("climb.csv"));
-  EXPECT_EQ(text.substr(0, text.find('\n')),
-            "time (s),latitude (deg),longitude (deg),height (m),velocity_north (m/s),velocity_east (m/s),"
-            "velocity_down (m/s),q_w (1),q_x (1),q_y (1),q_z (1)");
+  EXPECT_EQ(
+      text.substr(0, text.find('\n')),
+      "time (s),latitude (deg),longitude (deg),height (m),velocity_north (m/s),velocity_east (m/s),velocity_down (m/s),q_w (1),q_x (1),q_y (1),q_z (1)");
   const std::string row = text.substr(text.find("\n3,"));
   EXPECT_CONTAINS(row.substr(0, row.find('\n', 1)), ",-30");
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 6);
 }
 
 constexpr const char* kRows =
-    "0,10,20,100,90,90,0\n1,10,20,110,90,90,0\n2,10,20,120,90,90,0\n3,10,20,130,90,90,0\n4,10,20,140,90,90,"
-    "0\n";
+    "0,10,20,100,90,90,0\n1,10,20,110,90,90,0\n2,10,20,120,90,90,0\n3,10,20,130,90,90,0\n4,10,20,140,90,90,0\n";
 
 TEST_F(TrajectoryFile, FilesOfOthers) {
   const std::string head = "t (s),lat (deg),lon (deg),altitude (m),heading (deg),pitch (deg),roll (deg)\n";
@@ -164,20 +160,18 @@ TEST_F(TrajectoryFile, FilesOfOthers) {
 }
 
 TEST_F(TrajectoryFile, WhatIsWrongIsSaidWithItsLine) {
-  const std::string head =
-      "time (s),latitude (deg),longitude (deg),height (m),yaw (deg),pitch (deg),roll (deg)\n";
+  const std::string head = "time (s),latitude (deg),longitude (deg),height (m),yaw (deg),pitch (deg),roll (deg)\n";
   EXPECT_CONTAINS(message("time (s),latitude (deg),height (m)\n0,1,2\n1,1,2\n"), "no column 'longitude'");
-  EXPECT_CONTAINS(message("time (s),latitude,longitude (deg),height (m),yaw (deg),pitch (deg),roll (deg)\n" +
-                          std::string(kRows)),
-                  ":1:10: column 'latitude' has no unit");
+  EXPECT_CONTAINS(
+      message("time (s),latitude,longitude (deg),height (m),yaw (deg),pitch (deg),roll (deg)\n" + std::string(kRows)),
+      ":1:10: column 'latitude' has no unit");
   EXPECT_CONTAINS(message(head + kRows + "3.5,10,20,150,90,90,0\n"), ":7:1: found a time that is not after");
   EXPECT_CONTAINS(message(head + kRows + "5,10,,150,90,90,0\n"), ":7:1: column 'longitude' has no number");
   EXPECT_CONTAINS(message(head + kRows + "5,100,0,150,90,90,0\n"), "latitude of 100 deg");
   EXPECT_CONTAINS(message(head + "0,10,20,100,0,0,0\n1,10,20,100,0,0,0\n"), "4");
-  EXPECT_CONTAINS(
-      message("time (s),latitude (deg),longitude (deg),height (m),q_w,q_x,q_y,q_z\n0,10,20,100,2,0,0,0\n"
-              "1,10,20,100,1,0,0,0\n"),
-      "quaternion of length 2");
+  EXPECT_CONTAINS(message("time (s),latitude (deg),longitude (deg),height (m),q_w,q_x,q_y,q_z\n0,10,20,100,2,0,0,0\n"
+                          "1,10,20,100,1,0,0,0\n"),
+                  "quaternion of length 2");
 }
 
 }  // namespace

@@ -11,8 +11,8 @@ namespace gyrobudget::app_tests {
 namespace {
 
 using earth::kDegree;
-using flight::Origin;
 using flight::LookupTable;
+using flight::Origin;
 using flight::Vehicle;
 using text::InputError;
 
@@ -192,9 +192,9 @@ TEST_F(VehicleFile, AVehicleBasedOnAnotherKeepsWhatItDoesNotGive) {
   // A chain, and bending taken out and put back.
   (void)file("rigid.yaml", "based_on: base.yaml\nbending: none\n");
   EXPECT_FALSE(read("based_on: rigid.yaml\n").vehicle.bending);
-  EXPECT_CONTAINS(message("based_on: rigid.yaml\nbending: {frequency: 5 Hz}\n"),
-                  "vehicle.yaml:2:10: found no bending.damping, bending.gimbal_deflection and no "
-                  "bending.slope_at_imu, which bending needs; write \"damping: 1\"");
+  EXPECT_CONTAINS(
+      message("based_on: rigid.yaml\nbending: {frequency: 5 Hz}\n"),
+      "vehicle.yaml:2:10: found no bending.damping, bending.gimbal_deflection and no bending.slope_at_imu, which bending needs; write \"damping: 1\"");
   EXPECT_EQ(read("based_on: base.yaml\nbending: {damping: 2 %}\n").vehicle.bending->damping, 2 * 0.01);
 }
 
@@ -215,8 +215,7 @@ TEST_F(VehicleFile, UnknownKeysGetTheNearest) {
                   "vehicle.yaml:1:1: 'lift_of_mass' is no key of a vehicle (did you mean 'lift_off_mass'?)");
   EXPECT_CONTAINS(
       message_with("actuator: {frequancy: 4 Hz}\n"),
-      "vehicle.yaml:8:12: 'frequancy' is no key of actuator (did you mean 'frequency'?); there are origin, "
-      "reason, frequency, damping, deflection_limit, rate_limit and delay");
+      "vehicle.yaml:8:12: 'frequancy' is no key of actuator (did you mean 'frequency'?); there are origin, reason, frequency, damping, deflection_limit, rate_limit and delay");
   EXPECT_CONTAINS(message("lift_off_mass: {valu: 1 t}\n"),
                   "1:17: 'valu' is no key of lift_off_mass (did you mean 'value'?)");
   EXPECT_CONTAINS(message_with("axial_drag: {point: [[0, 1]]}\n"), "(did you mean 'points'?)");
@@ -224,29 +223,25 @@ TEST_F(VehicleFile, UnknownKeysGetTheNearest) {
 }
 
 TEST_F(VehicleFile, MissingKeysAreNamedTogether) {
-  EXPECT_CONTAINS(message("name: x\n"),
-                  "vehicle.yaml:1:1: found no lift_off_mass, propellant, burn_time, specific_impulse, "
-                  "centre_of_mass, roll_inertia and no pitch_inertia, which a vehicle needs; write "
-                  "\"lift_off_mass: 1 kg\"");
-  EXPECT_CONTAINS(message_with("axial_drag: 0.3\n"),
-                  "8:13: axial_drag: found no \"reference_area:\", expected one");
+  EXPECT_CONTAINS(
+      message("name: x\n"),
+      "vehicle.yaml:1:1: found no lift_off_mass, propellant, burn_time, specific_impulse, centre_of_mass, roll_inertia and no pitch_inertia, which a vehicle needs; write \"lift_off_mass: 1 kg\"");
+  EXPECT_CONTAINS(message_with("axial_drag: 0.3\n"), "8:13: axial_drag: found no \"reference_area:\", expected one");
   EXPECT_CONTAINS(message_with("normal_force_slope: 2 1/rad\n"), "found no \"reference_area:\"");
   EXPECT_CONTAINS(message("lift_off_mass: {origin: assumed, reason: x}\n"),
                   "1:16: lift_off_mass: found no \"value:\", expected one, as in {value: 1 kg, origin");
-  EXPECT_CONTAINS(message("thrust_shape: {origin: assumed, reason: x}\n"),
-                  "1:15: thrust_shape: found neither \"points:\" nor \"value:\", expected one of them, as in "
-                  "points: [[0, 1], [1, 1]]");
+  EXPECT_CONTAINS(
+      message("thrust_shape: {origin: assumed, reason: x}\n"),
+      "1:15: thrust_shape: found neither \"points:\" nor \"value:\", expected one of them, as in points: [[0, 1], [1, 1]]");
 }
 
 TEST_F(VehicleFile, ValuesHaveTheirUnits) {
-  EXPECT_CONTAINS(message("lift_off_mass: 28\n"),
-                  "1:16: lift_off_mass: '28' has no unit; expected one like kg, t");
-  EXPECT_CONTAINS(message("lift_off_mass: {value: 28 m}\n"),
-                  "1:24: lift_off_mass: '28 m' has a unit of the wrong kind (the kind of m, cm, ft); "
-                  "expected one like kg, t");
+  EXPECT_CONTAINS(message("lift_off_mass: 28\n"), "1:16: lift_off_mass: '28' has no unit; expected one like kg, t");
+  EXPECT_CONTAINS(
+      message("lift_off_mass: {value: 28 m}\n"),
+      "1:24: lift_off_mass: '28 m' has a unit of the wrong kind (the kind of m, cm, ft); expected one like kg, t");
   EXPECT_CONTAINS(message("lift_off_mass: 28 tt\n"), "'tt' is no known unit");
-  EXPECT_CONTAINS(message("lift_off_mass: -28 t\n"),
-                  "lift_off_mass: found '-28 t', expected a value above 0");
+  EXPECT_CONTAINS(message("lift_off_mass: -28 t\n"), "lift_off_mass: found '-28 t', expected a value above 0");
   EXPECT_CONTAINS(message("lift_off_mass: 1e307 t\n"), "is beyond the range of numbers");
   EXPECT_CONTAINS(message("lift_off_mass: [28 t]\n"), "found a list, expected a number and a unit (kg, t)");
   EXPECT_CONTAINS(message("lift_off_mass: {value: [28 t]}\n"),
@@ -259,8 +254,7 @@ TEST_F(VehicleFile, ValuesHaveTheirUnits) {
   EXPECT_CONTAINS(message("axial_drag: much\n"),
                   "'much' does not start with a finite number; expected a number and a unit (1, %, ppm)");
   EXPECT_CONTAINS(message("actuator: {damping: -0.5}\n"), "actuator.damping: found '-0.5', expected a value");
-  EXPECT_CONTAINS(message("actuator: 4 Hz\n"),
-                  "1:11: actuator: found '4 Hz', expected keys and values below it");
+  EXPECT_CONTAINS(message("actuator: 4 Hz\n"), "1:11: actuator: found '4 Hz', expected keys and values below it");
   EXPECT_CONTAINS(message("bending: some\n"),
                   "1:10: bending: found 'some', expected keys and values below it, or none");
 }
@@ -270,26 +264,22 @@ TEST_F(VehicleFile, TablesAscendWithinTheirRange) {
                   "1:35: thrust_shape: found 0.5 behind 0.5, expected abscissae that ascend");
   EXPECT_CONTAINS(message("thrust_shape: [[0, 1], [83, 0]]\n"),
                   "1:25: thrust_shape: found '83', expected a burn fraction from 0 to 1");
-  EXPECT_CONTAINS(message("centre_of_mass: [[-1, 7 m]]\n"),
-                  "found '-1', expected a propellant fraction from 0 to 1");
-  EXPECT_CONTAINS(message("axial_drag: [[2000, 1]]\n"),
-                  "found '2000', expected a Mach number from 0 to 1000");
+  EXPECT_CONTAINS(message("centre_of_mass: [[-1, 7 m]]\n"), "found '-1', expected a propellant fraction from 0 to 1");
+  EXPECT_CONTAINS(message("axial_drag: [[2000, 1]]\n"), "found '2000', expected a Mach number from 0 to 1000");
   EXPECT_CONTAINS(message("axial_drag: [[0 s, 1]]\n"), "found '0 s', expected a plain number");
   EXPECT_CONTAINS(message("centre_of_mass: [[0, 7]]\n"), "1:22: centre_of_mass: '7' has no unit");
-  EXPECT_CONTAINS(message("centre_of_mass: [[0, 7 m, 8 m]]\n"),
-                  "1:18: centre_of_mass: found a list of 3, expected points of a propellant fraction and "
-                  "value, as in [[0, 1 m], [1, 1 m]]");
+  EXPECT_CONTAINS(
+      message("centre_of_mass: [[0, 7 m, 8 m]]\n"),
+      "1:18: centre_of_mass: found a list of 3, expected points of a propellant fraction and value, as in [[0, 1 m], [1, 1 m]]");
   EXPECT_CONTAINS(message("centre_of_mass: [0, 7 m]\n"), "1:18: centre_of_mass: found '0', expected points");
   EXPECT_CONTAINS(message("centre_of_mass: []\n"), "found an empty list, expected points as in [[0, 1 m]");
-  EXPECT_CONTAINS(message("axial_drag: [[0, 1], [1e-320, 2]]\n"),
-                  "1:13: axial_drag: the table is too steep from 0");
+  EXPECT_CONTAINS(message("axial_drag: [[0, 1], [1e-320, 2]]\n"), "1:13: axial_drag: the table is too steep from 0");
   EXPECT_CONTAINS(message("centre_of_mass: {points: 7 m}\n"),
                   "centre_of_mass, points: found '7 m', expected a list like [[0, 1 m], [1, 1 m]]");
   EXPECT_CONTAINS(message("centre_of_mass: {points: [[0, 7 m]], value: 7 m}\n"),
                   "centre_of_mass: found both value and points");
   EXPECT_CONTAINS(message("axial_drag: {points: [[0, 7]], interpolation: smoth}\n"),
-                  "axial_drag, interpolation: found 'smoth' (did you mean 'smooth'?), expected linear or "
-                  "smooth");
+                  "axial_drag, interpolation: found 'smoth' (did you mean 'smooth'?), expected linear or smooth");
 }
 
 TEST_F(VehicleFile, AnOriginHasItsReason) {
@@ -298,13 +288,11 @@ TEST_F(VehicleFile, AnOriginHasItsReason) {
   EXPECT_CONTAINS(message("burn_time: {value: 8 s, reason: data sheet}\n"),
                   "found a reason without its \"origin:\" (sourced, derived or assumed), expected both");
   EXPECT_CONTAINS(message("burn_time: {value: 8 s, origin: sauced, reason: x}\n"),
-                  "burn_time, origin: found 'sauced' (did you mean 'sourced'?), expected sourced, derived or "
-                  "assumed");
+                  "burn_time, origin: found 'sauced' (did you mean 'sourced'?), expected sourced, derived or assumed");
   EXPECT_CONTAINS(message("burn_time: {value: 8 s, origin: sourced, reason: \"  \"}\n"),
                   "found an empty reason, expected where its value comes from");
-  EXPECT_CONTAINS(
-      message("burn_time: {value: 8 s, origin: sourced, reason: one, two}\n"),
-      "1:55: burn_time: found 'two' without a value; a reason with a comma or colon needs quotes");
+  EXPECT_CONTAINS(message("burn_time: {value: 8 s, origin: sourced, reason: one, two}\n"),
+                  "1:55: burn_time: found 'two' without a value; a reason with a comma or colon needs quotes");
   EXPECT_CONTAINS(message("actuator: {delay: 0 s, origin: assumed}\n"),
                   "actuator: found an origin without its \"reason:\"");
 }
@@ -315,15 +303,13 @@ TEST_F(VehicleFile, WhatAVehicleCannotBeHasThePlaceOfTheNumber) {
   EXPECT_CONTAINS(message_with("actuator: {deflection_limit: {value: 50 deg}}\n"), "8:30: deflection limit");
   EXPECT_CONTAINS(message_with("thrust_shape: [[0.1, 1], [1, 1]]\n"),
                   "8:15: first point of the thrust shape is 0.1 of burn fraction, but must be 0");
-  EXPECT_CONTAINS(message_with("thrust_shape: {points: [[0, 1], [0.4, 0], [0.6, 0], [1, 1]], interpolation: "
-                               "smooth}\n"),
+  EXPECT_CONTAINS(message_with("thrust_shape: {points: [[0, 1], [0.4, 0], [0.6, 0], [1, 1]], interpolation: smooth}\n"),
                   "8:15: least value of the thrust shape is -0.");  // between its points
   EXPECT_CONTAINS(message_with("thrust_shape: 0\n"), "8:15: mean of the thrust shape is 0");
   std::string heavy = kLeast;
   heavy.replace(heavy.find("1500 kg"), 7, "3 t    ");
   EXPECT_CONTAINS(message(heavy),
-                  "vehicle.yaml:2:13: propellant is 3000 kg, but must be zero or more and less than the "
-                  "lift-off mass");
+                  "vehicle.yaml:2:13: propellant is 3000 kg, but must be zero or more and less than the lift-off mass");
 }
 
 TEST_F(VehicleFile, OtherFilesAreRefused) {

@@ -17,8 +17,8 @@ namespace gyrobudget::app_tests {
 namespace {
 
 using log::Input;
-using text::InputError;
 using log::LogOptions;
+using text::InputError;
 
 class BadLog : public TemporaryFolder {
  protected:
@@ -64,8 +64,7 @@ TEST_F(BadLog, NothingInIt) {
 }
 
 TEST_F(BadLog, TooShort) {
-  EXPECT_CONTAINS(message("w (1)\n5\n", {.rate_hz = 1}),
-                  "holds 1 sample, expected at least 2; record longer");
+  EXPECT_CONTAINS(message("w (1)\n5\n", {.rate_hz = 1}), "holds 1 sample, expected at least 2; record longer");
   EXPECT_CONTAINS(message("5\n6\n", {.rate_hz = 1, .unit = "rad", .input = Input::angle}),
                   "holds 2 samples, expected at least 3");
   EXPECT_CONTAINS(message("w (1),v (1)\n5,nan\n6,nan\n7,nan\n", {.rate_hz = 1}),
@@ -73,8 +72,7 @@ TEST_F(BadLog, TooShort) {
 }
 
 TEST_F(BadLog, BinaryAndForeignFormats) {
-  EXPECT_CONTAINS(message(std::string("1,2\n3,\0 4\n", 10)),
-                  "found the byte 0x00 at offset 6, expected a text file");
+  EXPECT_CONTAINS(message(std::string("1,2\n3,\0 4\n", 10)), "found the byte 0x00 at offset 6, expected a text file");
   EXPECT_CONTAINS(message("PK\x03\x04 and so on"),
                   "found a zip archive or a spreadsheet, expected a text file; unpack it");
   EXPECT_CONTAINS(message("#ROSBAG V2.0\n"), "found a ROS bag, expected a text file; export the IMU topic");
@@ -135,13 +133,11 @@ TEST_F(BadLog, AGigabyteInOneLineIsRefusedAtOnce) {
     std::string found;
     const double seconds = seconds_and_memory(
         [&] {
-          found =
-              message_of<InputError>([&] { (void)log::read_log({.path = path, .rate_hz = 1, .unit = "1"}); });
+          found = message_of<InputError>([&] { (void)log::read_log({.path = path, .rate_hz = 1, .unit = "1"}); });
         },
         kilobytes);
-    EXPECT_CONTAINS(found, path == second
-                               ? ":4:1: found a line of more than 1048576 bytes that starts with '7777"
-                               : ":1:1: found a line of more than 1048576 bytes that starts with '7777");
+    EXPECT_CONTAINS(found, path == second ? ":4:1: found a line of more than 1048576 bytes that starts with '7777"
+                                          : ":1:1: found a line of more than 1048576 bytes that starts with '7777");
     EXPECT_LT(seconds, kMostSeconds);
     EXPECT_LT(kilobytes, kMostKilobytes);
   }
@@ -169,8 +165,7 @@ TEST_F(BadLog, ManyNumbersInOneLine) {
 TEST_F(BadLog, TextInANumberColumn) {
   const LogOptions options = {.rate_hz = 1};
   EXPECT_EQ(message("a (1),b (1)\n1,2\n3, abc\n", options),
-            ":3:4: found 'abc' in column 'b', expected a number; correct it, or write nan where a sample is "
-            "missing");
+            ":3:4: found 'abc' in column 'b', expected a number; correct it, or write nan where a sample is missing");
   EXPECT_CONTAINS(message("a (1),b (1)\n1,2\n1,1.2.3\n", options), ":3:3: found '1.2.3' in column 'b'");
   EXPECT_CONTAINS(message("a (1),b (1)\n1,2\n0x1F,2\n", options), ":3:1: found '0x1F' in column 'a'");
   EXPECT_CONTAINS(message("a (1),b (1)\n1,2\n1 2,3\n", options), ":3:1: found '1 2'");
@@ -179,8 +174,7 @@ TEST_F(BadLog, TextInANumberColumn) {
                   ":3:3: found 'six' in column 2");
   EXPECT_CONTAINS(message("time (s),w (1)\n0,1\n1,1\nnoon,1\n"),
                   ":4:1: found 'noon' in column 'time', expected a number");
-  EXPECT_CONTAINS(message("a (1),b (1)\n1,2\n" + std::string(5000, 'z') + ",1\n", options),
-                  "zzz...' in column 'a'");
+  EXPECT_CONTAINS(message("a (1),b (1)\n1,2\n" + std::string(5000, 'z') + ",1\n", options), "zzz...' in column 'a'");
 }
 
 TEST_F(BadLog, RaggedRows) {
@@ -199,9 +193,8 @@ TEST_F(BadLog, RaggedRows) {
 }
 
 TEST_F(BadLog, NumbersBeyondDouble) {
-  EXPECT_CONTAINS(
-      message("w (1)\n1\n1e999\n", {.rate_hz = 1}),
-      ":3:1: found '1e999' in column 'w', expected a number within the range of double (1.8e308)");
+  EXPECT_CONTAINS(message("w (1)\n1\n1e999\n", {.rate_hz = 1}),
+                  ":3:1: found '1e999' in column 'w', expected a number within the range of double (1.8e308)");
   EXPECT_CONTAINS(message("w (1)\n1\n-" + std::string(400, '9') + "\n", {.rate_hz = 1}), ":3:1: found '-999");
   EXPECT_CONTAINS(message("w (rev/s)\n1\n1e308\n", {.rate_hz = 1}),
                   ":3:1: found '1e308' in column 'w'");  // in rad/s
@@ -213,36 +206,31 @@ TEST_F(BadLog, CommasThatMayBeDecimalMarks) {
   EXPECT_CONTAINS(message("0,125\n0,031\n-0,250\n", {.rate_hz = 1, .unit = "1"}),
                   ":2:1: found '0,031', where the commas may be decimal marks or part the columns");
   EXPECT_CONTAINS(message("t (s);w (1)\n0;1,5\n1;1.234,5\n2;1,5\n"), ":3:3: found '1.234,5' in column 'w'");
-  EXPECT_CONTAINS(message("t (s);w (1)\n0;1,5\n1;1.234\n2;1,5\n"),
-                  ":3:3: found '1.234' in column 'w', expected a number with a decimal comma as in the first "
-                  "rows; write all numbers alike, without marks between thousands");
+  EXPECT_CONTAINS(
+      message("t (s);w (1)\n0;1,5\n1;1.234\n2;1,5\n"),
+      ":3:3: found '1.234' in column 'w', expected a number with a decimal comma as in the first rows; write all numbers alike, without marks between thousands");
   EXPECT_CONTAINS(message("t (s);w (1)\n0;1.5\n1;2.5\n2;1,5\n"), "expected a number with a decimal point");
   EXPECT_CONTAINS(message("0,125\n0,031\n-0,250\n", {.rate_hz = 1, .unit = "1"}),
                   "part the columns by semicolons, or name the columns in a header line");
-  EXPECT_CONTAINS(
-      message("\"t (s)\",\"w (1)\"\n\"0,0\",\"1,5\"\n\"0,1\",\"2,5\"\n"),
-      ":2:1: found '\"0,0\",\"1,5\"', decimal commas in quotes between commas; write decimal points");
+  EXPECT_CONTAINS(message("\"t (s)\",\"w (1)\"\n\"0,0\",\"1,5\"\n\"0,1\",\"2,5\"\n"),
+                  ":2:1: found '\"0,0\",\"1,5\"', decimal commas in quotes between commas; write decimal points");
 }
 
 // --- Columns, units, rate ------------------------------------------------------------------------------------------
 
 TEST_F(BadLog, MissingRate) {
-  EXPECT_EQ(message("w (1)\n1\n2\n"),
-            ": has no time column and no rate is given; give the sample rate: --rate HZ");
+  EXPECT_EQ(message("w (1)\n1\n2\n"), ": has no time column and no rate is given; give the sample rate: --rate HZ");
 }
 
 TEST_F(BadLog, MissingUnit) {
   const LogOptions options = {.rate_hz = 1};
-  EXPECT_EQ(message("gyro_x_dps\n1\n2\n", options),
-            ":1:1: column 'gyro_x_dps' has no unit, expected one in the header, as in \"gyro_x_dps "
-            "(deg/s)\", or --unit "
-            "deg/s; if its name stands for deg/s, give --unit deg/s");
+  EXPECT_EQ(
+      message("gyro_x_dps\n1\n2\n", options),
+      ":1:1: column 'gyro_x_dps' has no unit, expected one in the header, as in \"gyro_x_dps (deg/s)\", or --unit deg/s; if its name stands for deg/s, give --unit deg/s");
   EXPECT_CONTAINS(message("1\n3\n", options),
                   ":1:1: column 1 has no unit, expected one in the header, as in \"gyro_x (deg/s)\"");
-  EXPECT_CONTAINS(message("t (s),gx,gy (rad/s)\n0,1,2\n1,2,3\n", {.columns = {"gx"}}),
-                  ":1:7: column 'gx' has no unit");
-  EXPECT_CONTAINS(message("gx (counts)\n1\n2\n", options),
-                  "counts need --scale (units per count) and --unit");
+  EXPECT_CONTAINS(message("t (s),gx,gy (rad/s)\n0,1,2\n1,2,3\n", {.columns = {"gx"}}), ":1:7: column 'gx' has no unit");
+  EXPECT_CONTAINS(message("gx (counts)\n1\n2\n", options), "counts need --scale (units per count) and --unit");
   EXPECT_CONTAINS(message("a_rad\n1\n2\n", options),
                   "give --unit rad; --input increment (per sample) or --input angle");
 }
@@ -251,8 +239,7 @@ TEST_F(BadLog, UnitsOfTheWrongKind) {
   const LogOptions options = {.rate_hz = 1};
   EXPECT_CONTAINS(
       message("a (rad)\n1\n2\n", options),
-      "found no data column among 'a' (the unit 'rad' is not that of a rate or an acceleration; --input "
-      "increment (per sample) or --input angle (running) reads it)");
+      "found no data column among 'a' (the unit 'rad' is not that of a rate or an acceleration; --input increment (per sample) or --input angle (running) reads it)");
   EXPECT_CONTAINS(message("w (deg/s)\n1\n2\n", {.rate_hz = 1, .input = Input::angle}),
                   "the unit 'deg/s' is not that of an angle or a velocity; --input rate reads it");
   EXPECT_CONTAINS(
@@ -265,9 +252,8 @@ TEST_F(BadLog, UnitsOfTheWrongKind) {
 
 TEST_F(BadLog, UnknownColumn) {
   const LogOptions options = {.rate_hz = 1, .unit = "1", .columns = {"gyro_q"}};
-  EXPECT_CONTAINS(
-      message("gyro_x,gyro_y\n1,2\n2,3\n", options),
-      ": has no column 'gyro_q' (did you mean 'gyro_x'?); there are columns 1 to 2: gyro_x and gyro_y");
+  EXPECT_CONTAINS(message("gyro_x,gyro_y\n1,2\n2,3\n", options),
+                  ": has no column 'gyro_q' (did you mean 'gyro_x'?); there are columns 1 to 2: gyro_x and gyro_y");
   EXPECT_CONTAINS(message("1,2\n2,3\n", {.rate_hz = 1, .unit = "1", .columns = {"3"}}),
                   "has no column '3'; there are columns 1 to 2");
   EXPECT_CONTAINS(message("1,2\n2,3\n", {.rate_hz = 1, .unit = "1", .columns = {"0"}}), "has no column '0'");
@@ -290,21 +276,18 @@ TEST_F(BadLog, OptionsWrongWithAnyLog) {
 // --- Time ----------------------------------------------------------------------------------------------------------
 
 TEST_F(BadLog, TimeThatGoesBack) {
-  EXPECT_EQ(message("time (s),w (1)\n0,1\n0.1,2\n0.2,3\n0.15,4\n0.3,5\n"),
-            ":5:1: the time column 'time' goes back by 0.05 s, expected rising time; cut the log here (allan "
-            "--segments GAP does), or "
-            "put its rows in order");
+  EXPECT_EQ(
+      message("time (s),w (1)\n0,1\n0.1,2\n0.2,3\n0.15,4\n0.3,5\n"),
+      ":5:1: the time column 'time' goes back by 0.05 s, expected rising time; cut the log here (allan --segments GAP does), or put its rows in order");
 }
 
 TEST_F(BadLog, TimeThatRepeats) {
   EXPECT_CONTAINS(message("time (s),w (1)\n0,1\n0.1,2\n0.1,3\n0.2,4\n"),
                   ":4:1: the time column 'time' repeats the stamp");
   std::string text = "time (s),w (1)\n";
-  for (int i = 0; i < 1000; ++i)
-    text += std::to_string(1700000000 + i / 100) + ",1\n";  // whole seconds at 100 Hz
-  EXPECT_CONTAINS(
-      message(text),
-      ":3:1: the time column 'time' repeats the stamp of the row before it, as 990 of 1000 rows do");
+  for (int i = 0; i < 1000; ++i) text += std::to_string(1700000000 + i / 100) + ",1\n";  // whole seconds at 100 Hz
+  EXPECT_CONTAINS(message(text),
+                  ":3:1: the time column 'time' repeats the stamp of the row before it, as 990 of 1000 rows do");
   EXPECT_CONTAINS(message("time (s),w (1)\n5,1\n5,2\n5,3\n"),
                   "write the time with more digits, or remove the column and give --rate HZ");
 }
@@ -319,15 +302,13 @@ TEST_F(BadLog, RateThatContradictsTheTime) {
 
 TEST_F(BadLog, TimeWithoutUnit) {
   const std::string named = "time,w (1)\n5,1\n15,2\n25,3\n";
-  EXPECT_EQ(message(named),
-            ":1:1: the time column 'time' has no unit: its step of 10 is 0.1 Hz in s, 100 Hz in ms, 1e+05 Hz "
-            "in us or 1e+08 Hz "
-            "in ns; write the unit into the header, as in \"time (s)\", or give --rate HZ");
+  EXPECT_EQ(
+      message(named),
+      ":1:1: the time column 'time' has no unit: its step of 10 is 0.1 Hz in s, 100 Hz in ms, 1e+05 Hz in us or 1e+08 Hz in ns; write the unit into the header, as in \"time (s)\", or give --rate HZ");
   EXPECT_CONTAINS(message(named, {.rate_hz = 7}),
                   "but --rate is 7 Hz; correct --rate, or choose the data columns with --column");
   EXPECT_CONTAINS(message("5 1\n15 2\n25 1\n", {.unit = "1"}), ":1:1: the time column 1 has no unit");
-  EXPECT_CONTAINS(message("5 1\n15 2\n25 1\n", {.rate_hz = 7, .unit = "1"}),
-                  "column 1 rises like a time by 10 a row");
+  EXPECT_CONTAINS(message("5 1\n15 2\n25 1\n", {.rate_hz = 7, .unit = "1"}), "column 1 rises like a time by 10 a row");
   EXPECT_CONTAINS(message("time,w (1)\n5,1\n5,2\n5,3\n", {.rate_hz = 7}), "does not rise in the first rows");
   EXPECT_CONTAINS(message("time,w (1)\nnoon,1\nlate,2\n"),
                   ":2:1: found 'noon' in the time column 'time', expected a number");
@@ -340,19 +321,15 @@ TEST_F(BadLog, TimeThatIsTooUnevenOrFullOfGaps) {
     bursts += std::to_string(i / 4 * 40 + i % 4 * 9 + (i % 3) * 4) + ",1\n";
     gaps += std::to_string(i + (i > 200 ? 10000 : 0)) + ",1\n";
   }
-  EXPECT_CONTAINS(
-      message(bursts),
-      "% (rms) of the sample interval, expected at most 25 %; if the samples themselves are even");
-  EXPECT_CONTAINS(
-      message(gaps),
-      ":203:1: 10000 of 10400 samples are missing, the most (10000) before the stamp of this row");
+  EXPECT_CONTAINS(message(bursts),
+                  "% (rms) of the sample interval, expected at most 25 %; if the samples themselves are even");
+  EXPECT_CONTAINS(message(gaps),
+                  ":203:1: 10000 of 10400 samples are missing, the most (10000) before the stamp of this row");
   EXPECT_CONTAINS(message(far), ":6:1: ");
-  EXPECT_CONTAINS(message("time (ns),w (1)\n9000000000000000000,1\n-9000000000000000000,1\n"),
-                  "goes back by");
+  EXPECT_CONTAINS(message("time (ns),w (1)\n9000000000000000000,1\n-9000000000000000000,1\n"), "goes back by");
   EXPECT_CONTAINS(message("time (ns),w (1)\n0,1\n1,1\n2,1\n3000000000000000000,1\n"), "are missing");
-  EXPECT_CONTAINS(
-      message("time (ns),w (1)\n-9000000000000000000,1\n9000000000000000000,1\n9000000000000000001,1\n"),
-      "is more than a century after its start");
+  EXPECT_CONTAINS(message("time (ns),w (1)\n-9000000000000000000,1\n9000000000000000000,1\n9000000000000000001,1\n"),
+                  "is more than a century after its start");
   EXPECT_CONTAINS(message("time (s),w (1)\nnan,1\n,2\n1,3\n"), "holds fewer than two stamps");
 }
 
@@ -361,10 +338,9 @@ TEST_F(BadLog, TimeThatIsTooUnevenOrFullOfGaps) {
 /// Damages a text in ways that happen: bytes changed, cut out, doubled, swapped, ends cut off.
 std::string mutated(std::string text, std::mt19937_64& random) {
   const auto below = [&](std::size_t n) { return static_cast<std::size_t>(random() % n); };
-  static constexpr std::string_view kPieces[] = {
-      ",",    ";",   "\n", "\r", "\t", " ",   "-",     "e",
-      ".",    "nan", "\"", "#",  "(",  "]",   "1e999", "9223372036854775807",
-      "\xff", "--",  "//", "0",  ",,", "\n\n"};
+  static constexpr std::string_view kPieces[] = {",",    ";",   "\n", "\r", "\t", " ",   "-",     "e",
+                                                 ".",    "nan", "\"", "#",  "(",  "]",   "1e999", "9223372036854775807",
+                                                 "\xff", "--",  "//", "0",  ",,", "\n\n"};
   for (std::size_t n = 1 + below(4); n > 0 && !text.empty(); --n) {
     const std::size_t at = below(text.size());
     const std::size_t length = std::min(below(20), text.size() - at);
@@ -404,9 +380,8 @@ TEST_F(BadLog, MutationsOfGoodLogsGiveARecordOrAnInputError) {
   int records = 0, errors = 0;
   constexpr int kMutants = 6000;
   for (int i = 0; i < kMutants; ++i) {
-    LogOptions options = {
-        .path = file("mutant", mutated(seeds[static_cast<std::size_t>(i) % seeds.size()], random)),
-        .chunk_bytes = i % 3 == 0 ? 1UL + random() % 100 : 1UL << 20};
+    LogOptions options = {.path = file("mutant", mutated(seeds[static_cast<std::size_t>(i) % seeds.size()], random)),
+                          .chunk_bytes = i % 3 == 0 ? 1UL + random() % 100 : 1UL << 20};
     if (i % 5 == 0) options.rate_hz = 100;
     if (i % 7 == 0) options.unit = "rad/s";
     if (i % 11 == 0) options.input = Input::angle;
@@ -416,8 +391,7 @@ TEST_F(BadLog, MutationsOfGoodLogsGiveARecordOrAnInputError) {
       ASSERT_GE(record.samples, 2);
       ASSERT_GT(record.rate_hz, 0);
       ASSERT_FALSE(record.axes.empty());
-      for (const allan::Axis& axis : record.axes)
-        ASSERT_EQ(axis.rate.size(), static_cast<std::size_t>(record.samples));
+      for (const allan::Axis& axis : record.axes) ASSERT_EQ(axis.rate.size(), static_cast<std::size_t>(record.samples));
     } catch (const InputError& error) {
       ++errors;
       ASSERT_EQ(std::string(error.what()).rfind(options.path + ":", 0), 0U) << error.what();

@@ -46,8 +46,7 @@ std::string npy(const std::string& dictionary, const std::string& body, int vers
   return prefix(version, dictionary.size() + 1) + dictionary + '\n' + body;
 }
 
-std::string dictionary(const std::string& descr, const std::string& shape,
-                       const std::string& order = "False") {
+std::string dictionary(const std::string& descr, const std::string& shape, const std::string& order = "False") {
   return "{'descr': '" + descr + "', 'fortran_order': " + order + ", 'shape': " + shape + ", }";
 }
 
@@ -109,11 +108,9 @@ TEST_F(BinaryLog, EveryDefectIsAnErrorThatSaysWhatToDo) {
       {"time,gyro\n1,2\n", "expected the mark of a .npy"},
       {npy(dictionary("<f8", "(6,)"), body, 4), "version 4, expected 1 to 3"},
       {npy(dictionary(">f8", "(6,)"), body), "big-endian numbers (dtype '>f8')"},
-      {npy(dictionary("<i8", "(6,)"), body),
-       "dtype '<i8'), expected little-endian numbers of dtype <f4 or <f8"},
+      {npy(dictionary("<i8", "(6,)"), body), "dtype '<i8'), expected little-endian numbers of dtype <f4 or <f8"},
       {npy(dictionary("|O", "(6,)"), body), "dtype '|O'"},
-      {npy("{'descr': [('x', '<f8')], 'fortran_order': False, 'shape': (6,), }", body),
-       "records of several fields"},
+      {npy("{'descr': [('x', '<f8')], 'fortran_order': False, 'shape': (6,), }", body), "records of several fields"},
       {npy(dictionary("<f8", "(3, 2)", "True"), body), "numpy.ascontiguousarray"},
       {npy(dictionary("<f8", "()"), body), "0 dimensions"},
       {npy(dictionary("<f8", "(1, 2, 3)"), body), "3 dimensions"},
@@ -121,8 +118,7 @@ TEST_F(BinaryLog, EveryDefectIsAnErrorThatSaysWhatToDo) {
       {npy(dictionary("<f8", "(-6,)"), body), "expected a length"},
       {npy(dictionary("<f8", "(6,)", "Maybe"), body), "expected True or False"},
       {npy("{'descr': '<f8', 'shape': (6,), }", body), "expected the keys descr, fortran_order and shape"},
-      {npy("{'descr': '<f8', 'fortran_order': False, 'shape': (6,), 'x': 1}", body),
-       "expected one of the keys"},
+      {npy("{'descr': '<f8', 'fortran_order': False, 'shape': (6,), 'x': 1}", body), "expected one of the keys"},
       {npy("{'descr': '<f8", body), "expected text in quotes"},
       {npy(dictionary("<f8", "(6,)") + "; import os", body), "expected nothing behind the dictionary"},
       {npy(dictionary("<f8", "(7,)"), body), "48 bytes behind its header, expected 56"},
@@ -147,8 +143,7 @@ TEST_F(BinaryLog, RawSizesMustBeWholeSamples) {
   wide.file_columns = 4;
   EXPECT_CONTAINS(message_of<InputError>([&] { (void)log::read_log(wide); }),
                   "holds 24 bytes, expected a multiple of 16 (4 numbers of 4 bytes a sample)");
-  EXPECT_CONTAINS(message_of<InputError>([&] { (void)log::read_log(options(file("log.f64", ""))); }),
-                  "is empty");
+  EXPECT_CONTAINS(message_of<InputError>([&] { (void)log::read_log(options(file("log.f64", ""))); }), "is empty");
 }
 
 TEST_F(BinaryLog, RateAndUnitMustBeGiven) {
@@ -197,8 +192,7 @@ TEST_F(BinaryLog, TheHeaderIsTheOneThatNumPyWrites) {
   log::write_log(target, std::vector<log::LogColumn>{{"x", "rad/s", {1, 2}}}, 10, {}, Format::npy);
   // numpy.save of numpy.array([1., 2.]), NumPy 1.24
   const std::string header = "{'descr': '<f8', 'fortran_order': False, 'shape': (2,), }";
-  std::string expected =
-      prefix(1, 118) + header + std::string(117 - header.size(), ' ') + '\n' + raw<double>({1, 2});
+  std::string expected = prefix(1, 118) + header + std::string(117 - header.size(), ' ') + '\n' + raw<double>({1, 2});
   EXPECT_EQ(content(target), expected);
 }
 
@@ -208,8 +202,7 @@ std::vector<std::vector<double>> streamed(log::LogStream& log) {
   std::vector<std::vector<double>> all(log.columns().size()), piece;
   for (bool more = true; more;) {
     more = log.read(piece, std::chrono::milliseconds{1000}) != log::LogStream::Progress::end;
-    for (std::size_t i = 0; i < all.size(); ++i)
-      all[i].insert(all[i].end(), piece[i].begin(), piece[i].end());
+    for (std::size_t i = 0; i < all.size(); ++i) all[i].insert(all[i].end(), piece[i].begin(), piece[i].end());
   }
   return all;
 }
@@ -220,16 +213,14 @@ TEST_F(BinaryLog, StreamsGiveWhatTheWholeLogGives) {
   for (int i = 0; i < 100000; ++i) {  // several megabytes: several pieces
     if (i % 1000 == 7) continue;      // a gap
     const std::string x = std::to_string(std::sin(i)), y = i % 501 == 0 ? "nan" : std::to_string(std::cos(i));
-    text +=
-        std::to_string(i / 100) + "." + std::to_string(100 + i % 100).substr(1) + "," + x + "," + y + "\n";
+    text += std::to_string(i / 100) + "." + std::to_string(100 + i % 100).substr(1) + "," + x + "," + y + "\n";
     values.push_back(std::stod(x));
     values.push_back(std::stod(y));
   }
   auto binary = options(file("log.f64", raw<double>(values)));
   binary.file_columns = 2;
-  for (const auto& read :
-       {log::LogOptions{.path = file("log.csv", text)}, binary,
-        options(file("log.npy", npy(dictionary("<f8", "(99900, 2)"), raw<double>(values))))}) {
+  for (const auto& read : {log::LogOptions{.path = file("log.csv", text)}, binary,
+                           options(file("log.npy", npy(dictionary("<f8", "(99900, 2)"), raw<double>(values))))}) {
     const allan::Record whole = log::read_log(read);
     log::LogStream log(read);
     const auto all = streamed(log);
@@ -254,24 +245,20 @@ TEST_F(BinaryLog, StreamsRefuseWhatTheyCannotRead) {
     });
   };
   EXPECT_CONTAINS(refused(options(file("a.f64", raw<double>(kValues) + "x"))), "a multiple of 8");
-  EXPECT_CONTAINS(refused(options(file("b.npy", npy(dictionary("<f8", "(7,)"), raw<double>(kValues))))),
-                  "truncated");
+  EXPECT_CONTAINS(refused(options(file("b.npy", npy(dictionary("<f8", "(7,)"), raw<double>(kValues))))), "truncated");
   EXPECT_CONTAINS(refused(options(file("c.npy", "\x93NUM"))), "inside the header");
   EXPECT_CONTAINS(refused({.path = file("d.csv", "\x1f\x8b and so on")}), "zcat");
   EXPECT_CONTAINS(refused({.path = file("e.csv", "")}), "is empty");
   EXPECT_CONTAINS(refused({.path = path("absent.csv")}), "No such file");
-  EXPECT_CONTAINS(refused({.path = file("f.csv", "time (s),g (deg/s)\n0,1\n1,1\n2,1\n1.5,1\n")}),
-                  "f.csv:5:1");
+  EXPECT_CONTAINS(refused({.path = file("f.csv", "time (s),g (deg/s)\n0,1\n1,1\n2,1\n1.5,1\n")}), "f.csv:5:1");
   std::string back = "time (s),g (deg/s)\n";
   for (int i = 0; i < 300000; ++i) back += std::to_string(i) + ",1\n";
-  EXPECT_CONTAINS(refused({.path = file("g.csv", back + "7,1\n")}),
-                  "g.csv:300002:1: the time column 'time' goes back");
+  EXPECT_CONTAINS(refused({.path = file("g.csv", back + "7,1\n")}), "g.csv:300002:1: the time column 'time' goes back");
   EXPECT_CONTAINS(refused({.path = file("h.csv", back + "9e8,1\n")}), "jumps by");
   EXPECT_CONTAINS(refused({.path = file("i.csv", back + "300000,one\n")}), "i.csv:300002:8");
   auto angle = options(file("j.f64", raw<double>(kValues)));
   angle.input = log::Input::angle;
-  EXPECT_CONTAINS(message_of<std::invalid_argument>([&] { log::LogStream log(angle); }),
-                  "rates or increments");
+  EXPECT_CONTAINS(message_of<std::invalid_argument>([&] { log::LogStream log(angle); }), "rates or increments");
 }
 
 }  // namespace

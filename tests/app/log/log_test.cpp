@@ -15,9 +15,9 @@
 namespace gyrobudget::app_tests {
 namespace {
 
+using allan::Record;
 using log::Input;
 using log::LogOptions;
-using allan::Record;
 using noise::Signal;
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -120,10 +120,9 @@ TEST_F(Log, EurocHeaderIsACommentAndStampsKeepAllDigits) {
 TEST_F(Log, HeadersOfManyKinds) {
   const std::string rows = "0,1\n0.1,2\n0.2,3\n";
   for (const std::string header :
-       {"t (s),gyro x (deg/s)", "Time [sec],gyro x_[deg/s]", "\"time (s)\",\"gyro x (°/s)\"",
-        "# time (s),gyro x (dps)", "% t_s , gyro x (deg s-1)", "// Time (s) , gyro x (deg/sec)",
-        "time,gyro x\n(s),(deg/s)", "t,gyro x\ns,deg/s", "time (s),gyro x (\xb0/s)",
-        "time (s),gyro x (deg/s),"}) {
+       {"t (s),gyro x (deg/s)", "Time [sec],gyro x_[deg/s]", "\"time (s)\",\"gyro x (°/s)\"", "# time (s),gyro x (dps)",
+        "% t_s , gyro x (deg s-1)", "// Time (s) , gyro x (deg/sec)", "time,gyro x\n(s),(deg/s)", "t,gyro x\ns,deg/s",
+        "time (s),gyro x (\xb0/s)", "time (s),gyro x (deg/s),"}) {
     const Record r = read(header + "\n" + rows);
     ASSERT_EQ(r.axes.size(), 1U) << header;
     EXPECT_EQ(r.axes[0].name, "gyro x") << header;
@@ -154,10 +153,9 @@ TEST_F(Log, CommentsAndBlankLinesAnywhere) {
 
 TEST_F(Log, LineEndsMarksAndMissingNewline) {
   const std::vector<double> expected = {1, 2, 3};
-  for (const std::string text :
-       {"x (1),y (1)\r\n1,4\r\n2,5\r\n3,6\r\n", "\xef\xbb\xbfx (1),y (1)\n1,4\n2,5\n3,6",
-        "x (1),y (1)\n1,4\n2,5\n3,6\r\n\r\n", "x (1),y (1),\n1,4,\n2,5,\n3,6,\n",
-        "\"x (1)\",\"y (1)\"\n\"1\",\"4\"\n\"2\",\"5\"\n\"3\",\"6\"\n"}) {
+  for (const std::string text : {"x (1),y (1)\r\n1,4\r\n2,5\r\n3,6\r\n", "\xef\xbb\xbfx (1),y (1)\n1,4\n2,5\n3,6",
+                                 "x (1),y (1)\n1,4\n2,5\n3,6\r\n\r\n", "x (1),y (1),\n1,4,\n2,5,\n3,6,\n",
+                                 "\"x (1)\",\"y (1)\"\n\"1\",\"4\"\n\"2\",\"5\"\n\"3\",\"6\"\n"}) {
     const Record r = read(text, {.rate_hz = 1});
     ASSERT_EQ(r.axes.size(), 2U) << text;
     expect_values(r.axes[0].rate, expected);
@@ -191,8 +189,7 @@ TEST_F(Log, DecimalCommasUnderOneName) {
 
 TEST_F(Log, MissingValuesOfEveryProgram) {
   const Record r = read(
-      "w (rad/s),v (rad/s)\n1,1\nnan,1\nNaN,1\n-nan,1\n,1\n "
-      "\t,1\ninf,1\n-Inf,1\nInfinity,1\nNA,1\nN/A,1\nnull,1\n"
+      "w (rad/s),v (rad/s)\n1,1\nnan,1\nNaN,1\n-nan,1\n,1\n \t,1\ninf,1\n-Inf,1\nInfinity,1\nNA,1\nN/A,1\nnull,1\n"
       "None,1\n-,1\n\"\",1\n-nan(ind),1\n1.#QNAN,1\n-1.#IND,1\n2,1\n",
       {.rate_hz = 1});
   EXPECT_EQ(r.samples, 19);
@@ -208,9 +205,8 @@ TEST_F(Log, AnyMissingAxisCountsThePointOnce) {
 }
 
 TEST_F(Log, NumbersAreCorrectlyRounded) {
-  const Record r =
-      read("0.1\n1e308\n4.9e-324\n1e-400\n-1e-400\n9007199254740993\n123456789012345678901234567890\n",
-           {.rate_hz = 1, .unit = "1"});
+  const Record r = read("0.1\n1e308\n4.9e-324\n1e-400\n-1e-400\n9007199254740993\n123456789012345678901234567890\n",
+                        {.rate_hz = 1, .unit = "1"});
   expect_values(r.axes[0].rate,
                 {0.1, 1e308, 4.9e-324, 0.0, -0.0, 9007199254740992.0, 123456789012345678901234567890.0});
   EXPECT_TRUE(std::signbit(r.axes[0].rate[4]));
@@ -219,8 +215,7 @@ TEST_F(Log, NumbersAreCorrectlyRounded) {
 TEST_F(Log, Gzip) {
   const std::string text = "time (s),w (rad/s)\n0,1\n0.1,2\n0.2,3\n";
   const std::string half = text.substr(0, 20), rest = text.substr(20);
-  for (const std::string& bytes :
-       {gzip(text), gzip(half) + gzip(rest), gzip(text) + std::string(512, '\0')}) {
+  for (const std::string& bytes : {gzip(text), gzip(half) + gzip(rest), gzip(text) + std::string(512, '\0')}) {
     const Record r = read(bytes);
     expect_values(r.axes[0].rate, {1, 2, 3});
     expect_note(r, "gzip was unpacked");
@@ -275,16 +270,14 @@ TEST_F(Log, ColumnsOfOneNameDiffer) {
 }
 
 TEST_F(Log, TextInColumnsThatAreNotChosen) {
-  const Record r =
-      read("frame,seq,gyro_x (rad/s)\nimu,1,0.5\nimu link,2,0.25\nimu,3,0.125\n", {.rate_hz = 1});
+  const Record r = read("frame,seq,gyro_x (rad/s)\nimu,1,0.5\nimu link,2,0.25\nimu,3,0.125\n", {.rate_hz = 1});
   ASSERT_EQ(r.axes.size(), 1U);
   expect_values(r.axes[0].rate, {0.5, 0.25, 0.125});
   expect_note(r, "left out 'frame' and 'seq' (no unit)");
 }
 
 TEST_F(Log, GivenUnitIsForColumnsWithout) {
-  const Record r =
-      read("gyro_x,gyro_y (rad/s),ax,index\n1,2,3,0\n4,5,6,1\n7,8,9,2\n", {.rate_hz = 1, .unit = "deg/s"});
+  const Record r = read("gyro_x,gyro_y (rad/s),ax,index\n1,2,3,0\n4,5,6,1\n7,8,9,2\n", {.rate_hz = 1, .unit = "deg/s"});
   ASSERT_EQ(r.axes.size(), 2U);
   expect_values(r.axes[0].rate, {1 * kDegree, 4 * kDegree, 7 * kDegree});
   expect_values(r.axes[1].rate, {2, 5, 8});
@@ -315,8 +308,8 @@ TEST_F(Log, Dimensionless) {
 }
 
 TEST_F(Log, Increments) {
-  const Record r = read("t (ms),dtheta (arcsec),dv (m/s)\n0,36,1\n10,72,2\n20,nan,3\n30,36,4\n",
-                        {.input = Input::increment});
+  const Record r =
+      read("t (ms),dtheta (arcsec),dv (m/s)\n0,36,1\n10,72,2\n20,nan,3\n30,36,4\n", {.input = Input::increment});
   EXPECT_EQ(r.rate_hz, 100);
   ASSERT_EQ(r.axes.size(), 2U);
   EXPECT_EQ(r.axes[1].signal, Signal::specific_force);
@@ -371,8 +364,7 @@ TEST_F(Log, TimeInEveryUnit) {
 
 TEST_F(Log, SecondsAndNanosecondsInTwoColumns) {
   const Record r = read(
-      "header.stamp.secs,header.stamp.nsecs,w "
-      "(rad/s)\n1403636579,800000000,1\n1403636579,900000000,2\n1403636580,0,3\n"
+      "header.stamp.secs,header.stamp.nsecs,w (rad/s)\n1403636579,800000000,1\n1403636579,900000000,2\n1403636580,0,3\n"
       "1403636580,100000000,4\n");
   EXPECT_EQ(r.rate_hz, 10);
   EXPECT_EQ(r.samples, 4);
@@ -380,8 +372,8 @@ TEST_F(Log, SecondsAndNanosecondsInTwoColumns) {
 }
 
 TEST_F(Log, TimeWithExponentsKeepsItsDigits) {
-  const Record r = read(
-      "time (ns),w (1)\n1.403636579758555392e+18,1\n1.403636579758555492e18,1\n1.403636579758555592E+18,1\n");
+  const Record r =
+      read("time (ns),w (1)\n1.403636579758555392e+18,1\n1.403636579758555492e18,1\n1.403636579758555592E+18,1\n");
   EXPECT_EQ(r.rate_hz, 1e7);
 }
 
@@ -507,8 +499,7 @@ TEST_F(Log, CoarseStampsGiveTheTrueRate) {
 
 TEST_F(Log, BurstsAreReadWithTheirRate) {
   std::string text = "time (ms),w (1)\n";
-  for (int i = 0; i < 1000; ++i)
-    text += std::to_string(i / 4 * 40 + i % 4) + ",1\n";  // four samples each 40 ms
+  for (int i = 0; i < 1000; ++i) text += std::to_string(i / 4 * 40 + i % 4) + ",1\n";  // four samples each 40 ms
   const Record r = read(text, {.rate_hz = 100});
   EXPECT_EQ(r.samples, 1000);
   EXPECT_EQ(r.missing_samples, 0);
@@ -523,8 +514,8 @@ TEST_F(Log, ChunksOfAnySizeGiveTheSame) {
     if (i % 17 == 3) text += "# comment " + std::to_string(i) + "\n";
     if (i % 23 == 5) text += i % 2 ? "\n" : "  \r\n";
     text += std::to_string(i * 0.01) + "; " + std::to_string(std::sin(i)) + ";" +
-            std::string(static_cast<std::size_t>(i % 7), 'x') + ";" +
-            (i % 31 == 0 ? "nan" : std::to_string(i)) + (i % 3 ? "\n" : " \r\n");
+            std::string(static_cast<std::size_t>(i % 7), 'x') + ";" + (i % 31 == 0 ? "nan" : std::to_string(i)) +
+            (i % 3 ? "\n" : " \r\n");
   }
   const Record whole = read(text);
   EXPECT_EQ(whole.samples, 300);
@@ -535,8 +526,7 @@ TEST_F(Log, ChunksOfAnySizeGiveTheSame) {
     EXPECT_EQ(r.rate_hz, whole.rate_hz);
     EXPECT_EQ(r.notes, whole.notes) << chunk;
     for (std::size_t a = 0; a < 2; ++a) {
-      EXPECT_EQ(std::memcmp(r.axes[a].rate.data(), whole.axes[a].rate.data(), 300 * sizeof(double)), 0)
-          << chunk;
+      EXPECT_EQ(std::memcmp(r.axes[a].rate.data(), whole.axes[a].rate.data(), 300 * sizeof(double)), 0) << chunk;
     }
   }
 }
@@ -550,9 +540,8 @@ TEST_F(Log, TheFirstFaultInTheFileIsReportedAtAnyChunkSize) {
   // Row 251 is the 252nd, behind a header and five pairs of comment and blank line.
   const std::string expected = ":263:3: found 'oops' in column 'b', expected a number";
   for (const std::size_t chunk : {1UL, 2UL, 3UL, 7UL, 64UL, 1000UL, 1000000UL}) {
-    EXPECT_CONTAINS(
-        message_of<text::InputError>([&] { (void)read(text, {.rate_hz = 1, .chunk_bytes = chunk}); }),
-        expected);
+    EXPECT_CONTAINS(message_of<text::InputError>([&] { (void)read(text, {.rate_hz = 1, .chunk_bytes = chunk}); }),
+                    expected);
   }
 }
 
@@ -584,10 +573,10 @@ TEST_F(RealLog, MemsGyro) {
 
 TEST_F(RealLog, RingLaserCountsAsIncrements) {
   const Record r = log::read_log({.path = data("static/rlg_vehicle_counts.csv.gz"),
-                                 .rate_hz = 100,
-                                 .unit = "arcsec",
-                                 .input = Input::increment,
-                                 .scale = 0.1});
+                                  .rate_hz = 100,
+                                  .unit = "arcsec",
+                                  .input = Input::increment,
+                                  .scale = 0.1});
   EXPECT_EQ(r.samples, 184'718);
   ASSERT_EQ(r.axes.size(), 3U);  // the accelerometers have another unit
   // Means of the data set's own description, in deg/h; printed with four decimals.
@@ -600,8 +589,7 @@ TEST_F(RealLog, RingLaserCountsAsIncrements) {
 }
 
 TEST_F(RealLog, VehicleLogWithTimeInTheLastColumn) {
-  const Record r =
-      log::read_log({.path = data("nav/mems_imu_100hz.csv.gz"), .unit = "m/s", .input = Input::increment});
+  const Record r = log::read_log({.path = data("nav/mems_imu_100hz.csv.gz"), .unit = "m/s", .input = Input::increment});
   EXPECT_EQ(r.samples, 10'001);
   EXPECT_DOUBLE_EQ(r.rate_hz, 100);
   ASSERT_EQ(r.axes.size(), 3U);
@@ -609,11 +597,11 @@ TEST_F(RealLog, VehicleLogWithTimeInTheLastColumn) {
 }
 
 TEST_F(RealLog, OscillatorFrequencyAndPhase) {
-  const Record frequency = log::read_log(
-      {.path = data("oscillator/ocxo_frequency_hz.csv.gz"), .rate_hz = 1, .unit = "1", .scale = 1e-7});
+  const Record frequency =
+      log::read_log({.path = data("oscillator/ocxo_frequency_hz.csv.gz"), .rate_hz = 1, .unit = "1", .scale = 1e-7});
   EXPECT_EQ(frequency.samples, 19'982);
-  const Record phase = log::read_log(
-      {.path = data("oscillator/phase_dat.csv.gz"), .rate_hz = 1, .unit = "s", .input = Input::angle});
+  const Record phase =
+      log::read_log({.path = data("oscillator/phase_dat.csv.gz"), .rate_hz = 1, .unit = "s", .input = Input::angle});
   EXPECT_EQ(phase.samples, 1000);  // 1001 phases
 }
 

@@ -32,9 +32,9 @@ TEST_F(LogWriter, WritesHeaderTimeAndShortestNumbers) {
   const std::vector<LogColumn> columns = {{"gyro_x", "rad/s", {0.1, -2e-300, std::nan("")}},
                                           {"accel_x", "m/s^2", {9.80665, -0.0, 1e22}}};
   log::write_log(path("log.csv"), columns, 100, "made by a test");
-  EXPECT_EQ(content(path("log.csv")),
-            "# made by a test\ntime (s),gyro_x (rad/s),accel_x "
-            "(m/s^2)\n0,0.1,9.80665\n0.01,-2e-300,-0\n0.02,nan,1e+22\n");
+  EXPECT_EQ(
+      content(path("log.csv")),
+      "# made by a test\ntime (s),gyro_x (rad/s),accel_x (m/s^2)\n0,0.1,9.80665\n0.01,-2e-300,-0\n0.02,nan,1e+22\n");
 }
 
 TEST_F(LogWriter, ComesBackBitForBit) {
@@ -55,8 +55,7 @@ TEST_F(LogWriter, ComesBackBitForBit) {
       EXPECT_EQ(std::memcmp(r.axes[i].rate.data(), columns[i].values.data(), n * sizeof(double)), 0);
     }
   }
-  EXPECT_LT(std::filesystem::file_size(path("log.csv.gz")),
-            std::filesystem::file_size(path("log.csv")) * 6 / 10);
+  EXPECT_LT(std::filesystem::file_size(path("log.csv.gz")), std::filesystem::file_size(path("log.csv")) * 6 / 10);
 }
 
 TEST_F(LogWriter, OtherUnitsComeBackToTheLastDigits) {
@@ -105,9 +104,8 @@ TEST_F(LogWriter, RowsMadeOnTheWayAreTheSameBytes) {
 
 TEST_F(LogWriter, FailsWithItsProducer) {
   const log::LogHead head{{{"gyro_x", "rad/s"}}, 100, "", 0};
-  EXPECT_THROW(
-      log::write_log(path("log.csv"), head, 100'000, [](auto) { throw std::runtime_error("no more"); }),
-      std::runtime_error);
+  EXPECT_THROW(log::write_log(path("log.csv"), head, 100'000, [](auto) { throw std::runtime_error("no more"); }),
+               std::runtime_error);
   EXPECT_EQ(files(), 0U);
 }
 

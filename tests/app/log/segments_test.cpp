@@ -13,9 +13,9 @@
 namespace gyrobudget::app_tests {
 namespace {
 
+using allan::Record;
 using log::Input;
 using log::LogOptions;
-using allan::Record;
 
 class Segments : public TemporaryFolder {
  protected:
@@ -112,9 +112,8 @@ TEST_F(Segments, RefusalsSayWhatToDo) {
 // --- Resampling ----------------------------------------------------------------------------------------------------------
 
 TEST_F(Segments, ResampledRatesAreMeansOfTheirIntervals) {
-  const Record r =
-      read("t (s),w (rad/s)\n0,1\n0.2,3\n0.9,5\n1.1,7\n2.5,10\n2.7,nan\n3.0,0\n3.1,0\n3.2,0\n4.05,9\n",
-           {.resample_hz = 1});
+  const Record r = read("t (s),w (rad/s)\n0,1\n0.2,3\n0.9,5\n1.1,7\n2.5,10\n2.7,nan\n3.0,0\n3.1,0\n3.2,0\n4.05,9\n",
+                        {.resample_hz = 1});
   EXPECT_EQ(r.rate_hz, 1);
   ASSERT_EQ(r.samples, 4);
   EXPECT_DOUBLE_EQ(r.axes[0].rate[0], 3);
@@ -183,8 +182,7 @@ TEST_F(Segments, ResamplingInventsNothing) {
   expect_refused([&] { (void)read("1\n2\n3\n4\n", {.rate_hz = 1, .unit = "rad/s", .resample_hz = 1}); },
                  "no time column");
   expect_refused([&] { (void)read(kHead + rows(0, 100) + rows(5, 10), {.resample_hz = 2}); }, "goes back");
-  expect_refused([&] { (void)read(kHead + rows(0, 1000) + rows(1000, 1000), {.resample_hz = 1}); },
-                 "--segments");
+  expect_refused([&] { (void)read(kHead + rows(0, 1000) + rows(1000, 1000), {.resample_hz = 1}); }, "--segments");
   const auto text = kHead + rows(0, 1000) + rows(1000, 1000);
   const auto both = cut(text, 10, {.resample_hz = 1});
   ASSERT_EQ(both.size(), 2U);

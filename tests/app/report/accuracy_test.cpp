@@ -139,9 +139,8 @@ TEST(Accuracy, PageDataCountEveryRecordOnce) {
 
 TEST(Accuracy, SweepSaysWhichDefaultsFollow) {
   const std::string text = sweep_table(sweep());
-  for (const char* part :
-       {"gls (default)", "0.400 %", "0.990", "5.0 ms", "What follows", "gls is the default method",
-        "One tau an octave is the default", "a stride of m/16 gives N 1.002"}) {
+  for (const char* part : {"gls (default)", "0.400 %", "0.990", "5.0 ms", "What follows", "gls is the default method",
+                           "One tau an octave is the default", "a stride of m/16 gives N 1.002"}) {
     EXPECT_TRUE(holds(text, part)) << part << '\n' << text;
   }
   const Json json = Json::parse(sweep_json(sweep()));
@@ -163,8 +162,7 @@ TEST(Accuracy, PagesAreWholeAndHaveEveryElementThatTheirScriptsAskFor) {
     std::size_t scripts = 0;
     for (std::size_t at = 0; (at = page.find("</script>", at)) != std::string::npos; ++at) ++scripts;
     EXPECT_EQ(scripts, 3U);
-    for (auto it = std::sregex_iterator(script.begin(), script.end(), asked); it != std::sregex_iterator();
-         ++it) {
+    for (auto it = std::sregex_iterator(script.begin(), script.end(), asked); it != std::sregex_iterator(); ++it) {
       EXPECT_TRUE(holds(page, "id=\"" + (*it)[1].str() + "\"")) << (*it)[1];
     }
   }

@@ -32,8 +32,7 @@ CoreMatrix diagonal(double position, double velocity, double attitude) {
 
 // Two sources, 3 m and 4 m each way, at 0 s and 10 s; everything asked for.
 BudgetResult full() {
-  BudgetResult r{
-      .scene = "a.yaml", .name = "a </script> scene", .sensor = "s.yaml", .command = "gyrobudget budget"};
+  BudgetResult r{.scene = "a.yaml", .name = "a </script> scene", .sensor = "s.yaml", .command = "gyrobudget budget"};
   r.at = 10;
   r.at_index = 1;
   r.budget.times = {0, 10};
@@ -116,8 +115,7 @@ TEST(BudgetReport, JsonHasTheNumbersThatWentIn) {
   bare.budget.claimed.clear();
   const Json nothing = Json::parse(budget_json({bare}));
   tests::expect_schema(nothing);
-  for (const auto* field : {"claimed", "limit", "monte_carlo"})
-    EXPECT_TRUE(nothing[field].is_null()) << field;
+  for (const auto* field : {"claimed", "limit", "monte_carlo"}) EXPECT_TRUE(nothing[field].is_null()) << field;
   EXPECT_TRUE(nothing["sources"][0]["exact_position_rss_m"].is_null());
   EXPECT_EQ(Json::parse(budget_json({bare, bare}))["budgets"].size(), 2u);
 }

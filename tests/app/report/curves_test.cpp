@@ -17,8 +17,7 @@ using noise::Term;
 constexpr double kDegPerHour = std::numbers::pi / 180 / 3600;
 
 const Mark* find_mark(const AxisCurves& curves, const std::string& name) {
-  const auto it =
-      std::find_if(curves.marks.begin(), curves.marks.end(), [&](const Mark& m) { return m.name == name; });
+  const auto it = std::find_if(curves.marks.begin(), curves.marks.end(), [&](const Mark& m) { return m.name == name; });
   return it == curves.marks.end() ? nullptr : &*it;
 }
 

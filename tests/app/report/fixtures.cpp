@@ -10,15 +10,14 @@
 namespace gyrobudget::fixtures {
 namespace {
 
+using allan::DeviationPoint;
 using noise::Signal;
 using noise::Term;
 using report::AxisResult;
-using allan::DeviationPoint;
 using report::LogResult;
 
 constexpr double kDegree = std::numbers::pi / 180, kHour = 3600, kMicroG = 9.80665e-6;
-constexpr double kDegPerHour = kDegree / kHour, kDegPerRootHour = kDegree / 60,
-                 kDegPerHourRootHour = kDegPerHour / 60;
+constexpr double kDegPerHour = kDegree / kHour, kDegPerRootHour = kDegree / 60, kDegPerHourRootHour = kDegPerHour / 60;
 constexpr double kTurn = 2.399963;  // golden angle: a wiggle without period
 
 struct Truth {
@@ -47,8 +46,7 @@ double chi_square_ratio(double edf, double z) {
   return std::pow(std::max(0.05, 1 - a + z * std::sqrt(a)), 3);
 }
 
-DeviationPoint point(const Truth& truth, std::int64_t samples, double rate, std::int64_t m,
-                     const Disturbance& factor) {
+DeviationPoint point(const Truth& truth, std::int64_t samples, double rate, std::int64_t m, const Disturbance& factor) {
   constexpr double kTwoSided = 1.96;
   allan::DeviationPoint p;
   p.m = m;
@@ -108,12 +106,12 @@ fit::Coefficient not_fitted(Term term) {
 }
 
 /// The fit that gave `model` back, on octaves.
-fit::Result fit_of(const AxisResult& axis, const Truth& truth, const Truth& model, std::int64_t samples,
-                   double rate, const Disturbance& factor = none) {
+fit::Result fit_of(const AxisResult& axis, const Truth& truth, const Truth& model, std::int64_t samples, double rate,
+                   const Disturbance& factor = none) {
   fit::Result fit;
   fit.coefficients = {not_fitted(Term::quantization), coefficient(Term::white, model.n, 3.75e-4),
-                      coefficient(Term::flicker, model.b, 0.166),
-                      coefficient(Term::rate_random_walk, model.k, 0.126), not_fitted(Term::rate_ramp)};
+                      coefficient(Term::flicker, model.b, 0.166), coefficient(Term::rate_random_walk, model.k, 0.126),
+                      not_fitted(Term::rate_ramp)};
   fit.fitted_terms = {Term::white, Term::flicker, Term::rate_random_walk};
   fit.covariance = Eigen::MatrixXd::Zero(3, 3);
   for (int i = 0; i < 3; ++i) {
@@ -188,19 +186,17 @@ LogResult not_described() {
   const Disturbance hump = [](double tau) { return 1 + 4.2 * std::exp(-std::pow(std::log(tau / 3.0), 2)); };
   LogResult result = record("rlg_vehicle_counts.csv", kRate, kSamples);
   result.missing_samples = 1234;
-  result.notes = {
-      "1234 samples are not numbers (0.34 %); they were masked, and the statistics allow for it."};
+  result.notes = {"1234 samples are not numbers (0.34 %); they were masked, and the statistics allow for it."};
   const Truth truth = {2e-3 * kDegPerRootHour, 5e-3 * kDegPerHour, 3e-2 * kDegPerHourRootHour};
   AxisResult axis = curve("rate", Signal::angular_rate, truth, kSamples, kRate, hump);
-  axis.fit = fit_of(axis, truth, {3e-3 * kDegPerRootHour, 4e-2 * kDegPerHour, 2e-1 * kDegPerHourRootHour},
-                    kSamples, kRate, hump);
+  axis.fit = fit_of(axis, truth, {3e-3 * kDegPerRootHour, 4e-2 * kDegPerHour, 2e-1 * kDegPerHourRootHour}, kSamples,
+                    kRate, hump);
   axis.fit->chi2 = 41234.5;
   axis.fit->p_value = 0;
   axis.fit->worst_misfit = 2.6;
   axis.fit->worst_misfit_tau_s = 2.56;
   axis.fit->verdict = fit::Verdict::not_described;
-  axis.advice = {
-      "The record was not taken at rest, or a periodic disturbance is in it: record again on a pier."};
+  axis.advice = {"The record was not taken at rest, or a periodic disturbance is in it: record again on a pier."};
   result.axes.push_back(std::move(axis));
   return result;
 }
@@ -218,9 +214,8 @@ LogResult accelerometer() {
   axis.fit->verdict = fit::Verdict::described_within;
   axis.fit->worst_misfit = 0.031;
   axis.fit->worst_misfit_tau_s = 0.04;
-  axis.fit->moved = {{Term::white, 0.0203 / 60, truth.n},
-                     {Term::flicker, 0, truth.b},
-                     {Term::rate_random_walk, truth.k, truth.k}};
+  axis.fit->moved = {
+      {Term::white, 0.0203 / 60, truth.n}, {Term::flicker, 0, truth.b}, {Term::rate_random_walk, truth.k, truth.k}};
   cut(*axis.fit, 3);
   axis.advice = {"The output filter of the sensor shows below 0.04 s."};
   result.axes.push_back(std::move(axis));
@@ -235,8 +230,7 @@ LogResult bounded() {
   AxisResult axis = curve("ifog", Signal::angular_rate, truth, kSamples, kRate);
   axis.fit = fit_of(axis, truth, truth, kSamples, kRate);
   axis.fit->coefficients[2] = at_zero(Term::flicker, 1.42e-3 * kDegPerHour, fit::Status::upper_bound);
-  axis.fit->coefficients[3] =
-      at_zero(Term::rate_random_walk, 1.1e-5 * kDegPerHourRootHour, fit::Status::left_out);
+  axis.fit->coefficients[3] = at_zero(Term::rate_random_walk, 1.1e-5 * kDegPerHourRootHour, fit::Status::left_out);
   axis.fit->covariance(1, 1) = axis.fit->covariance(2, 2) = std::numeric_limits<double>::quiet_NaN();
   result.axes.push_back(std::move(axis));
   return result;
@@ -268,8 +262,7 @@ LogResult hostile_names() {
   LogResult result = mems();
   result.source = "a</script><b>\"it's\"&`touch trap`$(touch trap).csv";
   result.command = "gyrobudget calibrate '</script><b>' {{script}} --report x.html";
-  result.notes = {
-      "<img src=x onerror=alert(1)> \\ \t tab, newline\nhere, bad UTF-8 \xff\xfe, \xe2\x80\xa8 separator"};
+  result.notes = {"<img src=x onerror=alert(1)> \\ \t tab, newline\nhere, bad UTF-8 \xff\xfe, \xe2\x80\xa8 separator"};
   result.axes.front().name = "gyro_{x}^2</script><b>'; set output '/tmp/trap'; `touch trap`";
   result.axes.front().advice = {"<script>alert(1)</script>"};
   return result;

@@ -2,10 +2,10 @@
 // The forms of closed-loop flights, from studies that are flown here.
 #include "gyrobudget/app/report/flight.h"
 
-#include "gyrobudget/estimation/budget/error_budget.h"
 #include "gyrobudget/app/report/flight_numbers.h"
 #include "gyrobudget/app/report/layout.h"
 #include "gyrobudget/app/report/page_parts.h"
+#include "gyrobudget/estimation/budget/error_budget.h"
 
 #include <gtest/gtest.h>
 
@@ -39,8 +39,8 @@ navigation::Scenario scenario(bool aided = false) {
   return s;
 }
 
-FlightResult result(const flight::Plan& plan, const flight::Dispersion& dispersion,
-                    const navigation::Scenario& s, int runs) {
+FlightResult result(const flight::Plan& plan, const flight::Dispersion& dispersion, const navigation::Scenario& s,
+                    int runs) {
   return {.scene = "a.yaml",
           .name = "a </script> scene",
           .sensor = "folder/mems.yaml",
@@ -141,8 +141,7 @@ TEST(FlightReport, JsonHasTheNumbersOfTheStudy) {
   EXPECT_NEAR(j["burnout"]["t_s"].get<double>(), 83, 1e-9);
   EXPECT_NEAR(j["burnout"]["height_m"].get<double>(), earth::to_geodetic(end.truth.p_eb_e).height, 1e-6);
   EXPECT_NEAR(j["burnout"]["distance_m"].get<double>(), (end.truth.p_eb_e - pad).norm(), 1e-6);
-  EXPECT_NEAR(j["burnout"]["downrange_m"].get<double>(),
-              (end.truth.p_eb_e - pad).dot(r.study.C_launch.col(0)), 1e-6);
+  EXPECT_NEAR(j["burnout"]["downrange_m"].get<double>(), (end.truth.p_eb_e - pad).dot(r.study.C_launch.col(0)), 1e-6);
   EXPECT_NEAR(j["burnout"]["speed_m_s"].get<double>(), end.truth.v_eb_e.norm(), 1e-9);
   EXPECT_NEAR(j["departure"]["position_m"]["rss"].get<double>(),
               (end.truth.p_eb_e - r.study.nominal.end.truth.p_eb_e).norm(), 1e-6);
@@ -164,8 +163,8 @@ TEST(FlightReport, JsonHasTheNumbersOfTheStudy) {
   for (const auto& source : error["sources"]) share += source["share"].get<double>();
   EXPECT_NEAR(share, 1, 1e-9);
   const auto found = navigation::local_sigmas(r.study.sensors.navigation_error(), r.study.C_enu);
-  EXPECT_NEAR(error["monte_carlo"]["position_rss_ratio"].get<double>(),
-              found.position.norm() / total.position.norm(), 1e-12);
+  EXPECT_NEAR(error["monte_carlo"]["position_rss_ratio"].get<double>(), found.position.norm() / total.position.norm(),
+              1e-12);
   EXPECT_LT(error["monte_carlo"]["ratio_low"].get<double>(), 1);
   EXPECT_GT(error["monte_carlo"]["ratio_high"].get<double>(), 1);
 
@@ -292,8 +291,7 @@ TEST(FlightReport, ThePageIsWholeAndLoadsNothing) {
     const Json data = page_data_of(page);
     ASSERT_FALSE(data.is_discarded());
     const Json& shown = data["flights"][0];
-    EXPECT_EQ(shown["clouds"]["sensors"]["points"].size(),
-              static_cast<std::size_t>(r->study.sensors.complete()));
+    EXPECT_EQ(shown["clouds"]["sensors"]["points"].size(), static_cast<std::size_t>(r->study.sensors.complete()));
     EXPECT_EQ(shown["nominal_trajectory"]["program_deg"][0], 90);
     EXPECT_EQ(shown["growth"].is_null(), !r->study.budget);
   }

@@ -13,8 +13,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-const std::set<std::string, std::less<>> kTypes{"null",   "boolean", "integer", "number",
-                                                "string", "array",   "object"};
+const std::set<std::string, std::less<>> kTypes{"null", "boolean", "integer", "number", "string", "array", "object"};
 
 bool is_text(const Json& v) { return v.is_string(); }
 bool is_number(const Json& v) { return v.is_number(); }
@@ -28,9 +27,7 @@ bool is_list_of_texts(const Json& v) { return v.is_array() && std::all_of(v.begi
 bool is_list(const Json& v) { return v.is_array() && !v.empty(); }
 bool is_anything(const Json&) { return true; }
 bool is_type(const Json& v) { return v.is_string() && kTypes.contains(v.get<std::string>()); }
-bool is_type_or_types(const Json& v) {
-  return is_type(v) || (is_list(v) && std::all_of(v.begin(), v.end(), is_type));
-}
+bool is_type_or_types(const Json& v) { return is_type(v) || (is_list(v) && std::all_of(v.begin(), v.end(), is_type)); }
 
 // All keywords that are known, and the form that the value of each must have.
 const std::map<std::string, bool (*)(const Json&), std::less<>> kKeywords{
@@ -101,8 +98,7 @@ JsonSchemas::JsonSchemas(const std::vector<Json>& documents) {
   for (const auto& [id, document] : documents_) check_form(id, document, "");
 }
 
-void JsonSchemas::check_form(const std::string& document, const Json& schema,
-                             const std::string& pointer) const {
+void JsonSchemas::check_form(const std::string& document, const Json& schema, const std::string& pointer) const {
   const auto refuse = [&](const std::string& keyword, const std::string& why) {
     throw std::invalid_argument(document + "#" + pointer + "/" + escaped(keyword) + ": " + why);
   };
@@ -121,8 +117,7 @@ void JsonSchemas::check_form(const std::string& document, const Json& schema,
     if (known->second == is_map_of_schemas)
       for (const auto& [key, item] : value.items()) check_form(document, item, below + "/" + escaped(key));
     if (known->second == is_list_of_schemas)
-      for (std::size_t i = 0; i < value.size(); ++i)
-        check_form(document, value[i], below + "/" + std::to_string(i));
+      for (std::size_t i = 0; i < value.size(); ++i) check_form(document, value[i], below + "/" + std::to_string(i));
   }
 }
 
@@ -177,8 +172,7 @@ class SchemaCheck {
 
   void fail(std::string what) { violations_.push_back({here(), std::move(what)}); }
 
-  [[nodiscard]] std::vector<Violation> apart(const Json& value, const std::string& document,
-                                             const Json& schema) const {
+  [[nodiscard]] std::vector<Violation> apart(const Json& value, const std::string& document, const Json& schema) const {
     SchemaCheck inner(schemas_, path_);
     inner.check(value, document, schema);
     return inner.take();

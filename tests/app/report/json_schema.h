@@ -41,8 +41,7 @@ class JsonSchemas {
     const nlohmann::json* schema;
   };
   [[nodiscard]] Place resolve(const std::string& document, const std::string& reference) const;
-  void check_form(const std::string& document, const nlohmann::json& schema,
-                  const std::string& pointer) const;
+  void check_form(const std::string& document, const nlohmann::json& schema, const std::string& pointer) const;
 
   std::map<std::string, nlohmann::json, std::less<>> documents_;
 };

@@ -44,8 +44,7 @@ TEST_P(Keyword, AcceptsAndRejects) {
   const Case& one = GetParam();
   const Json schema = Json::parse(one.schema), rejected = Json::parse(one.rejected);
   EXPECT_NE(schema.dump().find(std::string("\"") + one.keyword + "\""), std::string::npos);
-  for (const Violation& v : broken(schema, Json::parse(one.accepted)))
-    ADD_FAILURE() << v.at << ": " << v.what;
+  for (const Violation& v : broken(schema, Json::parse(one.accepted))) ADD_FAILURE() << v.at << ": " << v.what;
   const auto violations = broken(schema, rejected);
   ASSERT_EQ(violations.size(), 1U) << one.rejected;
   EXPECT_EQ(violations[0].at, one.at);
@@ -60,47 +59,39 @@ TEST_P(Keyword, AcceptsAndRejects) {
 INSTANTIATE_TEST_SUITE_P(
     All, Keyword,
     testing::Values(
-        Case{"type", R"({"type": "null"})", "null", "0", ""},
-        Case{"type", R"({"type": "boolean"})", "false", "0", ""},
+        Case{"type", R"({"type": "null"})", "null", "0", ""}, Case{"type", R"({"type": "boolean"})", "false", "0", ""},
         Case{"type", R"({"type": "integer"})", "-3", "2.5", ""},
         Case{"type", R"({"type": "integer"})", "2.0", "\"2\"", ""},
-        Case{"type", R"({"type": "number"})", "2", "null", ""},
-        Case{"type", R"({"type": "string"})", "\"\"", "[]", ""},
-        Case{"type", R"({"type": "array"})", "[]", "{}", ""},
-        Case{"type", R"({"type": "object"})", "{}", "[]", ""},
+        Case{"type", R"({"type": "number"})", "2", "null", ""}, Case{"type", R"({"type": "string"})", "\"\"", "[]", ""},
+        Case{"type", R"({"type": "array"})", "[]", "{}", ""}, Case{"type", R"({"type": "object"})", "{}", "[]", ""},
         Case{"type", R"({"type": ["number", "null"]})", "null", "\"\"", ""},
         Case{"enum", R"({"enum": ["a", 1]})", "1", "\"b\"", ""},
         Case{"const", R"({"const": "km"})", "\"km\"", "\"m\"", ""},
-        Case{"const", R"({"const": null})", "null", "0", ""},
-        Case{"minimum", R"({"minimum": 2})", "2", "1.9", ""},
+        Case{"const", R"({"const": null})", "null", "0", ""}, Case{"minimum", R"({"minimum": 2})", "2", "1.9", ""},
         Case{"exclusiveMinimum", R"({"exclusiveMinimum": 2})", "2.1", "2", ""},
         Case{"maximum", R"({"maximum": 2})", "2", "2.1", ""},
         Case{"minimum", R"({"minimum": 2})", "\"no number\"", "-1", ""},
         Case{"minItems", R"({"minItems": 2})", "[1, 2]", "[1]", ""},
         Case{"maxItems", R"({"maxItems": 2})", "[1, 2]", "[1, 2, 3]", ""},
         Case{"items", R"({"items": {"type": "number"}})", "[1, 2]", "[1, null]", "/1"},
-        Case{"properties", R"({"properties": {"a": {"type": "number"}}})", R"({"a": 1, "b": ""})",
-             R"({"a": ""})", "/a"},
+        Case{"properties", R"({"properties": {"a": {"type": "number"}}})", R"({"a": 1, "b": ""})", R"({"a": ""})",
+             "/a"},
         Case{"required", R"({"required": ["a"]})", R"({"a": null})", R"({"b": 1})", ""},
-        Case{"additionalProperties", R"({"properties": {"a": {}}, "additionalProperties": false})",
-             R"({"a": 1})", R"({"a": 1, "b": 2})", "/b"},
+        Case{"additionalProperties", R"({"properties": {"a": {}}, "additionalProperties": false})", R"({"a": 1})",
+             R"({"a": 1, "b": 2})", "/b"},
         Case{"additionalProperties", R"({"additionalProperties": {"type": "number"}})", R"({"a": 1})",
              R"({"a": 1, "b/c": ""})", "/b~1c"},
         Case{"propertyNames", R"({"propertyNames": {"enum": ["a"]}})", R"({"a": 1})", R"({"b": 1})", "/b"},
         Case{"anyOf", R"({"anyOf": [{"type": "null"}, {"minimum": 1, "type": "number"}]})", "1", "\"\"", ""},
-        Case{"if", R"({"if": {"required": ["a"]}, "then": {"required": ["b"]}})", R"({"a": 1, "b": 1})",
-             R"({"a": 1})", ""},
-        Case{"if", R"({"if": {"required": ["a"]}, "else": {"required": ["b"]}})", R"({"a": 1})",
-             R"({"c": 1})", ""},
-        Case{"then", R"({"if": {"required": ["a"]}, "then": {"required": ["b"]}})", R"({"c": 1})",
-             R"({"a": 1})", ""},
-        Case{"else", R"({"if": {"required": ["a"]}, "else": {"required": ["b"]}})", R"({"b": 1})", R"({})",
+        Case{"if", R"({"if": {"required": ["a"]}, "then": {"required": ["b"]}})", R"({"a": 1, "b": 1})", R"({"a": 1})",
              ""},
+        Case{"if", R"({"if": {"required": ["a"]}, "else": {"required": ["b"]}})", R"({"a": 1})", R"({"c": 1})", ""},
+        Case{"then", R"({"if": {"required": ["a"]}, "then": {"required": ["b"]}})", R"({"c": 1})", R"({"a": 1})", ""},
+        Case{"else", R"({"if": {"required": ["a"]}, "else": {"required": ["b"]}})", R"({"b": 1})", R"({})", ""},
         Case{"$ref", R"({"$ref": "#/$defs/n", "$defs": {"n": {"type": "number"}}})", "1", "\"\"", ""}));
 
 TEST(JsonSchema, DescriptionsAndAnEmptySchemaAcceptEverything) {
-  const Json schema =
-      Json::parse(R"({"$schema": "x", "title": "x", "description": "x", "$defs": {"n": {}}})");
+  const Json schema = Json::parse(R"({"$schema": "x", "title": "x", "description": "x", "$defs": {"n": {}}})");
   for (const Json& value : {Json(nullptr), Json(1), Json("x"), Json::array({1}), Json{{"a", 1}}})
     EXPECT_TRUE(broken(schema, value).empty()) << value;
 }
@@ -114,22 +105,20 @@ TEST(JsonSchema, WhatStandsBesideAReferenceHoldsToo) {
 }
 
 TEST(JsonSchema, ReferencesLeadIntoOtherDocumentsAndOnFromThere) {
-  const JsonSchemas schemas(
-      {Json::parse(R"({"$id": "https://a.invalid/s/list.json", "items": {"$ref": "one.json"}})"),
-       Json::parse(R"({"$id": "https://a.invalid/s/one.json", "properties":
+  const JsonSchemas schemas({Json::parse(R"({"$id": "https://a.invalid/s/list.json", "items": {"$ref": "one.json"}})"),
+                             Json::parse(R"({"$id": "https://a.invalid/s/one.json", "properties":
                                {"a": {"$ref": "parts.json#/$defs/big"}}})"),
-       Json::parse(R"({"$id": "https://a.invalid/s/parts.json", "$defs":
+                             Json::parse(R"({"$id": "https://a.invalid/s/parts.json", "$defs":
                                {"big": {"$ref": "#/$defs/least"}, "least": {"minimum": 7}}})")});
-  const auto violations =
-      schemas.violations(Json::parse(R"([{"a": 7}, {"a": 6}])"), "https://a.invalid/s/list.json");
+  const auto violations = schemas.violations(Json::parse(R"([{"a": 7}, {"a": 6}])"), "https://a.invalid/s/list.json");
   ASSERT_EQ(violations.size(), 1U);
   EXPECT_EQ(violations[0].at, "/1/a");
   EXPECT_EQ(violations[0].what, "minimum is 7, found 6.0");
 }
 
 TEST(JsonSchema, EveryViolationHasItsPlace) {
-  const Json schema = Json::parse(
-      R"({"required": ["c"], "properties": {"a": {"type": "number"}, "b": {"items": {"minimum": 0}}}})");
+  const Json schema =
+      Json::parse(R"({"required": ["c"], "properties": {"a": {"type": "number"}, "b": {"items": {"minimum": 0}}}})");
   std::vector<std::string> places;
   for (const auto& v : broken(schema, Json::parse(R"({"a": "", "b": [1, -1, -2]})"))) places.push_back(v.at);
   EXPECT_EQ(places, (std::vector<std::string>{"", "/a", "/b/1", "/b/2"}));
@@ -137,8 +126,8 @@ TEST(JsonSchema, EveryViolationHasItsPlace) {
 
 // "no form fits" would not help where the form that was meant is plain.
 TEST(JsonSchema, AnObjectOrNullSaysWhatIsWrongInTheObject) {
-  const Json schema = Json::parse(
-      R"({"properties": {"a": {"anyOf": [{"type": "object", "required": ["b"]}, {"type": "null"}]}}})");
+  const Json schema =
+      Json::parse(R"({"properties": {"a": {"anyOf": [{"type": "object", "required": ["b"]}, {"type": "null"}]}}})");
   EXPECT_TRUE(broken(schema, Json::parse(R"({"a": null})")).empty());
   const auto violations = broken(schema, Json::parse(R"({"a": {"c": 1}})"));
   ASSERT_EQ(violations.size(), 1U);
@@ -159,17 +148,15 @@ TEST(JsonSchema, RefusesWhatItDoesNotKnow) {
             std::string(kId) + "#/properties/a/items/multipleOf: this validator does not know the keyword");
   for (const char* schema :
        {R"({"patternProperties": {}})", R"({"$defs": {"a": {"allOf": [{}]}}})", R"({"anyOf": [{"not": {}}]})",
-        R"({"type": "float"})", R"({"type": []})", R"({"enum": []})", R"({"minimum": "1"})",
-        R"({"minItems": -1})", R"({"items": [{}]})", R"({"required": "a"})", R"({"properties": {"a": 1}})",
-        R"({"anyOf": []})", R"({"then": {}})", R"({"properties": {"a": {"$defs": {}}}})",
-        R"({"$ref": "#/$defs/a"})", R"({"$ref": "other.json#/$defs/a", "$defs": {"a": {}}})",
+        R"({"type": "float"})", R"({"type": []})", R"({"enum": []})", R"({"minimum": "1"})", R"({"minItems": -1})",
+        R"({"items": [{}]})", R"({"required": "a"})", R"({"properties": {"a": 1}})", R"({"anyOf": []})",
+        R"({"then": {}})", R"({"properties": {"a": {"$defs": {}}}})", R"({"$ref": "#/$defs/a"})",
+        R"({"$ref": "other.json#/$defs/a", "$defs": {"a": {}}})",
         R"({"$ref": "#/properties/a", "properties": {"a": {}}})"})
     EXPECT_NE(refusal(schema), "accepted") << schema;
   EXPECT_THROW(JsonSchemas(Documents{Json::object()}), std::invalid_argument);
-  EXPECT_THROW(JsonSchemas(Documents{with_id(Json::object()), with_id(Json::object())}),
-               std::invalid_argument);
-  EXPECT_THROW((void)JsonSchemas(Documents{with_id(Json::object())}).violations(1, "other"),
-               std::out_of_range);
+  EXPECT_THROW(JsonSchemas(Documents{with_id(Json::object()), with_id(Json::object())}), std::invalid_argument);
+  EXPECT_THROW((void)JsonSchemas(Documents{with_id(Json::object())}).violations(1, "other"), std::out_of_range);
 }
 
 }  // namespace

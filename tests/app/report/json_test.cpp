@@ -29,8 +29,7 @@ std::vector<std::string> keys_of(const Json& object) {
 }
 
 void expect_keys(const Json& object, const std::vector<std::string>& keys) {
-  for (const std::string& key : keys)
-    EXPECT_TRUE(object.contains(key)) << "no \"" << key << "\" in " << object.dump();
+  for (const std::string& key : keys) EXPECT_TRUE(object.contains(key)) << "no \"" << key << "\" in " << object.dump();
 }
 
 void expect_record(const Json& document, std::int64_t samples, double rate, double duration) {
@@ -97,9 +96,8 @@ TEST(Json, EndsInOneNewline) {
 }
 
 const std::vector<std::string> kParameterKeys = {"value", "unit", "lower", "upper", "relative_std", "status"};
-const std::vector<std::string> kFitKeys = {"method",    "tau_min_s",  "tau_max_s",    "chi2",
-                                           "dof",       "p_value",    "worst_misfit", "verdict",
-                                           "converged", "iterations", "seconds"};
+const std::vector<std::string> kFitKeys = {"method",       "tau_min_s", "tau_max_s", "chi2",       "dof",    "p_value",
+                                           "worst_misfit", "verdict",   "converged", "iterations", "seconds"};
 
 TEST(CalibrationJson, HasEveryFieldOfTheContract) {
   const Json document = Json::parse(calibration_json(fixtures::mems()));
@@ -148,8 +146,7 @@ TEST(CalibrationJson, GivesTheNumbersOfTheFit) {
 }
 
 TEST(CalibrationJson, AccelerometersHaveTheirOwnKeys) {
-  const Json parameters =
-      Json::parse(calibration_json(fixtures::accelerometer())).at("axes").at(0).at("parameters");
+  const Json parameters = Json::parse(calibration_json(fixtures::accelerometer())).at("axes").at(0).at("parameters");
   EXPECT_EQ(keys_of(parameters),
             (std::vector<std::string>{"vrw", "bias_instability", "accel_rw", "quantization", "rate_ramp"}));
   EXPECT_EQ(parameters.at("vrw").at("unit"), "m/s/sqrt(h)");
@@ -160,8 +157,7 @@ TEST(CalibrationJson, AccelerometersHaveTheirOwnKeys) {
 }
 
 TEST(CalibrationJson, FittedCoefficientsAlwaysHaveNumbers) {
-  for (const LogResult& result :
-       {fixtures::mems(), fixtures::bounded(), fixtures::imu(), fixtures::not_described()}) {
+  for (const LogResult& result : {fixtures::mems(), fixtures::bounded(), fixtures::imu(), fixtures::not_described()}) {
     const Json document = Json::parse(calibration_json(result));
     for (const Json& axis : document.at("axes")) {
       for (const auto& [key, parameter] : axis.at("parameters").items()) {
@@ -177,8 +173,7 @@ TEST(CalibrationJson, FittedCoefficientsAlwaysHaveNumbers) {
 }
 
 TEST(CalibrationJson, BoundsAreZeroWithAnUpperLimit) {
-  const Json parameters =
-      Json::parse(calibration_json(fixtures::bounded())).at("axes").at(0).at("parameters");
+  const Json parameters = Json::parse(calibration_json(fixtures::bounded())).at("axes").at(0).at("parameters");
   const Json& b = parameters.at("bias_instability");
   EXPECT_EQ(b.at("status"), "upper_bound");
   EXPECT_EQ(b.at("value"), 0.0);
@@ -233,8 +228,7 @@ TEST(CalibrationJson, NamesVerdictCutAndMoves) {
   EXPECT_NEAR(described.at("moved").at(0).at("from").get<double>(), 0.0203, 1e-16);
   EXPECT_EQ(described.at("residuals").at(2).at("used"), false);
   EXPECT_EQ(described.at("residuals").at(3).at("used"), true);
-  const Json not_described =
-      Json::parse(calibration_json(fixtures::not_described())).at("axes").at(0).at("fit");
+  const Json not_described = Json::parse(calibration_json(fixtures::not_described())).at("axes").at(0).at("fit");
   EXPECT_EQ(not_described.at("verdict"), "not_described");
   EXPECT_EQ(not_described.at("p_value"), 0.0);
 }

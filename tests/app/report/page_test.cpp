@@ -35,9 +35,8 @@ Json data_of(const std::string& page) {
 
 /// Everything that makes a browser fetch something.
 void expect_self_contained(const std::string& page) {
-  const std::regex load(
-      R"re((<link|<iframe|<object|<embed|@import|\burl\s*\(|\ssrc\s*=|\shref\s*=\s*["']?(?!#)))re",
-      std::regex::icase);
+  const std::regex load(R"re((<link|<iframe|<object|<embed|@import|\burl\s*\(|\ssrc\s*=|\shref\s*=\s*["']?(?!#)))re",
+                        std::regex::icase);
   std::string markup = page;
   const auto chart = markup.find(kChartJs);  // a library; what it could load the policy below forbids
   ASSERT_NE(chart, std::string::npos);
@@ -96,8 +95,7 @@ TEST(Page, CarriesEverySentenceAndRow) {
   EXPECT_EQ(axis.at("curves").at("terms").size(), 3U);
   EXPECT_EQ(axis.at("curves").at("model").size(), axis.at("curves").at("tau_s").size());
   EXPECT_EQ(axis.at("curves").at("marks").size(), 4U);
-  EXPECT_EQ(axis.at("curves").at("terms").at(0).at("text").at("si"),
-            "velocity random walk: N = 0.000333 m/s/sqrt(s)");
+  EXPECT_EQ(axis.at("curves").at("terms").at(0).at("text").at("si"), "velocity random walk: N = 0.000333 m/s/sqrt(s)");
   EXPECT_EQ(data.at("calibration").at("axes").at(0).at("fit").at("residuals").size(), 22U);
 }
 
@@ -143,14 +141,12 @@ TEST(Page, EveryElementThatTheScriptAsksForExists) {
   const std::string script(kPageJs), html(kPageHtml);
   const std::regex asked(R"re(byId\("([a-z-]+)"\))re");
   std::set<std::string> ids;
-  for (auto it = std::sregex_iterator(script.begin(), script.end(), asked); it != std::sregex_iterator();
-       ++it)
+  for (auto it = std::sregex_iterator(script.begin(), script.end(), asked); it != std::sregex_iterator(); ++it)
     ids.insert((*it)[1]);
   EXPECT_GE(ids.size(), 6U);
   for (const std::string& id : ids) EXPECT_NE(html.find("id=\"" + id + "\""), std::string::npos) << id;
   const std::regex classes(R"re(querySelector\("\.([a-z-]+))re");
-  for (auto it = std::sregex_iterator(script.begin(), script.end(), classes); it != std::sregex_iterator();
-       ++it) {
+  for (auto it = std::sregex_iterator(script.begin(), script.end(), classes); it != std::sregex_iterator(); ++it) {
     const std::string name = (*it)[1];
     const std::regex used("class=\"[^\"]*\\b" + name + "\\b");
     EXPECT_TRUE(std::regex_search(html, used) || script.find('"' + name) != std::string::npos) << name;
@@ -159,8 +155,8 @@ TEST(Page, EveryElementThatTheScriptAsksForExists) {
 
 TEST(Page, ExplainsEachNumber) {
   const std::string glossary = between(page(fixtures::mems()), "id=\"glossary\"", "</section>");
-  for (const char* word : {"ARW", "bias instability", "RRW", "edf", "p-value", "Worst misfit", "beta",
-                           "Raw minimum", "identified, upper bound, left out", "Allan deviation"}) {
+  for (const char* word : {"ARW", "bias instability", "RRW", "edf", "p-value", "Worst misfit", "beta", "Raw minimum",
+                           "identified, upper bound, left out", "Allan deviation"}) {
     EXPECT_NE(glossary.find(word), std::string::npos) << word;
   }
 }

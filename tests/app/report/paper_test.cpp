@@ -22,10 +22,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 PaperFlight small_flight() {
-  PaperFlight flight{.time_s = {0, 83},
-                     .pitch = {1.5, 0.8},
-                     .published_km = {0.20, 4.66, 5.92},
-                     .words = {"They are no noise."}};
+  PaperFlight flight{
+      .time_s = {0, 83}, .pitch = {1.5, 0.8}, .published_km = {0.20, 4.66, 5.92}, .words = {"They are no noise."}};
   for (const char* id : {"reference", "ideal", "ifog", "mems", "offset_ifog", "offset_mems"}) {
     PaperPath path{.id = id,
                    .name = id,
@@ -38,10 +36,8 @@ PaperFlight small_flight() {
     path.measured.fill({0, 0.02});
     flight.paths.push_back(path);
   }
-  PaperHypothesis lost{.id = "per_second",
-                       .what = "deg/h taken for deg/s",
-                       .takes_unit = "times the noise",
-                       .why = "It comes down."};
+  PaperHypothesis lost{
+      .id = "per_second", .what = "deg/h taken for deg/s", .takes_unit = "times the noise", .why = "It comes down."};
   lost.gyros = {PaperHypothesis::Gyro{.km = 1e-12, .flights = 1},
                 {.km = 0.145, .theory_km = 0.184, .flights = 10, .takes = 25.3},
                 {.flights = 10, .lost = 10}};
@@ -99,10 +95,10 @@ Paper small_study() {
 
 TEST(Paper, TableSetsOursBesideThePublishedWithItsReason) {
   const std::string text = paper_table(small_study());
-  for (const char* part : {"seed 42", "Table I", "0.0005401 (0.0005397 to 0.0005405)", "below 0.00239",
-                           "It is the crossing. 95 % of", "readings: 0.00760 to 0.00850.",
-                           "its noise holds ARW 0.000540 deg/sqrt(h), bias instability 0.00170 deg/h",
-                           "Figure 7", "1 of the 2 published values"}) {
+  for (const char* part :
+       {"seed 42", "Table I", "0.0005401 (0.0005397 to 0.0005405)", "below 0.00239", "It is the crossing. 95 % of",
+        "readings: 0.00760 to 0.00850.", "its noise holds ARW 0.000540 deg/sqrt(h), bias instability 0.00170 deg/h",
+        "Figure 7", "1 of the 2 published values"}) {
     EXPECT_NE(text.find(part), std::string::npos) << part << '\n' << text;
   }
   EXPECT_EQ(text.find("Table II"), std::string::npos) << "a heading without rows";
@@ -179,8 +175,7 @@ TEST(Paper, EveryElementThatTheScriptsAskForExists) {
   const std::string script(kPaperJs), html = std::string(kPaperHtml) + std::string(kShellHtml);
   const std::regex asked(R"re(byId\("([a-z0-9-]+)"\))re");
   std::size_t found = 0;
-  for (auto it = std::sregex_iterator(script.begin(), script.end(), asked); it != std::sregex_iterator();
-       ++it) {
+  for (auto it = std::sregex_iterator(script.begin(), script.end(), asked); it != std::sregex_iterator(); ++it) {
     EXPECT_NE(html.find("id=\"" + (*it)[1].str() + "\""), std::string::npos) << (*it)[1];
     ++found;
   }
@@ -189,8 +184,7 @@ TEST(Paper, EveryElementThatTheScriptsAskForExists) {
   const std::string shared(kPlotJs);
   for (const std::string_view body : {kPageHtml, kPaperHtml}) {
     const std::string whole = std::string(body) + std::string(kShellHtml);
-    for (auto it = std::sregex_iterator(shared.begin(), shared.end(), asked); it != std::sregex_iterator();
-         ++it) {
+    for (auto it = std::sregex_iterator(shared.begin(), shared.end(), asked); it != std::sregex_iterator(); ++it) {
       EXPECT_NE(whole.find("id=\"" + (*it)[1].str() + "\""), std::string::npos) << (*it)[1];
     }
   }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "gyrobudget/app/text/error.h"
 #include "gyrobudget/app/report/gnuplot.h"
 #include "gyrobudget/app/report/report.h"
+#include "gyrobudget/app/text/error.h"
 
 #include <gtest/gtest.h>
 
@@ -31,9 +31,7 @@ class Plot : public testing::Test {
   void TearDown() override { fs::remove_all(folder_); }
 
   [[nodiscard]] std::string path(const std::string& name) const { return (folder_ / name).string(); }
-  [[nodiscard]] long files() const {
-    return std::distance(fs::directory_iterator(folder_), fs::directory_iterator());
-  }
+  [[nodiscard]] long files() const { return std::distance(fs::directory_iterator(folder_), fs::directory_iterator()); }
 
   fs::path folder_;
 };
@@ -148,8 +146,7 @@ TEST_F(Plot, MissingGnuplotNamesThePackage) {
 }
 
 TEST_F(Plot, AFailingGnuplotIsQuoted) {
-  std::ofstream(path("gnuplot"))
-      << "#!/bin/sh\necho 'half a picture'\necho 'unknown terminal type' >&2\nexit 1\n";
+  std::ofstream(path("gnuplot")) << "#!/bin/sh\necho 'half a picture'\necho 'unknown terminal type' >&2\nexit 1\n";
   fs::permissions(path("gnuplot"), fs::perms::owner_all);
   const SearchPath fake(folder_.string());
   const auto message = message_of<text::OutputError>([&] { write_plot(fixtures::mems(), path("a.png")); });

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 // The published schemas describe what the writers print, and every writer has one.
-#include "gyrobudget/closed_loop/study.h"
-#include "gyrobudget/report/accuracy.h"
-#include "gyrobudget/report/budget.h"
-#include "gyrobudget/report/flight.h"
-#include "gyrobudget/report/navigation.h"
-#include "gyrobudget/report/paper.h"
-#include "gyrobudget/report/plan.h"
-#include "gyrobudget/report/report.h"
+#include "gyrobudget/app/report/accuracy.h"
+#include "gyrobudget/app/report/budget.h"
+#include "gyrobudget/app/report/flight.h"
+#include "gyrobudget/app/report/navigation.h"
+#include "gyrobudget/app/report/paper.h"
+#include "gyrobudget/app/report/plan.h"
+#include "gyrobudget/app/report/report.h"
+#include "gyrobudget/estimation/closed_loop/study.h"
 
 #include <gtest/gtest.h>
 
@@ -60,11 +60,10 @@ AccuracyStudy accuracy_study() {
 }
 
 Sweep sweep() {
-  return {
-      .sensor = "MEMS",
-      .command = "gyrobudget accuracy mems.yaml --sweep",
-      .rate_hz = 1,
-      .rows = {{.group = "method", .setting = "gls", .samples = 3600, .records = 4, .coefficients = {{}}}}};
+  return {.sensor = "MEMS",
+          .command = "gyrobudget accuracy mems.yaml --sweep",
+          .rate_hz = 1,
+          .rows = {{.group = "method", .setting = "gls", .samples = 3600, .records = 4, .coefficients = {{}}}}};
 }
 
 Paper paper() {
@@ -145,8 +144,7 @@ TEST(Schemas, EveryNameInTheWritersHasItsFile) {
     std::ifstream in(entry.path());
     const std::string text{std::istreambuf_iterator<char>(in), {}};
     const std::regex name("\"(gyrobudget\\.[a-z_]+/[0-9]+)\"");
-    for (std::sregex_iterator at(text.begin(), text.end(), name), end; at != end; ++at)
-      written.insert((*at)[1]);
+    for (std::sregex_iterator at(text.begin(), text.end(), name), end; at != end; ++at) written.insert((*at)[1]);
   }
   EXPECT_EQ(written, tests::published_names());
 }
@@ -178,15 +176,15 @@ TEST(Schemas, SeeEveryChange) {
       EXPECT_TRUE(rejected(other)) << key;
     }
     // An unknown key in any object that has known ones; keys of tables are checked by their own values.
-    const std::function<void(const Json&, const Json::json_pointer&)> walk =
-        [&](const Json& part, const Json::json_pointer& at) {
-          if (part.is_array() && !part.empty()) walk(part.front(), at / 0);
-          if (!part.is_object()) return;
-          Json more = object;
-          more[at]["unheard_of"] = true;
-          EXPECT_TRUE(rejected(more)) << at;
-          for (const auto& [key, value] : part.items()) walk(value, at / key);
-        };
+    const std::function<void(const Json&, const Json::json_pointer&)> walk = [&](const Json& part,
+                                                                                 const Json::json_pointer& at) {
+      if (part.is_array() && !part.empty()) walk(part.front(), at / 0);
+      if (!part.is_object()) return;
+      Json more = object;
+      more[at]["unheard_of"] = true;
+      EXPECT_TRUE(rejected(more)) << at;
+      for (const auto& [key, value] : part.items()) walk(value, at / key);
+    };
     walk(object, Json::json_pointer());
   }
 }

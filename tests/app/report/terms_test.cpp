@@ -47,8 +47,7 @@ report::LogResult chosen() {
   choice.selection.terms = {Term::white, Term::flicker, Term::rate_random_walk};
   choice.selection.weighed = {{{Term::white}, Term::rate_random_walk, 812.5, 2.6, true},
                               {{Term::white}, Term::quantization, 0, 1.9, false}};
-  choice.selection.alternative =
-      fit::Alternative{{Term::white, Term::rate_random_walk, Term::gauss_markov}, 0.7};
+  choice.selection.alternative = fit::Alternative{{Term::white, Term::rate_random_walk, Term::gauss_markov}, 0.7};
   choice.alternative_fit = result.axes[0].fit;
   choice.alternative_fit->coefficients.push_back(markov());
   result.axes[0].chosen = choice;
@@ -80,8 +79,7 @@ TEST(TermsReport, ItsCurveIsTheExactOneAndItsMarkTheTopOfTheHump) {
   const auto at = std::find_if(curves.terms.begin(), curves.terms.end(),
                                [](const auto& t) { return t.term == Term::gauss_markov; });
   ASSERT_NE(at, curves.terms.end());
-  const auto mark =
-      std::find_if(curves.marks.begin(), curves.marks.end(), [](const auto& m) { return m.name == "G"; });
+  const auto mark = std::find_if(curves.marks.begin(), curves.marks.end(), [](const auto& m) { return m.name == "G"; });
   ASSERT_NE(mark, curves.marks.end());
   const double top = *std::max_element(at->deviation.begin(), at->deviation.end());
   // A dozen taus a decade: the nearest is within 10 % of the top's, where the hump has fallen by less than 0.2 %.
@@ -93,9 +91,8 @@ TEST(TermsReport, WhatWasWeighedAndTheOtherModelAreListed) {
   const report::LogResult result = chosen();
   const std::string text = report::datasheet(result);
   for (const std::string part :
-       {"Terms chosen by likelihood ratios: N, B and K.",
-        "weighed:", "rate random walk (K) beside N: adds 812 to ln L", "not needed",
-        "The record cannot tell N, B and K from N, K and G", "The other model, N, K and G:"})
+       {"Terms chosen by likelihood ratios: N, B and K.", "weighed:", "rate random walk (K) beside N: adds 812 to ln L",
+        "not needed", "The record cannot tell N, B and K from N, K and G", "The other model, N, K and G:"})
     EXPECT_TRUE(has(text, part)) << part << text;
   tests::expect_schema(nlohmann::json::parse(report::calibration_json(result)));
   const auto fit = nlohmann::json::parse(report::calibration_json(result))["axes"][0]["fit"];
@@ -109,9 +106,8 @@ TEST(TermsReport, WhatWasWeighedAndTheOtherModelAreListed) {
 }
 
 TEST(TermsReport, RecordsStandSideBySideUnderTheirCombinedValues) {
-  report::RunsResult runs{.command = "gyrobudget calibrate a.csv b.csv",
-                          .runs = {fixtures::mems(), fixtures::mems()},
-                          .combined = {}};
+  report::RunsResult runs{
+      .command = "gyrobudget calibrate a.csv b.csv", .runs = {fixtures::mems(), fixtures::mems()}, .combined = {}};
   runs.runs[0].source = "a.csv", runs.runs[1].source = "b\x1b.csv";
   fit::Combined n{
       .term = Term::white, .records = 2, .identified = 2, .value = 4.4e-5, .lower = 4.3e-5, .upper = 4.5e-5};

@@ -30,8 +30,7 @@ std::string flowing(const std::string& text) {
 }
 
 std::size_t code_points(const std::string& text) {
-  return static_cast<std::size_t>(
-      std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
 }
 
 #define EXPECT_SAYS(text, what) \
@@ -48,9 +47,8 @@ TEST(Datasheet, SaysWhatAPersonWantsFirst) {
   EXPECT_SAYS(text, "Left out (not fitted): quantization (Q), rate ramp (R).");
   EXPECT_SAYS(text, "Verdict: described.");
   EXPECT_SAYS(text, "p = 0.43");
-  EXPECT_SAYS(
-      text,
-      "What follows: Values and intervals can be used as they stand, for averaging times from 0.01 s on.");
+  EXPECT_SAYS(text,
+              "What follows: Values and intervals can be used as they stand, for averaging times from 0.01 s on.");
   EXPECT_SAYS(text, "For 10 %, record 27.4 h");
 }
 
@@ -72,8 +70,7 @@ TEST(Datasheet, ExplainsTheMakersBiasInstability) {
   const std::string text = flowing(datasheet(result));
   EXPECT_SAYS(
       text,
-      "Raw minimum of the curve up to a tenth of the record: 0.964 deg/h at 268.3 s. Makers often quote "
-      "it, or it divided by 0.664 (1.45 deg/h)");
+      "Raw minimum of the curve up to a tenth of the record: 0.964 deg/h at 268.3 s. Makers often quote it, or it divided by 0.664 (1.45 deg/h)");
   EXPECT_SAYS(text, "The flicker floor alone, 0.664 B, is 0.465 deg/h.");
   EXPECT_SAYS(text, "beta = B^2/(N K) = 0.756");
 }
@@ -122,9 +119,9 @@ TEST(Datasheet, RefusesWhatTheModelDoesNotDescribe) {
 TEST(Datasheet, TellsWhatWasCutAndWhatThatMoved) {
   const std::string text = flowing(datasheet(fixtures::accelerometer()));
   EXPECT_SAYS(text, "Verdict: described within 3.1 %.");
-  EXPECT_SAYS(text,
-              "Not used: 3 averaging times below 0.04 s, where the curve departs from the model by up to -12 "
-              "% (at 0.005 s).");
+  EXPECT_SAYS(
+      text,
+      "Not used: 3 averaging times below 0.04 s, where the curve departs from the model by up to -12 % (at 0.005 s).");
   EXPECT_SAYS(text, "velocity random walk from 0.02030 to 0.02000 m/s/sqrt(h) (-1.5 %)");
   EXPECT_SAYS(text, "bias instability from 0 to 12.00 ug");
   EXPECT_SAYS(text, "(unchanged)");
@@ -134,9 +131,9 @@ TEST(Datasheet, TellsWhatWasCutAndWhatThatMoved) {
 TEST(Datasheet, SeveralAxesStartWithASummary) {
   const std::string text = datasheet(fixtures::imu());
   const std::string flow = flowing(text);
-  EXPECT_SAYS(flow,
-              "N [deg/sqrt(h)] B [deg/h] K [deg/h/sqrt(h)] verdict gyro_x 0.150000 ± 0.000056 0.70 ± 0.12 "
-              "4.32 ± 0.54 described");
+  EXPECT_SAYS(
+      flow,
+      "N [deg/sqrt(h)] B [deg/h] K [deg/h/sqrt(h)] verdict gyro_x 0.150000 ± 0.000056 0.70 ± 0.12 4.32 ± 0.54 described");
   EXPECT_SAYS(flow, "N [m/s/sqrt(h)] B [ug] K [ug/sqrt(h)] verdict acc_x");
   EXPECT_LT(text.find("verdict"), text.find("gyro_x  (mean"));
 }
@@ -148,8 +145,7 @@ TEST(Datasheet, TheSummaryQuotesNothingThatIsNotDescribed) {
 }
 
 TEST(Datasheet, HasNoControlCharactersOfItsOwn) {
-  for (const LogResult& result :
-       {fixtures::mems(), fixtures::imu(), fixtures::bounded(), fixtures::hostile_names()}) {
+  for (const LogResult& result : {fixtures::mems(), fixtures::imu(), fixtures::bounded(), fixtures::hostile_names()}) {
     for (const char c : datasheet(result) + allan_table(result))
       EXPECT_TRUE(c == '\n' || static_cast<unsigned char>(c) >= ' ');
   }
@@ -161,8 +157,7 @@ TEST(AllanTable, HasARowForEveryPoint) {
   const auto head = std::find_if(lines.begin(), lines.end(),
                                  [](const std::string& l) { return l.find("tau [s]") != std::string::npos; });
   ASSERT_NE(head, lines.end());
-  for (const char* column : {"deviation [deg/h]", "95 % from", "to", "edf", "terms"})
-    EXPECT_SAYS(*head, column);
+  for (const char* column : {"deviation [deg/h]", "95 % from", "to", "edf", "terms"}) EXPECT_SAYS(*head, column);
   const auto rows = static_cast<std::size_t>(lines.end() - head - 1);
   ASSERT_EQ(rows, result.axes.front().points.size());
   EXPECT_EQ(flowing(*(head + 1)), "0.01 90.00 89.92 90.08 2399999.1 3599999");

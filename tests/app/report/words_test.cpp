@@ -113,15 +113,13 @@ TEST(Words, ZeroHasNoStandardDeviation) {
 
 TEST(Words, AnUpperLimitThatWasNotFoundIsSaid) {
   EXPECT_EQ(coefficient_text(coefficient(0.7, 0, kInfinity, kInfinity), 1, "deg/h").interval, "no limit");
-  EXPECT_EQ(coefficient_text(coefficient(0.7, 0.25, kInfinity, 0.3), 1, "deg/h").interval,
-            "above 0.25, no limit");
+  EXPECT_EQ(coefficient_text(coefficient(0.7, 0.25, kInfinity, 0.3), 1, "deg/h").interval, "above 0.25, no limit");
   LogResult result = fixtures::bounded();
   fit::Result& fit = *result.axes.front().fit;
   for (fit::Coefficient& c : fit.coefficients) c.upper = kInfinity;
   const fit::Coefficient& flicker = *find(fit, Term::flicker);
   EXPECT_EQ(status_text(Signal::angular_rate, flicker, fit), "upper bound: no limit found");
-  EXPECT_NE(minimum_text(result.axes.front(), 100).find("sets no limit to the flicker floor"),
-            std::string::npos);
+  EXPECT_NE(minimum_text(result.axes.front(), 100).find("sets no limit to the flicker floor"), std::string::npos);
 }
 
 TEST(Words, SharesOfTheVarianceAddUpToOne) {

@@ -11,10 +11,10 @@
 namespace gyrobudget::app_tests {
 namespace {
 
-using text::InputError;
 using noise::ErrorModel;
 using noise::SensorModel;
 using noise::Term;
+using text::InputError;
 
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kHour = 3600;
@@ -33,13 +33,10 @@ class SensorFile : public TemporaryFolder {
   }
 };
 
-void expect_near(double found, double expected) {
-  EXPECT_NEAR(found, expected, kLastDigits * std::abs(expected));
-}
+void expect_near(double found, double expected) { EXPECT_NEAR(found, expected, kLastDigits * std::abs(expected)); }
 
 void expect_same(const ErrorModel& a, const ErrorModel& b) {
-  for (const Term t :
-       {Term::quantization, Term::white, Term::flicker, Term::rate_random_walk, Term::rate_ramp}) {
+  for (const Term t : {Term::quantization, Term::white, Term::flicker, Term::rate_random_walk, Term::rate_ramp}) {
     EXPECT_EQ(a[t], b[t]) << static_cast<char>(t);
   }
   ASSERT_EQ(a.gauss_markov.size(), b.gauss_markov.size());
@@ -131,8 +128,7 @@ accelerometer:
   expect_near(m.gyro.g2_sensitivity.value()[2], 0.02 * kDegree / kHour / (kGravity * kGravity));
   for (const std::size_t axis : {0U, 1U, 2U}) {
     const auto number = static_cast<double>(axis + 1);
-    expect_near(m.gyro.vibration_rectification.value()[axis],
-                number * kDegree / kHour / (kGravity * kGravity));
+    expect_near(m.gyro.vibration_rectification.value()[axis], number * kDegree / kHour / (kGravity * kGravity));
     expect_near(m.accelerometer.value().turn_on_bias.value()[axis], number * 1e-3 * kGravity);
   }
   EXPECT_EQ(m.gyro.filter_order, 2);
@@ -167,16 +163,13 @@ TEST_F(SensorFile, RoundTripIsExact) {
   std::uniform_real_distribution<double> exponent(-12, 2), digits(1, 10);
   const auto any = [&] { return digits(random) * std::pow(10, std::floor(exponent(random))); };
   const auto fill = [&](ErrorModel& m) {
-    for (const Term t :
-         {Term::quantization, Term::white, Term::flicker, Term::rate_random_walk, Term::rate_ramp})
+    for (const Term t : {Term::quantization, Term::white, Term::flicker, Term::rate_random_walk, Term::rate_ramp})
       m[t] = any();
     m.gauss_markov = {{any(), any()}, {any(), any()}};
     m.sinusoids = {{any(), any(), any()}, {any(), any(), 0}};
     m.turn_on_bias = any();
-    m.scale_factor = m.misalignment = m.g2_sensitivity = m.vibration_rectification =
-        noise::PerAxis(any(), 0, any());
-    for (auto* extra : {&m.bandwidth, &m.delay, &m.range, &m.powered_on_before, &m.calibrated_over})
-      *extra = any();
+    m.scale_factor = m.misalignment = m.g2_sensitivity = m.vibration_rectification = noise::PerAxis(any(), 0, any());
+    for (auto* extra : {&m.bandwidth, &m.delay, &m.range, &m.powered_on_before, &m.calibrated_over}) *extra = any();
     m.filter_order = 2;
   };
   constexpr int kModels = 300;
@@ -194,8 +187,8 @@ TEST_F(SensorFile, RoundTripIsExact) {
 }
 
 TEST_F(SensorFile, NamesThatYamlWouldReadAsSomethingElse) {
-  for (const std::string name : {"yes", "null", "~", "1.5", "a: b", "a #b", "- x", "'", "\"", "back\\slash",
-                                 " lead", "trail ", "[x]", "{x}", "&a", "*a", "line\nbreak", "Größe", "x"}) {
+  for (const std::string name : {"yes", "null", "~", "1.5", "a: b", "a #b", "- x", "'", "\"", "back\\slash", " lead",
+                                 "trail ", "[x]", "{x}", "&a", "*a", "line\nbreak", "Größe", "x"}) {
     SensorModel model;
     model.name = name;
     EXPECT_EQ(read(sensor_file::sensor_yaml(model)).name, name);
@@ -203,46 +196,38 @@ TEST_F(SensorFile, NamesThatYamlWouldReadAsSomethingElse) {
 }
 
 TEST_F(SensorFile, IsWrittenWithTheFewestDigitsInDatasheetUnits) {
-  const SensorModel m = read(
-      "name: IFOG\ngyro: {arw: 5.4e-4 deg/sqrt(h), bias_instability: 1.7e-3 deg/h, rrw: 4.32e-2 "
-      "deg/h/sqrt(h)}");
-  EXPECT_EQ(
-      sensor_file::sensor_yaml(m, "made by hand"),
-      "# made by hand\nname: \"IFOG\"\ngyro:\n  arw: 0.00054 deg/sqrt(h)\n  bias_instability: 0.0017 deg/h\n"
-      "  rrw: 0.0432 deg/h/sqrt(h)\n");
+  const SensorModel m =
+      read("name: IFOG\ngyro: {arw: 5.4e-4 deg/sqrt(h), bias_instability: 1.7e-3 deg/h, rrw: 4.32e-2 deg/h/sqrt(h)}");
+  EXPECT_EQ(sensor_file::sensor_yaml(m, "made by hand"),
+            "# made by hand\nname: \"IFOG\"\ngyro:\n  arw: 0.00054 deg/sqrt(h)\n  bias_instability: 0.0017 deg/h\n"
+            "  rrw: 0.0432 deg/h/sqrt(h)\n");
 }
 
 TEST_F(SensorFile, ErrorsNamePlaceFindingAndExpectation) {
-  EXPECT_CONTAINS(message("gyro:\n  arw: 0.15\n"),
-                  ":2:8: arw: '0.15' has no unit; expected one like deg/sqrt(h)");
-  EXPECT_CONTAINS(message("gyro:\n  arw: 0.15 deg/h\n"),
-                  ":2:8: arw: '0.15 deg/h' has a unit of the wrong kind");
+  EXPECT_CONTAINS(message("gyro:\n  arw: 0.15\n"), ":2:8: arw: '0.15' has no unit; expected one like deg/sqrt(h)");
+  EXPECT_CONTAINS(message("gyro:\n  arw: 0.15 deg/h\n"), ":2:8: arw: '0.15 deg/h' has a unit of the wrong kind");
   EXPECT_CONTAINS(message("gyro:\n  arw: abc\n"), ":2:8: arw: 'abc' does not start with a finite number");
   EXPECT_CONTAINS(message("gyro:\n  arw: -1 deg/sqrt(h)\n"),
                   ":2:8: arw: found '-1 deg/sqrt(h)', expected a value of 0 or more");
   EXPECT_CONTAINS(message("gyro:\n  arv: 1 deg/sqrt(h)\n"),
                   ":2:3: 'arv' is no key of gyro (did you mean 'arw'?); there are arw,");
-  EXPECT_CONTAINS(message("gyros:\n  arw: 1 deg/sqrt(h)\n"),
-                  ":1:1: found the key 'gyros', expected \"gyro:\"");
+  EXPECT_CONTAINS(message("gyros:\n  arw: 1 deg/sqrt(h)\n"), ":1:1: found the key 'gyros', expected \"gyro:\"");
   EXPECT_CONTAINS(message("gyro:\n  vrw: 1 m/s/sqrt(h)\n"), "'vrw' is no key of gyro");
   EXPECT_CONTAINS(message("gyro:\naccelerometer:\n  g_sensitivity: 1 deg/h/g\n"),
                   ":3:3: 'g_sensitivity' is no key of accelerometer");
   EXPECT_CONTAINS(message("gyro:\n  turn_on_bias: [1 deg/h, 2 deg/h]\n"),
                   ":2:17: turn_on_bias: found a list of 2, expected a list of three, [x, y, z]");
-  EXPECT_CONTAINS(message("gyro:\n  turn_on_bias: [1 deg/h, 2 deg/h, 3]\n"),
-                  ":2:36: turn_on_bias: '3' has no unit");
+  EXPECT_CONTAINS(message("gyro:\n  turn_on_bias: [1 deg/h, 2 deg/h, 3]\n"), ":2:36: turn_on_bias: '3' has no unit");
   EXPECT_CONTAINS(message("gyro:\n  filter_order: 3\n"), ":2:17: filter_order: found '3', expected 1 or 2");
   EXPECT_CONTAINS(message("gyro:\n  bandwidth: 0 Hz\n"), "expected a value above 0");
   EXPECT_CONTAINS(message("gyro:\n  calibrated_ovr: 1 s\n"), "did you mean 'calibrated_over'?");
-  EXPECT_CONTAINS(message("gyro:\nlever_arm: 1 m\n"),
-                  ":2:12: lever_arm: found '1 m', expected a list of three");
+  EXPECT_CONTAINS(message("gyro:\nlever_arm: 1 m\n"), ":2:12: lever_arm: found '1 m', expected a list of three");
   EXPECT_CONTAINS(message("gyro:\nscale: 1\n"), ":2:1: 'scale' is no key of a sensor file");
   EXPECT_CONTAINS(message("accelerometer:\n"), "found no \"gyro:\"");
   EXPECT_CONTAINS(message("gyro: 5\n"), ":1:7: gyro: found '5', expected keys and values below it");
   EXPECT_CONTAINS(message("gyro:\n  arw: [1, 2]\n"),
                   ":2:8: arw: found a list, expected a number and a unit (deg/sqrt(h)");
-  EXPECT_CONTAINS(message("gyro:\n  arw: 1 deg/sqrt(h)\n  arw: 2 deg/sqrt(h)\n"),
-                  ":3:3: 'arw' is given twice");
+  EXPECT_CONTAINS(message("gyro:\n  arw: 1 deg/sqrt(h)\n  arw: 2 deg/sqrt(h)\n"), ":3:3: 'arw' is given twice");
   EXPECT_CONTAINS(message("gyro:\n  gauss_markov: [{sigma: 1 deg/h}]\n"),
                   ":2:18: gauss_markov: found no 'correlation_time'");
   EXPECT_CONTAINS(message("gyro:\n  gauss_markov: [{sigma: 1 deg/h, correlation_time: 0 s}]\n"),
@@ -257,8 +242,7 @@ TEST_F(SensorFile, ErrorsNamePlaceFindingAndExpectation) {
   EXPECT_CONTAINS(message(""), ": is empty");
   EXPECT_CONTAINS(message("# nothing\n"), "found nothing, expected keys");
   EXPECT_CONTAINS(message(std::string("gyro:\0", 6)), "expected a text file");
-  EXPECT_CONTAINS(message(std::string(2 << 20, '\n')),
-                  "has 2097152 bytes, expected a sensor file of at most");
+  EXPECT_CONTAINS(message(std::string(2 << 20, '\n')), "has 2097152 bytes, expected a sensor file of at most");
 }
 
 TEST_F(SensorFile, MutationsGiveAModelOrAnInputError) {
@@ -338,10 +322,8 @@ TEST_F(SensorFile, VinsWritesWalks) {
 
 TEST_F(SensorFile, ImuUtilsWritesTheMinimumOfTheCurve) {
   const SensorModel m = read(
-      "%YAML:1.0\n---\ntype: IMU\nname: xsens\nGyr:\n   unit: \" rad/s\"\n   avg-axis:\n      gyr_n: "
-      "1.5e-04\n      gyr_w: 6.0e-05\n"
-      "   x-axis:\n      gyr_n: 1.0e-04\n      gyr_w: 6.1e-05\nAcc:\n   unit: \" m/s^2\"\n   avg-axis:\n     "
-      " acc_n: 1.0e-02\n"
+      "%YAML:1.0\n---\ntype: IMU\nname: xsens\nGyr:\n   unit: \" rad/s\"\n   avg-axis:\n      gyr_n: 1.5e-04\n      gyr_w: 6.0e-05\n"
+      "   x-axis:\n      gyr_n: 1.0e-04\n      gyr_w: 6.1e-05\nAcc:\n   unit: \" m/s^2\"\n   avg-axis:\n      acc_n: 1.0e-02\n"
       "      acc_w: 3.0e-04\n");
   EXPECT_EQ(m.name, "xsens");
   EXPECT_EQ(m.gyro.white, 1.5e-4);
@@ -354,9 +336,8 @@ TEST_F(SensorFile, ImuUtilsWritesTheMinimumOfTheCurve) {
 TEST_F(SensorFile, ErrorsInTheFormsOfOthers) {
   EXPECT_CONTAINS(message("gyroscope_noise_density: 1e-4\n"),
                   "found no 'gyroscope_random_walk', expected one beside the others");
-  EXPECT_CONTAINS(
-      message("gyroscope_noise_density: 1e-4 rad\ngyroscope_random_walk: 1e-5\n"),
-      ":1:26: gyroscope_noise_density: found '1e-4 rad', expected a plain number (SI, continuous time)");
+  EXPECT_CONTAINS(message("gyroscope_noise_density: 1e-4 rad\ngyroscope_random_walk: 1e-5\n"),
+                  ":1:26: gyroscope_noise_density: found '1e-4 rad', expected a plain number (SI, continuous time)");
   EXPECT_CONTAINS(message("gyroscope_noise_density: -1\ngyroscope_random_walk: 1e-5\n"),
                   "expected a value of 0 or more");
   EXPECT_CONTAINS(message("imu0:\n  gyroscope_noise_density: [1]\n  gyroscope_random_walk: 1\n"),

@@ -103,9 +103,8 @@ TEST(ScanNumber, EveryLengthOfDigitsIsReadToItsEnd) {
 }
 
 TEST(ScanNumber, WhatIsNoPlainNumberIsLeftToTheWholeCell) {
-  for (const char* text :
-       {"",    "-",   ".",     "-.",      "+1",    "e5",  "1e", "1e+", "1e5000", "--1", "0x10",
-        "nan", "inf", "1e400", "-1e-400", "1.2.3", "1,5", " 1", "/",   ":",      "\xb0"}) {
+  for (const char* text : {"",    "-",   ".",     "-.",      "+1",    "e5",  "1e", "1e+", "1e5000", "--1", "0x10",
+                           "nan", "inf", "1e400", "-1e-400", "1.2.3", "1,5", " 1", "/",   ":",      "\xb0"}) {
     EXPECT_EQ(difference(text), "") << text;
   }
 }

@@ -111,8 +111,7 @@ TEST_F(Output, DoesNotReplaceAWriteProtectedFile) {
   if (::geteuid() == 0) GTEST_SKIP() << "root may write everything";
   const std::string target = file("a", "old");
   ASSERT_EQ(::chmod(target.c_str(), 0444), 0);
-  EXPECT_CONTAINS(message_of<OutputError>([&] { text::write_file(target, "new"); }),
-                  "choose a place you may write to");
+  EXPECT_CONTAINS(message_of<OutputError>([&] { text::write_file(target, "new"); }), "choose a place you may write to");
   EXPECT_EQ(content(target), "old");
 }
 
@@ -124,8 +123,7 @@ TEST_F(Output, AFullDiskLeavesTheOldFileAndNoPart) {
   const auto handler = std::signal(SIGXFSZ, SIG_IGN);
   const rlimit tight = {4096, before.rlim_max};
   ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &tight), 0);
-  const std::string message =
-      message_of<OutputError>([&] { text::write_file(target, std::string(100000, 'x')); });
+  const std::string message = message_of<OutputError>([&] { text::write_file(target, std::string(100000, 'x')); });
   ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &before), 0);
   std::signal(SIGXFSZ, handler);
   EXPECT_CONTAINS(message, "File too large");
@@ -139,8 +137,7 @@ TEST_F(Output, AClosedPipeIsAnError) {
   const auto handler = std::signal(SIGPIPE, SIG_IGN);
   ::close(ends[0]);
   const std::string path = "/dev/fd/" + std::to_string(ends[1]);
-  EXPECT_CONTAINS(message_of<OutputError>([&] { text::write_file(path, "x"); }),
-                  "Broken pipe; the program that reads");
+  EXPECT_CONTAINS(message_of<OutputError>([&] { text::write_file(path, "x"); }), "Broken pipe; the program that reads");
   ::close(ends[1]);
   std::signal(SIGPIPE, handler);
 }

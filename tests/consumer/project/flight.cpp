@@ -11,8 +11,7 @@ int main() {
   flight::PerfectNavigator navigator;
   const flight::FlightRecord record = flight::fly(plan, control, navigator);
   const flight::Margins margins = flight::margins(plan.vehicle, control, {10, 4e5, 1500});
-  const bool sane =
-      record.ended == flight::Ended::complete && record.end.flow.height > 20e3 && margins.stable;
+  const bool sane = record.ended == flight::Ended::complete && record.end.flow.height > 20e3 && margins.stable;
   std::printf("%s\n", sane ? "ok" : "wrong");
   return sane ? 0 : 1;
 }

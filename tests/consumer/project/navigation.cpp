@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include <gyrobudget/vehicle/earth/paths.h>
 #include <gyrobudget/estimation/navigation/alignment.h>
 #include <gyrobudget/estimation/navigation/strapdown.h>
+#include <gyrobudget/vehicle/earth/paths.h>
 
 #include <cstdio>
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: MIT
 // Budgets of scenes that align themselves on the pad: what the alignment leaves is its sensors' doing.
-#include "gyrobudget/vehicle/earth/frames.h"
-#include "gyrobudget/vehicle/earth/paths.h"
-#include "gyrobudget/estimation/navigation/alignment.h"
 #include "gyrobudget/estimation/budget/alignment_time.h"
 #include "gyrobudget/estimation/budget/scene.h"
 #include "gyrobudget/estimation/budget/scene_runs.h"
+#include "gyrobudget/estimation/navigation/alignment.h"
 #include "gyrobudget/noise/imu.h"
+#include "gyrobudget/vehicle/earth/frames.h"
+#include "gyrobudget/vehicle/earth/paths.h"
 
 #include <gtest/gtest.h>
 
@@ -17,10 +17,10 @@
 #include "../navigation/sensors.h"
 
 using namespace gyrobudget;  // NOLINT
-using Eigen::Vector3d;
 using budget::Budget;
 using budget::BudgetQuestion;
 using budget::BudgetScene;
+using Eigen::Vector3d;
 using navigation::CoreMatrix;
 using navigation::Scenario;
 using tests::kDegreePerHour;
@@ -95,14 +95,12 @@ TEST(AlignedBudget, StartsFromWhatEachSourceDoesToTheCoarseAlignment) {
   EXPECT_NEAR(attitude("gyro.arw").z() / (sensor.gyro.white / (c * std::sqrt(kPad))), 1, kSame);
   EXPECT_NEAR(attitude("gyro.turn_on_bias").z() / ((*sensor.gyro.turn_on_bias)[0] / c), 1, kSame);
   // The walk has gone on for P before the record, over which its mean moves by K sqrt(T/3).
-  EXPECT_NEAR(attitude("gyro.rrw").z() / (sensor.gyro.rate_random_walk * std::sqrt(P + kPad / 3) / c), 1,
-              kSame);
+  EXPECT_NEAR(attitude("gyro.rrw").z() / (sensor.gyro.rate_random_walk * std::sqrt(P + kPad / 3) / c), 1, kSame);
   for (const int level : {0, 1}) {
     EXPECT_LT(attitude("gyro.arw")[level], 1e-9 * attitude("gyro.arw").z() + 1e-10);
     const auto& a = *sensor.accelerometer;
     EXPECT_NEAR(attitude("accelerometer.turn_on_bias")[level] / ((*a.turn_on_bias)[0] / g), 1, kSame);
-    EXPECT_NEAR(attitude("accelerometer.accel_rw")[level] / (a.rate_random_walk * std::sqrt(kPad / 3) / g), 1,
-                kSame);
+    EXPECT_NEAR(attitude("accelerometer.accel_rw")[level] / (a.rate_random_walk * std::sqrt(kPad / 3) / g), 1, kSame);
     EXPECT_NEAR(attitude("accelerometer.vrw")[level] / (a.white / (g * std::sqrt(kPad))), 1, kSame);
     EXPECT_NEAR(attitude("deflection")[level] / 1e-4, 1, kSame);
   }
@@ -115,8 +113,7 @@ TEST(AlignedBudget, ForwardAndBackwardAgreeOnThePadAndAfter) {
   const BudgetScene scene = budget_scene(on_the_pad(), short_climb(), at({-kPad, -25.5, 0, 10}));
   const auto gains = frozen_gains(scene.timeline, scene.design);
   const Budget budget = error_budget(scene.timeline, scene.sources, gains);
-  constexpr double kRounding =
-      1e-6;  // of a sigma's square, through Joseph updates of a start known to 5 sigma
+  constexpr double kRounding = 1e-6;  // of a sigma's square, through Joseph updates of a start known to 5 sigma
   for (std::size_t i = 0; i < budget.times.size(); ++i) {
     const auto back = adjoint(scene.timeline, gains, budget.times[i]);
     for (const auto& source : scene.sources) {
@@ -145,8 +142,8 @@ TEST(AlignedBudget, EachSourceAloneAgreesWithMonteCarlo) {
     budget::MonteCarlo::Options options;
     options.runs = 250;
     options.imu_interval = 0.1;
-    const auto flown = fly_alone(
-        scene, scenario, *std::ranges::find(scene.sources, source, &budget::Source::name), options);
+    const auto flown =
+        fly_alone(scene, scenario, *std::ranges::find(scene.sources, source, &budget::Source::name), options);
     ASSERT_TRUE(flown);
     const auto band = navigation::sigma_ratio_band(options.runs, kRight);
     for (std::size_t i = 0; i < budget.times.size(); ++i) {
@@ -160,8 +157,8 @@ TEST(AlignedBudget, EachSourceAloneAgreesWithMonteCarlo) {
       EXPECT_TRUE(band.holds(position)) << source << " at " << budget.times[i] << ", position " << position;
     }
   };
-  for (const auto* source : {"gyro.arw", "gyro.rrw", "gyro.turn_on_bias", "accelerometer.vrw",
-                             "accelerometer.accel_rw", "accelerometer.turn_on_bias"})
+  for (const auto* source : {"gyro.arw", "gyro.rrw", "gyro.turn_on_bias", "accelerometer.vrw", "accelerometer.accel_rw",
+                             "accelerometer.turn_on_bias"})
     expect_line(source);
 }
 
@@ -223,8 +220,7 @@ TEST(AlignmentTime, OfWhiteNoiseIsItsClosedForm) {
   EXPECT_GT(best.duration, budget::kShortestAlignment);
 
   EXPECT_THROW((void)alignment_time(given, path, question, path.duration(), axes, 1), std::invalid_argument);
-  EXPECT_THROW((void)alignment_time(scenario, path, question, path.duration(), axes, 0),
-               std::invalid_argument);
+  EXPECT_THROW((void)alignment_time(scenario, path, question, path.duration(), axes, 0), std::invalid_argument);
 }
 
 // A rest aid that is out says nothing then, on the pad as in flight.

@@ -1,26 +1,26 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/estimation/budget/error_budget.h"
 
+#include "gyrobudget/estimation/budget/adjoint.h"
+#include "gyrobudget/estimation/budget/scene.h"
+#include "gyrobudget/estimation/budget/sources.h"
+#include "gyrobudget/estimation/navigation/sensor_states.h"
+#include "gyrobudget/estimation/navigation/strapdown.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/frames.h"
 #include "gyrobudget/vehicle/earth/gravity.h"
 #include "gyrobudget/vehicle/earth/paths.h"
-#include "gyrobudget/estimation/budget/adjoint.h"
-#include "gyrobudget/estimation/budget/sources.h"
-#include "gyrobudget/estimation/budget/scene.h"
-#include "gyrobudget/estimation/navigation/sensor_states.h"
-#include "gyrobudget/estimation/navigation/strapdown.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 using namespace gyrobudget;  // NOLINT
+using budget::Source;
+using budget::Timeline;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using navigation::CoreMatrix;
-using budget::Source;
-using budget::Timeline;
 
 namespace {
 
@@ -58,8 +58,7 @@ navigation::SensorStates::Options epoch_of(double length) {
 
 // Constant specific force along the vertical: each horizontal axis has f N sqrt(T^5/20), f K sqrt(T^7/252), f b T^3/6.
 TEST(Budget, MeetsTheClosedFormsOfConstantForce) {
-  constexpr double kScene =
-      10;  // [s]: what gravity's gradient adds is (T/800 s)^2/4, 4e-5; Earth's turn 7e-4/2
+  constexpr double kScene = 10;  // [s]: what gravity's gradient adds is (T/800 s)^2/4, 4e-5; Earth's turn 7e-4/2
   constexpr double kPhysics = 4e-4;
   const auto path = climb(kScene);
   const struct {
@@ -76,8 +75,8 @@ TEST(Budget, MeetsTheClosedFormsOfConstantForce) {
   }
   noise::SensorModel biased;
   biased.gyro.turn_on_bias = 1;
-  EXPECT_NEAR(at_end(path, source(biased, epoch_of(kScene)), 0.02).position.x(),
-              kForce * std::pow(kScene, 3) / 6, kPhysics * kForce * std::pow(kScene, 3) / 6);
+  EXPECT_NEAR(at_end(path, source(biased, epoch_of(kScene)), 0.02).position.x(), kForce * std::pow(kScene, 3) / 6,
+              kPhysics * kForce * std::pow(kScene, 3) / 6);
 }
 
 // The error of a step falls with its square.
@@ -204,8 +203,7 @@ TEST(Budget, SourcesAddUpToTheClaimOfARightFilter) {
   ASSERT_EQ(budget.times.size(), 4u);
   constexpr double kRounding = 1e-8;  // of Joseph updates over 300 fixes
   for (std::size_t i = 0; i < budget.times.size(); ++i)
-    EXPECT_LT(difference(budget.total[i], budget.claimed[i], budget.claimed[i]), kRounding)
-        << budget.times[i];
+    EXPECT_LT(difference(budget.total[i], budget.claimed[i], budget.claimed[i]), kRounding) << budget.times[i];
 }
 
 // What is not in the design costs more than it claims: a gyro bias that is driven a hundred times harder.
@@ -236,23 +234,22 @@ TEST(Budget, AgreesWithTheAdjoint) {
       if (white) {
         CoreMatrix ours = CoreMatrix::Zero();
         for (const auto carrier : {navigation::Carrier::gyro, navigation::Carrier::accelerometer}) {
-          const auto& n = carrier == navigation::Carrier::gyro ? source.model.gyro_white
-                                                               : source.model.accelerometer_white;
+          const auto& n =
+              carrier == navigation::Carrier::gyro ? source.model.gyro_white : source.model.accelerometer_white;
           ours += process_response(backward, scene.timeline, carrier, noise::White{n.x()}, {}, 0.01);
         }
         EXPECT_LT(difference(ours, expected, budget.total[i]), kConstants);
       } else if (!source.model.terms.empty() && source.model.terms[0].walk > 0) {
         walk_forward += expected;  // with the turn-on bias; one axis each
       } else {
-        EXPECT_LT(difference(state_response(backward, scene.timeline, source), expected, budget.total[i]),
-                  kConstants)
+        EXPECT_LT(difference(state_response(backward, scene.timeline, source), expected, budget.total[i]), kConstants)
             << source.name << " at " << budget.times[i];
       }
     }
     // Random walk and turn-on bias of all gyro axes together.
-    CoreMatrix ours = process_response(backward, scene.timeline, navigation::Carrier::gyro,
-                                       noise::RateRandomWalk{tactical().gyro.rate_random_walk},
-                                       {.powered_on_before = 600}, 0.01);
+    CoreMatrix ours =
+        process_response(backward, scene.timeline, navigation::Carrier::gyro,
+                         noise::RateRandomWalk{tactical().gyro.rate_random_walk}, {.powered_on_before = 600}, 0.01);
     noise::SensorModel biased;
     biased.gyro.turn_on_bias = tactical().gyro.turn_on_bias;
     ours += state_response(backward, scene.timeline, source(biased, epoch_of(Aided::kDuration)));
@@ -292,8 +289,8 @@ TEST(Budget, ChargesTheTiltToTheAccelerometerThatLevelled) {
   const auto truth = path.at(0);
   std::vector<navigation::PlannedFix> fixes;
   for (const double t : navigation::fix_times({-60, 0, 1, {}}))
-    fixes.push_back({t, navigation::VelocityFix{
-                            .v_eb_e = Vector3d::Zero(), .sigma = Vector3d::Constant(1e-4), .aid = 0}});
+    fixes.push_back(
+        {t, navigation::VelocityFix{.v_eb_e = Vector3d::Zero(), .sigma = Vector3d::Constant(1e-4), .aid = 0}});
   Timeline::Options options;
   options.step = 0.5;
   options.pad = 60;
@@ -308,8 +305,7 @@ TEST(Budget, ChargesTheTiltToTheAccelerometerThatLevelled) {
   design.model.accelerometer_white.setConstant(1e-5);
   design.initial = diagonal(1e-3, 1e-3, 0.1, 1e-3, frame.C_el());  // tilt unknown: levelling finds it
 
-  const Source levelled{
-      .name = "accelerometer.turn_on_bias", .model = states.model, .initial = states.initial};
+  const Source levelled{.name = "accelerometer.turn_on_bias", .model = states.model, .initial = states.initial};
   const auto budget = budget::error_budget(timeline, std::vector{levelled}, design);
   const auto sigma = navigation::local_sigmas(budget.total.back(), frame.C_el());
   const double g = earth::normal_gravity(truth.p_eb_e).norm();
@@ -376,16 +372,15 @@ TEST(Budget, NamesTheLinesOfASensor) {
   const auto [sources, left_out] = budget::sensor_sources(sensor, epoch_of(100));
   std::vector<std::string> names;
   for (const auto& source : sources) names.push_back(source.name);
-  EXPECT_EQ(names, (std::vector<std::string>{"gyro.arw", "gyro.bias_instability", "gyro.rrw",
-                                             "gyro.turn_on_bias", "gyro.scale_factor", "accelerometer.vrw",
-                                             "accelerometer.turn_on_bias", "accelerometer.misalignment"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"gyro.arw", "gyro.bias_instability", "gyro.rrw", "gyro.turn_on_bias",
+                                             "gyro.scale_factor", "accelerometer.vrw", "accelerometer.turn_on_bias",
+                                             "accelerometer.misalignment"}));
   ASSERT_EQ(left_out.size(), 1u);
   EXPECT_EQ(left_out[0].what, "gyro quantization");
 
   const Matrix3d C_el = earth::C_e_enu(0.3, 1);
   EXPECT_EQ(budget::initial_sources({.level = 1e-3}, C_el).size(), 1u);
-  const CoreMatrix core =
-      budget::initial_core({.position = {1, 2, 3}, .level = 1e-3, .heading = 1e-2}, C_el);
+  const CoreMatrix core = budget::initial_core({.position = {1, 2, 3}, .level = 1e-3, .heading = 1e-2}, C_el);
   const auto sigma = navigation::local_sigmas(core, C_el);
   EXPECT_NEAR(sigma.position.y(), 2, 1e-12);
   EXPECT_NEAR(sigma.attitude.z(), 1e-2, 1e-14);

@@ -11,12 +11,12 @@
 #include "../navigation/sensors.h"
 
 using namespace gyrobudget;  // NOLINT
-using Eigen::Matrix3d;
-using Eigen::Vector3d;
-using navigation::CoreMatrix;
 using budget::MonteCarlo;
 using budget::Source;
 using budget::Timeline;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using navigation::CoreMatrix;
 
 namespace {
 
@@ -79,8 +79,7 @@ TEST(MonteCarlo, PutsTimesOnSamplesWithTheTruthOfThatInstant) {
     for (const auto& error : flown.errors[0]) EXPECT_LT(error.head<3>().norm(), kStrapdown) << aided;
   }
   mc.imu_interval = 6;
-  EXPECT_THROW((void)monte_carlo(Timeline(path, {}, options), {}, {}, pad_axes(), {}, {}, mc),
-               std::invalid_argument);
+  EXPECT_THROW((void)monte_carlo(Timeline(path, {}, options), {}, {}, pad_axes(), {}, {}, mc), std::invalid_argument);
 }
 
 // The gyros' noise alone leaves the speed along a thrust that hardly turns without error of first order: what is found

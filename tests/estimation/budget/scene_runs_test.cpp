@@ -14,11 +14,11 @@
 #include "../navigation/sensors.h"
 
 using namespace gyrobudget;  // NOLINT
-using Eigen::Vector3d;
 using budget::BudgetQuestion;
 using budget::BudgetScene;
-using navigation::CoreMatrix;
 using budget::MonteCarlo;
+using Eigen::Vector3d;
+using navigation::CoreMatrix;
 using navigation::Scenario;
 using tests::kMicroG;
 
@@ -58,8 +58,8 @@ struct Compared {
 };
 
 // Bands are of one alarm in a hundred seeds for a whole scene with its `ratios` at most.
-Compared expect_each_source_right(const BudgetScene& scene, const Scenario& scenario, int runs,
-                                  double interval, int ratios) {
+Compared expect_each_source_right(const BudgetScene& scene, const Scenario& scenario, int runs, double interval,
+                                  int ratios) {
   const auto budget = error_budget(scene.timeline, scene.sources, scene.design);
   const Local total = sigmas(budget.total.back(), scene.C_enu);
   const auto band = navigation::sigma_ratio_band(runs, 1 - 0.01 / ratios);
@@ -136,8 +136,7 @@ TEST(SceneRuns, EachSourceOfAnAidedScene) {
 TEST(SceneRuns, ErrorsOfSourcesAloneAddUpRunByRun) {
   const Scenario scenario = ascent(tests::ifog_imu(), 5e-5);
   BudgetScene scene = budget_scene(scenario, earth::ascent({}), question(0.05));
-  std::erase_if(scene.sources,
-                [](const auto& source) { return bool(source.shape); });  // theirs are of another order
+  std::erase_if(scene.sources, [](const auto& source) { return bool(source.shape); });  // theirs are of another order
   MonteCarlo::Options options;
   options.runs = 4;
   options.imu_interval = 0.05;
@@ -166,8 +165,7 @@ TEST(SceneRuns, AnErrorThatIsNotRandomIsTheErrorItself) {
   q.earth_rate_compensated = false;
   q.gravity = q.deflection = 0;
   const BudgetScene scene = budget_scene(scenario, earth::ascent({}), q);
-  const auto source =
-      std::ranges::find(scene.sources, budget::kUncompensatedEarthRate, &budget::Source::name);
+  const auto source = std::ranges::find(scene.sources, budget::kUncompensatedEarthRate, &budget::Source::name);
   ASSERT_NE(source, scene.sources.end());
   MonteCarlo::Options options;
   options.runs = 1;

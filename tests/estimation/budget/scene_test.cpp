@@ -2,10 +2,10 @@
 // Scenes to budgets: what is left out, what a source may grow to, self-alignment, aids, and scenes at the edges.
 #include "gyrobudget/estimation/budget/scene.h"
 
+#include "gyrobudget/estimation/budget/scene_runs.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/frames.h"
 #include "gyrobudget/vehicle/earth/paths.h"
-#include "gyrobudget/estimation/budget/scene_runs.h"
 
 #include <gtest/gtest.h>
 
@@ -16,15 +16,15 @@
 #include "../navigation/sensors.h"
 
 using namespace gyrobudget;  // NOLINT
-using Eigen::Matrix3d;
-using Eigen::Vector3d;
-using navigation::Aid;
 using budget::Budget;
 using budget::BudgetQuestion;
 using budget::BudgetScene;
+using budget::Source;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using navigation::Aid;
 using navigation::CoreMatrix;
 using navigation::Scenario;
-using budget::Source;
 
 namespace {
 
@@ -72,9 +72,7 @@ Vector3d sigmas(const CoreMatrix& P) {
           std::sqrt(P.block<3, 3>(6, 6).trace())};
 }
 
-Budget budget_of(const BudgetScene& scene) {
-  return budget::error_budget(scene.timeline, scene.sources, scene.design);
-}
+Budget budget_of(const BudgetScene& scene) { return budget::error_budget(scene.timeline, scene.sources, scene.design); }
 
 // --- Random scenes ------------------------------------------------------------------------------------------------
 
@@ -280,13 +278,11 @@ TEST(SceneBudget, FrozenSourcesAddUpWhereRetunedOnesDoNot) {
     if (one.aid >= 0) continue;  // their noise is in each of the others
     const auto m = static_cast<Eigen::Index>(one.model.terms.size());
     const budget::Design alone{
-        one.model,
-        navigation::initial_covariance(one.core, m > 0 ? one.initial : navigation::StateMatrix::Zero(0, 0))};
+        one.model, navigation::initial_covariance(one.core, m > 0 ? one.initial : navigation::StateMatrix::Zero(0, 0))};
     retuned += budget::frozen_gains(scene.timeline, alone).claimed.back();
   }
   const CoreMatrix& claimed = gains.claimed.back();
-  constexpr double kSame =
-      0.01;  // 1/f has the states of each source's own file, and those of the joint design
+  constexpr double kSame = 0.01;  // 1/f has the states of each source's own file, and those of the joint design
   const Vector3d whole = sigmas(claimed), sum = sigmas(frozen.total.back()), wrong = sigmas(retuned);
   for (int k = 0; k < 3; ++k) {
     EXPECT_NEAR(sum[k] / whole[k], 1, kSame) << k;
@@ -326,8 +322,7 @@ TEST(SceneBudget, AStartFromGnssIsOneErrorWithItsBias) {
   EXPECT_EQ(position("initial.position", 0), -1);
   EXPECT_NEAR(position("aid.gnss.position", 0), 0.5 * std::sqrt(3), 1e-9);
   constexpr double kBias = 3 * 1.7320508;
-  for (const std::size_t i : {0u, 1u})
-    EXPECT_NEAR(position("aid.gnss.position.bias", i) / kBias, 1, 1e-5) << i;
+  for (const std::size_t i : {0u, 1u}) EXPECT_NEAR(position("aid.gnss.position.bias", i) / kBias, 1, 1e-5) << i;
   // Not at all what two errors of 3 m would make, as the filter of a start that is none of the aid's has it.
   for (const std::size_t i : {0u, 1u})
     for (int k = 0; k < 3; ++k)
@@ -337,8 +332,7 @@ TEST(SceneBudget, AStartFromGnssIsOneErrorWithItsBias) {
   for (const auto& source : scene.sources) {
     const auto line = std::ranges::find(budget.lines, source.name, &Budget::Contribution::name);
     const double forward = sigmas(line->covariance.back())[0];
-    EXPECT_NEAR(sigmas(state_response(back, scene.timeline, source))[0], forward, 1e-6 * forward + 1e-9)
-        << source.name;
+    EXPECT_NEAR(sigmas(state_response(back, scene.timeline, source))[0], forward, 1e-6 * forward + 1e-9) << source.name;
   }
   const auto flown = fly(scene, scenario, 100);
   for (std::size_t i = 0; i < 2; ++i) expect_agreement(scene, flown, i);
@@ -440,8 +434,7 @@ TEST(SceneBudget, OverThePoleAtFiftyGAndSpinning) {
   const Budget coarse = budget_of(scene);
   const Budget fine = budget_of(budget::budget_scene(given_start(), earth::stand(spinning), quick(0.002)));
   constexpr double kSame = 0.02;
-  for (int k = 0; k < 3; ++k)
-    EXPECT_NEAR(sigmas(coarse.total.back())[k] / sigmas(fine.total.back())[k], 1, kSame) << k;
+  for (int k = 0; k < 3; ++k) EXPECT_NEAR(sigmas(coarse.total.back())[k] / sigmas(fine.total.back())[k], 1, kSame) << k;
 }
 
 // By then no number holds the vertical channel of an unaided navigator.
@@ -468,8 +461,7 @@ TEST(SceneBudget, RefusesThirtyYearsAtOnceAndMoreSamplesThanCount) {
   stand.duration = 10;
   const BudgetScene scene = budget::budget_scene(given_start(), earth::stand(stand), quick(1));
   const auto back = adjoint(scene.timeline, budget::frozen_gains(scene.timeline, scene.design), 10);
-  EXPECT_THROW((void)process_response(back, scene.timeline, navigation::Carrier::gyro, noise::Flicker{1e-6},
-                                      {}, 1e-18),
+  EXPECT_THROW((void)process_response(back, scene.timeline, navigation::Carrier::gyro, noise::Flicker{1e-6}, {}, 1e-18),
                std::invalid_argument);
 }
 

@@ -73,8 +73,7 @@ TEST(ClosedLoop, SensorsDisperseTheFlightByTheirAttitudeError) {
 
 TEST(ClosedLoop, TheSameForOneThreadAndTwo) {
   const auto fly = [](int threads) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
-                                    static_cast<std::size_t>(threads));
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
     return study({}, kDispersion, strapdown_scene(mems()), {.runs = 6, .seed = 5});
   };
   const Study one = fly(1), two = fly(2);
@@ -147,8 +146,8 @@ TEST(ClosedLoop, TheLoopWithTheFilterAllocatesNothing) {
     plan.flight.record_every = 0;
     const auto budget = budget::budget_scene(scene, trajectory(fly_nominal(plan)), {});
     const budget::MonteCarlo::Options options{.filter = scene.filter};
-    const budget::SimulatedScene simulated(budget.timeline, scene.sensor, budget.initial, budget.C_enu,
-                                               budget.design, budget.aids, options);
+    const budget::SimulatedScene simulated(budget.timeline, scene.sensor, budget.initial, budget.C_enu, budget.design,
+                                           budget.aids, options);
     InertialNavigator navigator(simulated, 0);
     const long before = allocations();
     (void)fly(plan, plan.flight, {}, navigator);

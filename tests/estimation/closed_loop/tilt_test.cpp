@@ -3,9 +3,9 @@
 #include "gyrobudget/estimation/closed_loop/tilt.h"
 
 #include "gyrobudget/estimation/closed_loop/study.h"
+#include "gyrobudget/estimation/navigation/strapdown.h"
 #include "gyrobudget/vehicle/earth/ellipsoid.h"
 #include "gyrobudget/vehicle/flight/point_mass.h"
-#include "gyrobudget/estimation/navigation/strapdown.h"
 
 #include <gtest/gtest.h>
 
@@ -42,9 +42,7 @@ TEST_P(Vehicles, RateFeedbackFliesLateByTwiceDampingOverFrequency) {
   flight::Plan lagging = plan;
   lagging.control.feedback = flight::RateFeedback::rate;
   const double lag = 2 * plan.control.damping / plan.control.frequency;
-  const auto psi = [&](double t) -> Vector3d {
-    return -lag * plan.control.pitch.at(t).first * response.pitch_axis(t);
-  };
+  const auto psi = [&](double t) -> Vector3d { return -lag * plan.control.pitch.at(t).first * response.pitch_axis(t); };
   expect_near(departure(lagging), response.position(psi));
   // The same from a program that comes so much later: a lag and nothing else.
   flight::Plan late = plan;

@@ -17,8 +17,7 @@ using noise::Term;
 // A result whose K^2 was estimated as `square` with the given standard deviation.
 Result record(double square, double deviation) {
   Result r;
-  for (const Term t :
-       {Term::quantization, Term::white, Term::flicker, Term::rate_random_walk, Term::rate_ramp})
+  for (const Term t : {Term::quantization, Term::white, Term::flicker, Term::rate_random_walk, Term::rate_ramp})
     r.coefficients.push_back({.term = t});
   Coefficient& c = r.coefficients[3];
   c.fitted = true;

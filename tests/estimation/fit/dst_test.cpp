@@ -59,8 +59,7 @@ TEST(SineTransform, LengthsAreTheLastWithFactorsTwoThreeFive) {
   EXPECT_EQ(noise::fft_length_within(36007), 36000);
   EXPECT_EQ(noise::fft_length_within(1000003), 1000000);
   for (const std::int64_t samples : {64, 997, 5003, 99991, 1299709}) {
-    const double loss =
-        1 - static_cast<double>(noise::fft_length_within(samples)) / static_cast<double>(samples);
+    const double loss = 1 - static_cast<double>(noise::fft_length_within(samples)) / static_cast<double>(samples);
     EXPECT_GE(loss, 0);
     EXPECT_LT(loss, samples >= 99991 ? 0.02 : 0.06) << samples;
   }
@@ -71,8 +70,7 @@ Eigen::MatrixXd dense_covariance(const noise::Process& process, std::int64_t n, 
   const auto D = [&](std::int64_t h) { return noise::structure_function(process, std::abs(h), dt); };
   Eigen::MatrixXd covariance(n - 1, n - 1);
   for (std::int64_t i = 0; i < n - 1; ++i) {
-    for (std::int64_t j = 0; j < n - 1; ++j)
-      covariance(i, j) = 0.5 * (D(i - j + 1) + D(i - j - 1) - 2 * D(i - j));
+    for (std::int64_t j = 0; j < n - 1; ++j) covariance(i, j) = 0.5 * (D(i - j + 1) + D(i - j - 1) - 2 * D(i - j));
   }
   return covariance;
 }
@@ -96,13 +94,11 @@ Diagonality diagonality(const noise::Process& process, std::int64_t n, double dt
   return d;
 }
 
-constexpr double kRounding =
-    1e-9;  // of sums of n^2 = 6e4 terms against variances down to 1e-5 of the largest
+constexpr double kRounding = 1e-9;  // of sums of n^2 = 6e4 terms against variances down to 1e-5 of the largest
 
 TEST(SineVariance, WhiteAndWalkAreExactlyDiagonal) {
   for (const std::int64_t n : {16, 60, 256}) {
-    for (const noise::Process& p :
-         {noise::Process{noise::White{2}}, noise::Process{noise::RateRandomWalk{3}}}) {
+    for (const noise::Process& p : {noise::Process{noise::White{2}}, noise::Process{noise::RateRandomWalk{3}}}) {
       const auto d = diagonality(p, n, 0.01);
       EXPECT_LT(d.variance_error, kRounding);
       EXPECT_LT(d.correlation, kRounding);
@@ -126,8 +122,7 @@ TEST(SineVariance, OfGaussMarkovIsExactAtAnyCorrelationTime) {
 
 // Flicker: the diagonal to the order stated, and how far from independent its coefficients are.
 TEST(SineVariance, OfFlickerIsNearlyDiagonal) {
-  const auto coarse = diagonality(noise::Flicker{2}, 16, 0.01),
-             fine = diagonality(noise::Flicker{2}, 256, 0.01);
+  const auto coarse = diagonality(noise::Flicker{2}, 16, 0.01), fine = diagonality(noise::Flicker{2}, 256, 0.01);
   EXPECT_LT(coarse.variance_error, 2e-3);
   EXPECT_LT(fine.variance_error, 2e-5);
   EXPECT_GT(fine.correlation, 0.05);
@@ -149,9 +144,9 @@ TEST(SineVariance, OfFlickerFallsShortOfTheSpectrumAtTheLongestPeriods) {
 TEST(SineVariance, IsTheSpectrumOfTheDifferences) {
   constexpr std::int64_t n = 1 << 20;
   constexpr double kDt = 0.01;
-  for (const noise::Process& p : {noise::Process{noise::Quantization{2}}, noise::Process{noise::White{2}},
-                                  noise::Process{noise::Flicker{2}}, noise::Process{noise::RateRandomWalk{2}},
-                                  noise::Process{noise::GaussMarkov{2, 1}}}) {
+  for (const noise::Process& p :
+       {noise::Process{noise::Quantization{2}}, noise::Process{noise::White{2}}, noise::Process{noise::Flicker{2}},
+        noise::Process{noise::RateRandomWalk{2}}, noise::Process{noise::GaussMarkov{2, 1}}}) {
     for (const double k : {1e5, 5e5, 1e6}) {
       const double s = std::sin(pi * k / (2 * n));
       const double spectrum = 4 * s * s * noise::psd(p, k / (2 * n * kDt), kDt) / kDt;

@@ -61,8 +61,8 @@ TEST(Extreme, CoefficientsOver20DecadesAlone) {
     for (std::size_t j = 0; j < 3; ++j) {
       const auto rate = noise::generate_record(alone[j], 5000, 0.1, {1, j});
       for (const Method method : kBest) {
-        const std::string what = std::string(name(method)) + " " + static_cast<char>(kTerms[j]) + " " +
-                                 std::to_string(std::log10(scale));
+        const std::string what =
+            std::string(name(method)) + " " + static_cast<char>(kTerms[j]) + " " + std::to_string(std::log10(scale));
         const Result r = fitted(rate, 0.1, method);
         expect_sound(r, what);
         EXPECT_TRUE(r.converged) << what;
@@ -79,8 +79,7 @@ TEST(Extreme, MixesFromOneEndToTheOther) {
     for (const double beta : {1e-3, 1.0, 1e3}) {
       const double b = std::sqrt(beta * k);
       const auto rate = noise::generate_record(
-          std::vector<noise::Process>{noise::White{1}, noise::Flicker{b}, noise::RateRandomWalk{k}}, 8000, 1,
-          {2, 0});
+          std::vector<noise::Process>{noise::White{1}, noise::Flicker{b}, noise::RateRandomWalk{k}}, 8000, 1, {2, 0});
       for (const Method method : kBest) {
         const std::string what =
             std::string(name(method)) + " K " + std::to_string(k) + " beta " + std::to_string(beta);
@@ -147,8 +146,8 @@ TEST(Extreme, AConstantOf1e9TimesTheNoise) {
 }
 
 TEST(Extreme, ARecordOfFiveLevels) {
-  auto rate = noise::generate_record(
-      std::vector<noise::Process>{noise::White{1}, noise::RateRandomWalk{1e-3}}, 20000, 1, {6, 0});
+  auto rate = noise::generate_record(std::vector<noise::Process>{noise::White{1}, noise::RateRandomWalk{1e-3}}, 20000,
+                                     1, {6, 0});
   for (double& y : rate) y = std::clamp(std::round(y), -2.0, 2.0);
   for (const Method method : kBest) {
     const Result r = fitted(rate, 1, method);
@@ -171,8 +170,8 @@ TEST(Extreme, AlmostSilentRecords) {
 
 // Values whose squares leave double, and denormals, which have 1 % of rounding themselves.
 TEST(Extreme, ScalesThatSquaresCannotReach) {
-  const auto base = noise::generate_record(
-      std::vector<noise::Process>{noise::White{1}, noise::RateRandomWalk{0.01}}, 4096, 1, {7, 0});
+  const auto base = noise::generate_record(std::vector<noise::Process>{noise::White{1}, noise::RateRandomWalk{0.01}},
+                                           4096, 1, {7, 0});
   for (const Method method : kBest) {
     const Result reference = fitted(base, 1, method);
     for (const double scale : {1e-200, 1e-160, 1e160, 1e200}) {
@@ -214,10 +213,9 @@ TEST(Extreme, UnitsDoNotMatter) {
 
 // The correlation time and the frequency too, which are searched.
 TEST(Extreme, UnitsDoNotMatterToSearchedShapes) {
-  const auto base =
-      noise::generate_record(std::vector<noise::Process>{noise::White{1}, noise::GaussMarkov{0.5, 30},
-                                                         noise::Sinusoid{0.3, 0.0713, 1}},
-                             4099, 1, {9, 0});
+  const auto base = noise::generate_record(
+      std::vector<noise::Process>{noise::White{1}, noise::GaussMarkov{0.5, 30}, noise::Sinusoid{0.3, 0.0713, 1}}, 4099,
+      1, {9, 0});
   for (const Method method : kBest) {
     Options options;
     options.method = method;
@@ -263,14 +261,11 @@ struct CurveCase {
     return c;
   }
   [[nodiscard]] Eigen::VectorXd expected() const { return covariance.expectation() * theta; }
-  [[nodiscard]] double truth(std::size_t term) const {
-    return std::sqrt(theta(static_cast<Eigen::Index>(term)));
-  }
+  [[nodiscard]] double truth(std::size_t term) const { return std::sqrt(theta(static_cast<Eigen::Index>(term))); }
 };
 
 TEST(Extreme, CurvesOfTheoryUpToABillionSamplesGiveTheTruthBack) {
-  for (const std::int64_t n :
-       {std::int64_t{100'000}, std::int64_t{99'999'989}, std::int64_t{1'000'000'000}}) {
+  for (const std::int64_t n : {std::int64_t{100'000}, std::int64_t{99'999'989}, std::int64_t{1'000'000'000}}) {
     for (const double rate_hz : {1e-3, 1.0, 1e6}) {
       const CurveCase a(n, rate_hz);
       const Result r = fit(a.curve(a.expected()), a.covariance);

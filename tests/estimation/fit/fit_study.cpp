@@ -21,23 +21,21 @@ void print(const fit::MethodAccuracy& m) {
                c.over_likelihood, c.coverage, c.coverage_by_status, c.coverage_identified, c.identified);
   }
   fmt::print(
-      "  {:<8}p < 0.05 in {:.4f}, p < 0.01 in {:.4f}; false terms {:.4f}; cut {:.4f}, not described {:.4f}, "
-      "unconverged {:.4f}; {:.2f} ms a fit\n",
+      "  {:<8}p < 0.05 in {:.4f}, p < 0.01 in {:.4f}; false terms {:.4f}; cut {:.4f}, not described {:.4f}, unconverged {:.4f}; {:.2f} ms a fit\n",
       "", m.p_below_5_percent, m.p_below_1_percent, m.false_terms, m.cut, m.not_described, m.unconverged,
       1e3 * m.seconds_per_fit);
 }
 
 void study(const char* name, const std::vector<noise::Process>& truth, const fit::AccuracyOptions& options) {
   const fit::Accuracy accuracy = fit::measure_accuracy(truth, options);
-  fmt::print(
-      "{}: {} records of {} samples at {} Hz; coverage is known to +-{:.3f}, RMSE to +-{:.1f} %, both 95 %\n",
-      name, accuracy.records, accuracy.samples, 1 / accuracy.dt,
-      1.96 * std::sqrt(0.95 * 0.05 / accuracy.records), 196 / std::sqrt(2.0 * accuracy.records));
-  fmt::print("  {:<11} {:>8} {:>9} {:>8} {:>8} {:>9} {:>10} {:>12} {:>11}\n", "", "bias %", "RMSE %",
-             "/bound", "/likel.", "coverage", "by status", "if identif.", "identified");
+  fmt::print("{}: {} records of {} samples at {} Hz; coverage is known to +-{:.3f}, RMSE to +-{:.1f} %, both 95 %\n",
+             name, accuracy.records, accuracy.samples, 1 / accuracy.dt,
+             1.96 * std::sqrt(0.95 * 0.05 / accuracy.records), 196 / std::sqrt(2.0 * accuracy.records));
+  fmt::print("  {:<11} {:>8} {:>9} {:>8} {:>8} {:>9} {:>10} {:>12} {:>11}\n", "", "bias %", "RMSE %", "/bound",
+             "/likel.", "coverage", "by status", "if identif.", "identified");
   for (const auto& m : accuracy.methods) print(m);
-  fmt::print("  {:.1f} ms to make a record and its curve; {:.1f} s in all\n\n",
-             1e3 * accuracy.seconds_per_record, accuracy.seconds);
+  fmt::print("  {:.1f} ms to make a record and its curve; {:.1f} s in all\n\n", 1e3 * accuracy.seconds_per_record,
+             accuracy.seconds);
 }
 
 }  // namespace

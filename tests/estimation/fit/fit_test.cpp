@@ -36,8 +36,7 @@ allan::Curve simulated_curve(const std::vector<noise::Process>& processes, std::
   return allan::overlapped_variance(record, dt, allan::octave_factors(samples));
 }
 
-constexpr double kRecovered =
-    1e-8;  // fixed point to 1e-10 of the variances, times how weakly B is seen (about 100)
+constexpr double kRecovered = 1e-8;  // fixed point to 1e-10 of the variances, times how weakly B is seen (about 100)
 
 TEST(Fit, GivesBackTheTruthOfAnExactCurve) {
   for (const auto& gyro : {tests::ifog(), tests::mems()}) {
@@ -109,8 +108,8 @@ TEST(Fit, GivesNoFlickerToWhiteNoise) {
   // probability below 1e-5.
   constexpr int kMostFalse = 12;
   int false_terms = 0;
-  const auto covariance = allan::CurveCovariance(
-      4096, allan::octave_factors(4096), 1, {noise::White{1}, noise::Flicker{1}, noise::RateRandomWalk{1}});
+  const auto covariance = allan::CurveCovariance(4096, allan::octave_factors(4096), 1,
+                                                 {noise::White{1}, noise::Flicker{1}, noise::RateRandomWalk{1}});
   for (std::uint64_t seed = 1; seed <= kRecords; ++seed) {
     const Result result = fit(simulated_curve({noise::White{1}}, 4096, 1, seed), covariance);
     EXPECT_EQ(result[Term::white].status, Status::identified);
@@ -167,8 +166,7 @@ TEST(Fit, SaysWhenTheModelMissesByLittle) {
 // widen with its root.
 TEST(Fit, AModelThatFailsItsTestIdentifiesLess) {
   allan::Curve curve = exact_curve({noise::White{1}}, 1000000, 1);
-  for (std::size_t i = 0; i < curve.points.size(); ++i)
-    curve.points[i].variance *= 1 + 0.04 * ((i % 2) ? 1 : -1);
+  for (std::size_t i = 0; i < curve.points.size(); ++i) curve.points[i].variance *= 1 + 0.04 * ((i % 2) ? 1 : -1);
   Options options;
   options.tau_min_s = 1;
   const Result wrong = fit(curve, options);
@@ -209,8 +207,7 @@ TEST(Fit, HoldsWithGaps) {
     const Result r = fit(Data{.rate = rate, .dt = 1}, options);
     EXPECT_TRUE(r.converged);
     EXPECT_LT(std::abs(r[Term::white].value / gyro.n - 1), 5 * r[Term::white].relative_std);
-    EXPECT_LT(std::abs(r[Term::rate_random_walk].value / gyro.k - 1),
-              5 * r[Term::rate_random_walk].relative_std);
+    EXPECT_LT(std::abs(r[Term::rate_random_walk].value / gyro.k - 1), 5 * r[Term::rate_random_walk].relative_std);
     EXPECT_GE(r[Term::flicker].upper, r[Term::flicker].value);
   }
   Options likelihood;

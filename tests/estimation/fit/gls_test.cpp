@@ -54,8 +54,7 @@ TEST(NonnegativeLeastSquares, IsTheBestOfAllSubsets) {
     const Eigen::VectorXd b = random_matrix(2 * trial + 1, 8, 1);
     const Eigen::VectorXd expected = brute_force(A, b);
     const Eigen::VectorXd found = nonnegative_least_squares(A, b);
-    EXPECT_LT((found - expected).cwiseAbs().maxCoeff(), kTolerance * (1 + expected.maxCoeff()))
-        << "trial " << trial;
+    EXPECT_LT((found - expected).cwiseAbs().maxCoeff(), kTolerance * (1 + expected.maxCoeff())) << "trial " << trial;
     bound += (expected.array() == 0).any();
   }
   EXPECT_GT(bound, 200) << "too few trials had an active bound to test anything";
@@ -100,8 +99,7 @@ TEST(IterateGls, ReachesAFixedPointThatDoesNotDependOnTheStart) {
   const Eigen::VectorXd far = from_nothing.theta.cwiseProduct(Eigen::Vector3d(1e3, 1e-3, 1e2));
   const GlsSolution from_far = iterate_gls(model, {}, &far);
   ASSERT_TRUE(from_far.converged);
-  constexpr double kFixedPointTolerance =
-      1e-8;  // steps end at 1e-10 of the variances; B is 100 times less seen
+  constexpr double kFixedPointTolerance = 1e-8;  // steps end at 1e-10 of the variances; B is 100 times less seen
   for (int j = 0; j < 3; ++j) {
     EXPECT_NEAR(from_far.theta(j) / from_nothing.theta(j), 1, kFixedPointTolerance);
   }

@@ -31,8 +31,7 @@ TEST(FisherInformation, QuadratureEqualsTheSum) {
   for (std::int64_t k = 1; k < kSamples; ++k) {
     Eigen::Vector3d g;
     for (int a = 0; a < 3; ++a) {
-      g(a) = noise::psd(processes[static_cast<std::size_t>(a)], static_cast<double>(k) / (2 * kSamples * kDt),
-                        kDt);
+      g(a) = noise::psd(processes[static_cast<std::size_t>(a)], static_cast<double>(k) / (2 * kSamples * kDt), kDt);
     }
     g /= g.sum();
     sum += 0.5 * g * g.transpose();
@@ -55,8 +54,7 @@ TEST(FisherInformation, IsExactForWhitePlusWalk) {
   }
   const Eigen::MatrixXd walk = Eigen::MatrixXd::Identity(kDifferences, kDifferences) * K2;
   const Eigen::MatrixXd inverse = (white + walk).inverse();
-  const std::array<noise::Process, 2> processes{noise::White{std::sqrt(N2)},
-                                                noise::RateRandomWalk{std::sqrt(K2)}};
+  const std::array<noise::Process, 2> processes{noise::White{std::sqrt(N2)}, noise::RateRandomWalk{std::sqrt(K2)}};
   const Eigen::MatrixXd found = fisher_information(processes, kDifferences + 1, 1);
   EXPECT_NEAR(found(0, 0), 0.5 * (inverse * white * inverse * white).trace(), 1e-9);
   EXPECT_NEAR(found(0, 1), 0.5 * (inverse * white * inverse * walk).trace(), 1e-9);

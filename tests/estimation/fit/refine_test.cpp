@@ -45,8 +45,7 @@ TEST(WhitenedResidual, JacobianAgreesWithNumericalDerivative) {
     forward(j) += kStep;
     backward(j) -= kStep;
     const Eigen::VectorXd numerical = (residual.value(forward) - residual.value(backward)) / (2 * kStep);
-    EXPECT_LT((numerical - J.col(j)).cwiseAbs().maxCoeff(), kTolerance * 1e1 * (1 + J.col(j).norm()))
-        << "column " << j;
+    EXPECT_LT((numerical - J.col(j)).cwiseAbs().maxCoeff(), kTolerance * 1e1 * (1 + J.col(j).norm())) << "column " << j;
   }
 }
 
@@ -54,8 +53,7 @@ TEST(Refine, CeresAgreesWithTheLinearSolution) {
   for (std::uint64_t stream = 1; stream <= 20; ++stream) {
     const Problem p = random_problem(stream);
     const Eigen::LLT<Eigen::MatrixXd> factor(p.S);
-    const Eigen::VectorXd theta =
-        nonnegative_least_squares(factor.matrixL().solve(p.A), factor.matrixL().solve(p.s));
+    const Eigen::VectorXd theta = nonnegative_least_squares(factor.matrixL().solve(p.A), factor.matrixL().solve(p.s));
     ASSERT_GT(theta.minCoeff(), 0);
     const WhitenedResidual residual(p.A, p.s, p.S);
     const Refined refined = refine(residual, theta.cwiseSqrt() * 1.3);  // a start 30 % off

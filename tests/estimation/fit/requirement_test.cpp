@@ -17,20 +17,16 @@ Accuracy measured() {
   Accuracy a;
   MethodAccuracy gls;
   gls.p_below_5_percent = 0.06;
-  gls.coefficients = {{.term = Term::white,
-                       .truth = 1,
-                       .bias = -0.02,
-                       .rmse = 0.11,
-                       .bound = 0.1,
-                       .over_likelihood = 1.01,
-                       .coverage = 0.95},
-                      {.term = Term::flicker, .truth = 0, .coverage = 0.99},
-                      {.term = Term::rate_random_walk,
-                       .truth = 1,
-                       .rmse = 0.3,
-                       .bound = 0.25,
-                       .over_likelihood = 1,
-                       .coverage = 0.92}};
+  gls.coefficients = {
+      {.term = Term::white,
+       .truth = 1,
+       .bias = -0.02,
+       .rmse = 0.11,
+       .bound = 0.1,
+       .over_likelihood = 1.01,
+       .coverage = 0.95},
+      {.term = Term::flicker, .truth = 0, .coverage = 0.99},
+      {.term = Term::rate_random_walk, .truth = 1, .rmse = 0.3, .bound = 0.25, .over_likelihood = 1, .coverage = 0.92}};
   MethodAccuracy edf = gls;
   edf.method = Method::edf;
   edf.coefficients[0].rmse = 0.2;
@@ -56,8 +52,8 @@ TEST(Requirements, ReadsTheExampleOfTheHelp) {
 }
 
 TEST(Requirements, ReadsMethodsLettersAndBothSigns) {
-  const auto list = parse_requirements(
-      "edf.K.bias <= 5e-2,whittle.p05>0.03 , accel_rw.identified>=.5,vrw.rmse<1.02 * likelihood");
+  const auto list =
+      parse_requirements("edf.K.bias <= 5e-2,whittle.p05>0.03 , accel_rw.identified>=.5,vrw.rmse<1.02 * likelihood");
   ASSERT_EQ(list.size(), 4U);
   EXPECT_EQ(list[0].method, Method::edf);
   EXPECT_EQ(list[0].term, Term::rate_random_walk);
@@ -116,8 +112,7 @@ TEST(Requirements, SayWhatIsWrongAndWhere) {
       (void)parse_requirements(text);
       ADD_FAILURE() << text;
     } catch (const std::invalid_argument& error) {
-      EXPECT_NE(std::string(error.what()).find(expected), std::string::npos)
-          << text << " -> " << error.what();
+      EXPECT_NE(std::string(error.what()).find(expected), std::string::npos) << text << " -> " << error.what();
     }
   }
 }

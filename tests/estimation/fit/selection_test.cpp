@@ -90,18 +90,16 @@ TEST(ChooseTerms, FindsALine) {
 
 // A fit begins from what was weighed: of two lines the fainter one, where that was it.
 TEST(ChooseTerms, HandsOnTheShapesThatItWeighed) {
-  const auto rate =
-      noise::generate_record(std::vector<noise::Process>{noise::White{1}, noise::Sinusoid{0.3, 0.3, 1},
-                                                         noise::Sinusoid{0.2, 0.01, 0}},
-                             20000, 1, {3, 0});
+  const auto rate = noise::generate_record(
+      std::vector<noise::Process>{noise::White{1}, noise::Sinusoid{0.3, 0.3, 1}, noise::Sinusoid{0.2, 0.01, 0}}, 20000,
+      1, {3, 0});
   const Selection s = choose_terms(rate, 1, {.replicas = 60, .tau_min_s = 10});
   ASSERT_EQ(s.terms, (Terms{Term::white, Term::sinusoid}));
   EXPECT_EQ(s.tau_min_s, 10);
   ASSERT_TRUE(s.frequency_hz);
   EXPECT_NEAR(*s.frequency_hz, 0.01, 1e-5);
   for (const Method method : {Method::gls, Method::whittle}) {
-    Options options{
-        .terms = s.terms, .method = method, .tau_min_s = method == Method::gls ? s.tau_min_s : 1.0};
+    Options options{.terms = s.terms, .method = method, .tau_min_s = method == Method::gls ? s.tau_min_s : 1.0};
     options.near_frequency_hz = s.frequency_hz;
     const Result r = fit({.rate = rate, .dt = 1}, options);
     EXPECT_NEAR(r[Term::sinusoid].shape, *s.frequency_hz, 1e-5);

@@ -17,8 +17,7 @@ struct Gyro {
 };
 
 inline Gyro gyro(const char* n, const char* b, const char* k) {
-  return {noise::parse_unit("deg/sqrt(h)").to_si * std::stod(n),
-          noise::parse_unit("deg/h").to_si * std::stod(b),
+  return {noise::parse_unit("deg/sqrt(h)").to_si * std::stod(n), noise::parse_unit("deg/h").to_si * std::stod(b),
           noise::parse_unit("deg/h/sqrt(h)").to_si * std::stod(k)};
 }
 

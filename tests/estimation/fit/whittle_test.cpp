@@ -50,8 +50,7 @@ double dense_cost(const std::vector<double>& rate, const std::vector<noise::Proc
 double sine_cost_difference(const std::vector<double>& rate, const std::vector<noise::Process>& processes,
                             const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   const auto n = static_cast<std::int64_t>(rate.size());
-  const SineLikelihood likelihood(SineBins(sine_transform_of_differences(rate), n, 1, n - 1), processes,
-                                  false);
+  const SineLikelihood likelihood(SineBins(sine_transform_of_differences(rate), n, 1, n - 1), processes, false);
   const auto cost = [&](const Eigen::VectorXd& theta) {
     const Eigen::ArrayXd lambda = likelihood.variance(theta);
     return (likelihood.bins().count * (lambda.log() + likelihood.power(0) / lambda)).sum();
@@ -66,8 +65,8 @@ TEST(SineLikelihood, DifferencesAreThoseOfTheDenseLikelihood) {
   const std::vector<noise::Process> walk{noise::White{1}, noise::RateRandomWalk{1}},
       flicker{noise::White{1}, noise::Flicker{1}};
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    const auto rate = noise::generate_record(
-        std::vector<noise::Process>{noise::White{1}, noise::RateRandomWalk{0.1}}, n, 1, {seed, 0});
+    const auto rate = noise::generate_record(std::vector<noise::Process>{noise::White{1}, noise::RateRandomWalk{0.1}},
+                                             n, 1, {seed, 0});
     const double exact = dense_cost(rate, walk, a) - dense_cost(rate, walk, b);
     EXPECT_NEAR(sine_cost_difference(rate, walk, a, b), exact, 0.02 * (1 + std::abs(exact)));
     const Eigen::Vector2d c(1, 0.1), d(1.2, 0.02);
@@ -80,10 +79,9 @@ TEST(SineLikelihood, DifferencesAreThoseOfTheDenseLikelihood) {
 TEST(SineLikelihood, MaximumHasNoBetterNeighbour) {
   const std::vector<noise::Process> terms{noise::White{1}, noise::Flicker{1}, noise::RateRandomWalk{1}};
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const auto rate = noise::generate_record(
-        std::vector<noise::Process>{noise::White{1}, noise::RateRandomWalk{0.01}}, 3000, 1, {seed, 0});
-    const SineLikelihood likelihood(SineBins(sine_transform_of_differences(rate), 3000, 1, 2999), terms,
-                                    false);
+    const auto rate = noise::generate_record(std::vector<noise::Process>{noise::White{1}, noise::RateRandomWalk{0.01}},
+                                             3000, 1, {seed, 0});
+    const SineLikelihood likelihood(SineBins(sine_transform_of_differences(rate), 3000, 1, 2999), terms, false);
     const auto best = likelihood.maximise();
     ASSERT_TRUE(best.converged);
     for (Eigen::Index j = 0; j < 3; ++j) {
@@ -110,8 +108,8 @@ TEST(SineLikelihood, InformationIsTheCurvature) {
   const Eigen::MatrixXd inverse = likelihood.information(theta).inverse();
   for (Eigen::Index j = 0; j < 3; ++j) {
     const double step = 0.01 * std::sqrt(inverse(j, j));
-    const double rise = likelihood.maximise(Held{j, theta(j) + step}).cost +
-                        likelihood.maximise(Held{j, theta(j) - step}).cost;
+    const double rise =
+        likelihood.maximise(Held{j, theta(j) + step}).cost + likelihood.maximise(Held{j, theta(j) - step}).cost;
     EXPECT_NEAR(rise / 2e-4, 1, 0.01);  // profile: (step/std)^2 on either side
   }
 }
@@ -138,11 +136,10 @@ void expect_close(const Coefficient& c, double truth) {
 }
 
 TEST(FitLikelihood, FindsEveryRandomTerm) {
-  const auto rate =
-      simulate({noise::Quantization{3}, noise::White{1}, noise::Flicker{0.5}, noise::RateRandomWalk{0.02}},
-               200000, 1, 4);
-  const Result r = fit_likelihood(
-      rate, 1, with_terms({Term::rate_random_walk, Term::flicker, Term::white, Term::quantization}));
+  const auto rate = simulate(
+      {noise::Quantization{3}, noise::White{1}, noise::Flicker{0.5}, noise::RateRandomWalk{0.02}}, 200000, 1, 4);
+  const Result r =
+      fit_likelihood(rate, 1, with_terms({Term::rate_random_walk, Term::flicker, Term::white, Term::quantization}));
   EXPECT_TRUE(r.converged);
   EXPECT_EQ(r.method, Method::whittle);
   EXPECT_EQ(r.verdict, Verdict::described);
@@ -159,25 +156,20 @@ TEST(FitLikelihood, FindsEveryRandomTerm) {
 
 TEST(FitLikelihood, FindsARampOfEitherSign) {
   for (const double ramp : {3e-5, -3e-5}) {
-    const auto rate =
-        simulate({noise::White{1}, noise::RateRandomWalk{1e-3}, noise::RateRamp{ramp}}, 36000, 1, 5);
-    const Result r =
-        fit_likelihood(rate, 1, with_terms({Term::white, Term::rate_random_walk, Term::rate_ramp}));
+    const auto rate = simulate({noise::White{1}, noise::RateRandomWalk{1e-3}, noise::RateRamp{ramp}}, 36000, 1, 5);
+    const Result r = fit_likelihood(rate, 1, with_terms({Term::white, Term::rate_random_walk, Term::rate_ramp}));
     expect_close(r[Term::rate_ramp], std::abs(ramp));
     expect_close(r[Term::white], 1);
   }
   const auto flat = simulate({noise::White{1}, noise::RateRandomWalk{1e-3}}, 36000, 1, 6);
-  const Result r =
-      fit_likelihood(flat, 1, with_terms({Term::white, Term::rate_random_walk, Term::rate_ramp}));
+  const Result r = fit_likelihood(flat, 1, with_terms({Term::white, Term::rate_random_walk, Term::rate_ramp}));
   EXPECT_EQ(r[Term::rate_ramp].status, Status::upper_bound);
   EXPECT_GT(r[Term::rate_ramp].upper, r[Term::rate_ramp].value);
 }
 
 TEST(FitLikelihood, FindsAGaussMarkovProcessAndItsTime) {
-  const auto rate =
-      simulate({noise::White{1}, noise::GaussMarkov{0.5, 30}, noise::RateRandomWalk{1e-3}}, 100000, 1, 7);
-  const Result r =
-      fit_likelihood(rate, 1, with_terms({Term::white, Term::rate_random_walk, Term::gauss_markov}));
+  const auto rate = simulate({noise::White{1}, noise::GaussMarkov{0.5, 30}, noise::RateRandomWalk{1e-3}}, 100000, 1, 7);
+  const Result r = fit_likelihood(rate, 1, with_terms({Term::white, Term::rate_random_walk, Term::gauss_markov}));
   EXPECT_EQ(r.verdict, Verdict::described);
   expect_close(r[Term::gauss_markov], 0.5);
   const Coefficient& g = r[Term::gauss_markov];
@@ -221,8 +213,7 @@ TEST(FitLikelihood, SeesNoLineInNoise) {
   int found = 0;
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
     const auto rate = simulate({noise::White{1}, noise::RateRandomWalk{0.02}}, 3000, 1, seed);
-    const Result r =
-        fit_likelihood(rate, 1, with_terms({Term::white, Term::rate_random_walk, Term::sinusoid}));
+    const Result r = fit_likelihood(rate, 1, with_terms({Term::white, Term::rate_random_walk, Term::sinusoid}));
     found += r[Term::sinusoid].status == Status::identified;
   }
   EXPECT_LE(found, 16);
@@ -257,8 +248,7 @@ TEST(FitLikelihood, CutsTheBandThatTheModelMisses) {
   const auto gyro = tests::mems();
   auto rate = simulate(gyro.processes(), 200000, 0.01, 17);
   double state = rate.front();
-  for (auto& y : rate)
-    y = state += (y - state) / 8;  // a low-pass filter: the upper octaves lie below white noise
+  for (auto& y : rate) y = state += (y - state) / 8;  // a low-pass filter: the upper octaves lie below white noise
   const Result r = fit_likelihood(rate, 0.01);
   EXPECT_EQ(r.verdict, Verdict::described);
   EXPECT_GT(r.tau_min_s, 0.07);

@@ -83,8 +83,7 @@ double perturbation(int state) { return state < kVelocity ? 10 : state < kAttitu
 // Columns of H against central differences of the residual, at a world whose terms are known exactly but not
 // zero. `scale` is the size of what is measured, of which differences are rounded; `curvature` that of its
 // third derivative by angle or time, unity within a perturbation of 1e-4.
-void expect_rows(const Measure& measure, double scale, double curvature,
-                 std::initializer_list<int> exempt = {}) {
+void expect_rows(const Measure& measure, double scale, double curvature, std::initializer_list<int> exempt = {}) {
   const auto m = model();
   World world;
   world.terms = StateVector::Zero(static_cast<Eigen::Index>(m.terms.size()));
@@ -99,8 +98,7 @@ void expect_rows(const Measure& measure, double scale, double curvature,
     if (std::find(exempt.begin(), exempt.end(), j) != exempt.end()) continue;
     const double e = perturbation(j);
     const Vector3d column =
-        (measure(moved(world, j, e), estimate).residual - measure(moved(world, j, -e), estimate).residual) /
-        (2 * e);
+        (measure(moved(world, j, e), estimate).residual - measure(moved(world, j, -e), estimate).residual) / (2 * e);
     for (int i = 0; i < at_truth.rows; ++i)
       EXPECT_NEAR(at_truth.row[static_cast<std::size_t>(i)].h[j], column[i],
                   4 * kEps * scale / e + curvature * 1e-8 + (j < kVelocity ? 1e-11 : 0))
@@ -133,11 +131,10 @@ TEST(Aiding, VelocityRowsAreDerivatives) {
       [](const World& truth, const navigation::Estimate& estimate) {
         // Late by t, the antenna's swing about the IMU also turns: left out of the column, so held here.
         const World seen = later(truth);
-        return measure(
-            navigation::VelocityFix{seen.state.v_eb_e + truth.state.q_eb * truth.w_eb_b.cross(arm(truth)) +
-                                        kAxes * truth.terms.segment<3>(kBias),
-                                    kSigma, kAxes, kLeverArm, kAid},
-            estimate);
+        return measure(navigation::VelocityFix{seen.state.v_eb_e + truth.state.q_eb * truth.w_eb_b.cross(arm(truth)) +
+                                                   kAxes * truth.terms.segment<3>(kBias),
+                                               kSigma, kAxes, kLeverArm, kAid},
+                       estimate);
       },
       300, 10);
 }
@@ -146,8 +143,7 @@ TEST(Aiding, HeightRowsAreDerivatives) {
   expect_rows(
       [](const World& truth, const navigation::Estimate& estimate) {
         return measure(
-            navigation::HeightFix{earth::to_geodetic(later(truth).state.p_eb_e).height + truth.terms[kBias],
-                                  2, kAid},
+            navigation::HeightFix{earth::to_geodetic(later(truth).state.p_eb_e).height + truth.terms[kBias], 2, kAid},
             estimate);
       },
       6.4e6, 10, {kCoreStates + kBias + 1, kCoreStates + kBias + 2});  // a height has one bias, axis 0
@@ -160,10 +156,9 @@ TEST(Aiding, AttitudeRowsAreDerivatives) {
         const World seen = later(truth);
         World at = truth;
         const Vector3d mounting = at.terms.segment<3>(kBias) - Vector3d(0.01, 0.02, 0.03);
-        Measurement m = measure(
-            navigation::AttitudeFix{
-                seen.state.q_eb * earth::exp_rotation(mounting), {1e-3, 2e-3, 3e-3}, kAid},
-            estimate);
+        Measurement m =
+            measure(navigation::AttitudeFix{seen.state.q_eb * earth::exp_rotation(mounting), {1e-3, 2e-3, 3e-3}, kAid},
+                    estimate);
         m.residual += Vector3d(0.01, 0.02, 0.03);
         return m;
       },
@@ -194,12 +189,9 @@ TEST(Aiding, RefusesASigmaThatIsNone) {
   for (const double bad :
        {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     const Vector3d sigma{1, bad, 1};
-    EXPECT_THROW((void)measure(navigation::PositionFix{world.state.p_eb_e, sigma}, estimate),
-                 std::invalid_argument);
-    EXPECT_THROW((void)measure(navigation::VelocityFix{world.state.v_eb_e, sigma}, estimate),
-                 std::invalid_argument);
-    EXPECT_THROW((void)measure(navigation::AttitudeFix{world.state.q_eb, sigma}, estimate),
-                 std::invalid_argument);
+    EXPECT_THROW((void)measure(navigation::PositionFix{world.state.p_eb_e, sigma}, estimate), std::invalid_argument);
+    EXPECT_THROW((void)measure(navigation::VelocityFix{world.state.v_eb_e, sigma}, estimate), std::invalid_argument);
+    EXPECT_THROW((void)measure(navigation::AttitudeFix{world.state.q_eb, sigma}, estimate), std::invalid_argument);
     EXPECT_THROW((void)measure(navigation::HeightFix{0, bad}, estimate), std::invalid_argument);
   }
 }

@@ -3,12 +3,12 @@
 // false alarm, and a ring laser's record in a parked vehicle.
 #include "gyrobudget/estimation/navigation/alignment.h"
 
+#include "gyrobudget/noise/imu.h"
+#include "gyrobudget/noise/normal.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/frames.h"
 #include "gyrobudget/vehicle/earth/gravity.h"
 #include "gyrobudget/vehicle/earth/paths.h"
-#include "gyrobudget/noise/imu.h"
-#include "gyrobudget/noise/normal.h"
 
 #include <gtest/gtest.h>
 
@@ -54,8 +54,7 @@ Quaterniond attitude(double yaw, double pitch, double roll) {
 
 StaticMeans standing(const Quaterniond& q_nb, double latitude, double duration) {
   const double g = earth::somigliana(latitude);
-  return {q_nb.conjugate() * Vector3d(0, 0, -g), q_nb.conjugate() * earth::earth_rate_ned(latitude),
-          duration};
+  return {q_nb.conjugate() * Vector3d(0, 0, -g), q_nb.conjugate() * earth::earth_rate_ned(latitude), duration};
 }
 
 /// psi in east, north, up with q_true = exp(psi) q^.
@@ -96,12 +95,10 @@ TEST(Alignment, SigmasAreTheClosedForms) {
   const double level = (*sensor.accelerometer->turn_on_bias)[0] / g;
   EXPECT_NEAR(a.parts.bias.x() / level, 1, 1e-12);
   EXPECT_NEAR(a.parts.bias.y() / level, 1, 1e-12);
-  EXPECT_NEAR(a.parts.bias.z() / std::hypot((*sensor.gyro.turn_on_bias)[0] / c, level * std::tan(kLatitude)),
+  EXPECT_NEAR(a.parts.bias.z() / std::hypot((*sensor.gyro.turn_on_bias)[0] / c, level * std::tan(kLatitude)), 1, 1e-12);
+  EXPECT_NEAR(a.parts.noise.z() / std::hypot(sensor.gyro.white / (c * std::sqrt(T)),
+                                             sensor.accelerometer->white / (g * std::sqrt(T)) * std::tan(kLatitude)),
               1, 1e-12);
-  EXPECT_NEAR(
-      a.parts.noise.z() / std::hypot(sensor.gyro.white / (c * std::sqrt(T)),
-                                     sensor.accelerometer->white / (g * std::sqrt(T)) * std::tan(kLatitude)),
-      1, 1e-12);
   EXPECT_NEAR(a.parts.noise.x() / (sensor.accelerometer->white / (g * std::sqrt(T))), 1, 1e-12);
   EXPECT_EQ(a.parts.motion, Vector3d::Zero());
   EXPECT_NEAR(a.sigma().z(), std::hypot(a.parts.bias.z(), a.parts.noise.z()), 1e-15);
@@ -213,8 +210,7 @@ TEST(Alignment, SwayLeavesTheMean) {
   stand.q_nb = attitude(10, 90, 0);
   stand.vibration = {.coning_angle = 0.2 * kDegree, .coning_frequency = 0.5};
   stand.duration = 120;
-  const Alignment a =
-      align(earth::stand(stand).increments(0.02), 0.02, {.sensor = ideal(), .latitude = kLatitude});
+  const Alignment a = align(earth::stand(stand).increments(0.02), 0.02, {.sensor = ideal(), .latitude = kLatitude});
   ASSERT_TRUE(a.heading_observable) << a.message;
   // The cone's axis is the mean pose; its rectified turn, 2 sin^2(a/2) w about x, is not at rest.
   EXPECT_LT(error_of(a, stand.q_nb).head<2>().norm(), 1e-5);
@@ -253,9 +249,8 @@ TEST(Alignment, HeadingOfAMemsIsNotObservableAndIsAskedFor) {
 
 TEST(Alignment, SaysWhereEarthsRateIsNotSeen) {
   const auto q_nb = attitude(0, 0, 0);
-  EXPECT_FALSE(
-      align(standing(q_nb, 89.99 * kDegree, 60), {.sensor = ring_laser(), .latitude = 89.99 * kDegree})
-          .heading_observable);
+  EXPECT_FALSE(align(standing(q_nb, 89.99 * kDegree, 60), {.sensor = ring_laser(), .latitude = 89.99 * kDegree})
+                   .heading_observable);
   StaticMeans turning = standing(q_nb, kLatitude, 60);
   turning.w_ib_b.x() += 0.01;
   const Alignment a = align(turning, {.sensor = ring_laser(), .latitude = kLatitude});
@@ -269,8 +264,7 @@ TEST(Alignment, SaysWhereEarthsRateIsNotSeen) {
 TEST(Alignment, AnUnstatedTurnOnBiasIsSaid) {
   auto sensor = ring_laser();
   sensor.gyro.turn_on_bias.reset();
-  const Alignment a =
-      align(standing(attitude(0, 0, 0), kLatitude, 60), {.sensor = sensor, .latitude = kLatitude});
+  const Alignment a = align(standing(attitude(0, 0, 0), kLatitude, 60), {.sensor = sensor, .latitude = kLatitude});
   EXPECT_NE(a.message.find("turn-on bias"), std::string::npos) << a.message;
 }
 
@@ -307,8 +301,7 @@ TEST(Alignment, RingLaserInAParkedVehicle) {
 double assumed_variance(const noise::ErrorModel& gyro, double T, double dt) {
   noise::SensorModel sensor;
   sensor.gyro = gyro;
-  return align(standing(attitude(0, 0, 0), kLatitude, T),
-               {.sensor = sensor, .interval = dt, .latitude = kLatitude})
+  return align(standing(attitude(0, 0, 0), kLatitude, T), {.sensor = sensor, .interval = dt, .latitude = kLatitude})
       .gyro_bias_variance[0];
 }
 
@@ -317,32 +310,26 @@ TEST(Alignment, SlowErrorsCountFromTheirEpoch) {
   constexpr double k = 1e-9, b = 1e-8;
   const auto variance = [](const noise::ErrorModel& gyro) { return assumed_variance(gyro, T, 0.01); };
   EXPECT_NEAR(variance({.rate_random_walk = k}) / (k * k * T / 3), 1, 1e-12);
-  EXPECT_NEAR(variance({.rate_random_walk = k, .powered_on_before = before}) / (k * k * (before + T / 3)), 1,
-              1e-12);
-  EXPECT_NEAR(variance({.rate_random_walk = k, .calibrated_over = before}) / (k * k * (before + T) / 3), 1,
-              1e-12);
+  EXPECT_NEAR(variance({.rate_random_walk = k, .powered_on_before = before}) / (k * k * (before + T / 3)), 1, 1e-12);
+  EXPECT_NEAR(variance({.rate_random_walk = k, .calibrated_over = before}) / (k * k * (before + T) / 3), 1, 1e-12);
   // The difference of two neighbouring means is twice the Allan variance, 2 ln2/pi B^2, whatever their length.
-  EXPECT_NEAR(variance({.bias_instability = b, .calibrated_over = T}) / (4 * std::numbers::ln2 / pi * b * b),
-              1, 1e-12);
+  EXPECT_NEAR(variance({.bias_instability = b, .calibrated_over = T}) / (4 * std::numbers::ln2 / pi * b * b), 1, 1e-12);
   // A calibration takes off what does not change, to the white noise in it.
-  EXPECT_NEAR(
-      variance({.white = k, .gauss_markov = {{b, 1e9}}, .turn_on_bias = 1.0, .calibrated_over = before}) /
-          (k * k / before + 2 * b * b * (before + T) / 3 / 1e9),
-      1, 1e-5);
+  EXPECT_NEAR(variance({.white = k, .gauss_markov = {{b, 1e9}}, .turn_on_bias = 1.0, .calibrated_over = before}) /
+                  (k * k / before + 2 * b * b * (before + T) / 3 / 1e9),
+              1, 1e-5);
 }
 
 // Means of simulated IMUs over a record of 60 s, for the epochs that a sensor file can state.
 TEST(Alignment, MeansOfASimulatedImuScatterAsAssumed) {
   constexpr int kRuns = 500, kAxes = 6, kSamples = 600;
   constexpr double dt = 0.1, T = kSamples * dt;
-  constexpr double kSampled =
-      0.01;  // what half a sample in the record's length and the poles of flicker cost
+  constexpr double kSampled = 0.01;  // what half a sample in the record's length and the poles of flicker cost
   const double tolerance = kStands * std::sqrt(2.0 / (kRuns * kAxes)) + kSampled;  // 0.14
   for (const noise::ErrorModel& process :
        {noise::ErrorModel{.bias_instability = 1}, noise::ErrorModel{.rate_random_walk = 1},
         noise::ErrorModel{.gauss_markov = {{1, 40}}}})
-    for (const auto& [before, calibrated] :
-         {std::pair<double, double>{0, 0}, {10, 0}, {600, 0}, {0, 30}, {0, 300}}) {
+    for (const auto& [before, calibrated] : {std::pair<double, double>{0, 0}, {10, 0}, {600, 0}, {0, 30}, {0, 300}}) {
       noise::SensorModel sensor;
       sensor.gyro = process;
       if (before > 0) sensor.gyro.powered_on_before = before;
@@ -360,8 +347,8 @@ TEST(Alignment, MeansOfASimulatedImuScatterAsAssumed) {
         sum += (angle / T).squaredNorm() + (velocity / T).squaredNorm();
       }
       EXPECT_NEAR(sum / (kRuns * kAxes) / assumed_variance(sensor.gyro, T, dt), 1, tolerance)
-          << "flicker " << process.bias_instability << ", walk " << process.rate_random_walk << ", on for "
-          << before << " s, calibrated over " << calibrated << " s";
+          << "flicker " << process.bias_instability << ", walk " << process.rate_random_walk << ", on for " << before
+          << " s, calibrated over " << calibrated << " s";
     }
 }
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The filter's loop asks the heap for nothing: malloc of this program is replaced by one that counts
 // (operator new and Eigen end there).
-#include "gyrobudget/vehicle/earth/paths.h"
 #include "gyrobudget/estimation/navigation/filter.h"
+#include "gyrobudget/vehicle/earth/paths.h"
 
 #include <gtest/gtest.h>
 

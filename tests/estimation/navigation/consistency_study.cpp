@@ -14,8 +14,8 @@ namespace {
 void row(const std::string& name, const Scene& scene) {
   const Verdict v = fly(scene, 1);
   fmt::print("{:28} {:6}   {:6.3f} {:5.1f} %     {:6.3f} {:5.1f} %     {:6.3f}\n", name, scene.flicker_states,
-             Verdict::mean(v.navigation), 100 * Verdict::inside(v.navigation, 9, v.runs),
-             Verdict::mean(v.bias), 100 * Verdict::inside(v.bias, 1, 3.0 * v.runs), Verdict::mean(v.nis));
+             Verdict::mean(v.navigation), 100 * Verdict::inside(v.navigation, 9, v.runs), Verdict::mean(v.bias),
+             100 * Verdict::inside(v.bias, 1, 3.0 * v.runs), Verdict::mean(v.nis));
 }
 
 }  // namespace
@@ -26,12 +26,10 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "usage: consistency_study [runs]\n");
     return 2;
   }
-  fmt::print(
-      "{} runs; share of epochs inside the 95 % band of the mean over runs (bias: if axes are "
-      "independent)\n\n",
-      runs);
-  fmt::print("{:28} {:6}   {:15}     {:15}     {}\n", "scene", "states", "NEES (9)  inside",
-             "bias (1)  inside", "NIS (6)");
+  fmt::print("{} runs; share of epochs inside the 95 % band of the mean over runs (bias: if axes are independent)\n\n",
+             runs);
+  fmt::print("{:28} {:6}   {:15}     {:15}     {}\n", "scene", "states", "NEES (9)  inside", "bias (1)  inside",
+             "NIS (6)");
   for (const bool fibre : {true, false})
     for (int states = 0; states <= 3; ++states)
       row(fibre ? "fibre-optic, 600 s" : "MEMS, 600 s",

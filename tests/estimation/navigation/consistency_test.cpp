@@ -94,9 +94,9 @@ TEST(Consistency, NEESOfFirstOrderSaysWhatItLeavesOut) {
   EXPECT_EQ(one.dof(), 1);
   ASSERT_EQ(one.left_out().size(), 2U);
   EXPECT_NEAR(one(Vector3d(2, 1e-9, 5)), 1, 1e-12);
-  EXPECT_NEAR(std::hypot(one.along(one.left_out()[0], Vector3d(2, 3, 4)),
-                         one.along(one.left_out()[1], Vector3d(2, 3, 4))),
-              5, 1e-12);
+  EXPECT_NEAR(
+      std::hypot(one.along(one.left_out()[0], Vector3d(2, 3, 4)), one.along(one.left_out()[1], Vector3d(2, 3, 4))), 5,
+      1e-12);
   EXPECT_THROW((void)navigation::FirstOrderNees(P, 1), std::invalid_argument);
   EXPECT_THROW((void)one(Eigen::Vector2d::Zero()), std::invalid_argument);
 }

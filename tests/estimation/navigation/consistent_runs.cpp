@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 #include "consistent_runs.h"
 
-#include "gyrobudget/vehicle/earth/attitude.h"
-#include "gyrobudget/vehicle/earth/frames.h"
-#include "gyrobudget/vehicle/earth/paths.h"
 #include "gyrobudget/estimation/navigation/filter.h"
 #include "gyrobudget/estimation/navigation/sensor_states.h"
 #include "gyrobudget/noise/imu.h"
 #include "gyrobudget/noise/normal.h"
+#include "gyrobudget/vehicle/earth/attitude.h"
+#include "gyrobudget/vehicle/earth/frames.h"
+#include "gyrobudget/vehicle/earth/paths.h"
 
 #include <oneapi/tbb/parallel_for.h>
 
@@ -53,8 +53,8 @@ noise::Vector3 array(const Vector3d& v) { return {v[0], v[1], v[2]}; }
 navigation::StateVector total_bias(const navigation::ErrorStateModel& model, int axis) {
   navigation::StateVector h = navigation::StateVector::Zero(model.states());
   for (std::size_t k = 0; k < model.terms.size(); ++k)
-    if (model.terms[k].carrier == navigation::Carrier::gyro &&
-        model.terms[k].effect == navigation::Effect::bias && model.terms[k].axis == axis)
+    if (model.terms[k].carrier == navigation::Carrier::gyro && model.terms[k].effect == navigation::Effect::bias &&
+        model.terms[k].axis == axis)
       h[navigation::kCoreStates + static_cast<int>(k)] = 1;
   return h;
 }
@@ -75,9 +75,9 @@ class OneRun {
     for (std::size_t k = 0; k < shared_.increments.size(); ++k) {
       const auto& truth = shared_.increments[k];
       const auto read = imu_.next({array(truth.angle), array(truth.velocity)});
-      filter_.propagate({{read.velocity[0], read.velocity[1], read.velocity[2]},
-                         {read.angle[0], read.angle[1], read.angle[2]}},
-                        shared_.scene.imu_interval);
+      filter_.propagate(
+          {{read.velocity[0], read.velocity[1], read.velocity[2]}, {read.angle[0], read.angle[1], read.angle[2]}},
+          shared_.scene.imu_interval);
       for (int i = 0; i < 3; ++i) {
         true_bias[i] += imu_.gyro_bias()[static_cast<std::size_t>(i)] / static_cast<double>(per_second);
         estimate[i] += estimated_bias(i) / static_cast<double>(per_second);
@@ -156,14 +156,12 @@ class OneRun {
     const auto& truth = shared_.truth[second];
     const Vector3d p = truth.p_eb_e + shared_.axes * normals(kPositionSigma);
     const Vector3d v = truth.v_eb_e + shared_.axes * normals(kVelocitySigma);
-    const auto position = filter_.update(measure(
-        navigation::PositionFix{
-            .p_eb_e = p, .sigma = Vector3d::Constant(kPositionSigma), .axes = shared_.axes},
-        filter_.estimate()));
-    const auto velocity = filter_.update(measure(
-        navigation::VelocityFix{
-            .v_eb_e = v, .sigma = Vector3d::Constant(kVelocitySigma), .axes = shared_.axes},
-        filter_.estimate()));
+    const auto position = filter_.update(
+        measure(navigation::PositionFix{.p_eb_e = p, .sigma = Vector3d::Constant(kPositionSigma), .axes = shared_.axes},
+                filter_.estimate()));
+    const auto velocity = filter_.update(
+        measure(navigation::VelocityFix{.v_eb_e = v, .sigma = Vector3d::Constant(kVelocitySigma), .axes = shared_.axes},
+                filter_.estimate()));
     sums_.nis.push_back(position.nis + velocity.nis);
   }
 
@@ -195,13 +193,8 @@ double Verdict::inside(const std::vector<double>& mean_nees, double dof, double 
 }
 
 Verdict fly(const Scene& scene, std::uint64_t seed) {
-  Shared shared{scene,
-                turns(scene.duration),
-                {},
-                {},
-                earth::LocalFrame::east_north_up(earth::Cruise{}.start).C_el(),
-                {},
-                {}};
+  Shared shared{
+      scene, turns(scene.duration), {}, {}, earth::LocalFrame::east_north_up(earth::Cruise{}.start).C_el(), {}, {}};
   shared.increments = shared.path.increments(scene.imu_interval);
   for (double t = 0; t <= scene.duration; t += 1) shared.truth.push_back(shared.path.at(t));
   navigation::SensorStates::Options options;

@@ -24,10 +24,9 @@ struct Scene {
 /// Means over the runs, each second.
 struct Verdict {
   std::vector<double> navigation;  ///< NEES of position, velocity and attitude: 9 when right
-  std::vector<double>
-      bias;  ///< NEES of each gyro's total bias over the last second, mean of axes: 1 when right
-  std::vector<double> nis;     ///< of position and velocity together: 6 when right; one a fix
-  std::vector<double> of_run;  ///< mean over time of each run's NEES of navigation
+  std::vector<double> bias;        ///< NEES of each gyro's total bias over the last second, mean of axes: 1 when right
+  std::vector<double> nis;         ///< of position and velocity together: 6 when right; one a fix
+  std::vector<double> of_run;      ///< mean over time of each run's NEES of navigation
   int runs = 0;
 
   [[nodiscard]] static double mean(const std::vector<double>&);

@@ -82,9 +82,8 @@ void expect_covariance(const StateMatrix& P) {
   EXPECT_EQ((P - P.transpose()).cwiseAbs().maxCoeff(), 0);
   const StateVector scale = P.diagonal().cwiseSqrt().cwiseMax(1e-300).cwiseInverse();
   const Eigen::MatrixXd correlation = scale.asDiagonal() * P * scale.asDiagonal();
-  EXPECT_GT(
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlation, Eigen::EigenvaluesOnly).eigenvalues()[0],
-      -static_cast<double>(P.rows()) * 8 * kEps);
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlation, Eigen::EigenvaluesOnly).eigenvalues()[0],
+            -static_cast<double>(P.rows()) * 8 * kEps);
 }
 
 }  // namespace
@@ -151,8 +150,7 @@ TEST(Covariance, KernelsGiveTheSameBytes) {
     StateMatrix b = a;
     navigation::detail::propagate_dense(Target::baseline, step, a.data());
     navigation::detail::propagate_dense(Target::avx2, step, b.data());
-    EXPECT_EQ(std::memcmp(a.data(), b.data(), sizeof(double) * static_cast<std::size_t>(a.size())), 0)
-        << states;
+    EXPECT_EQ(std::memcmp(a.data(), b.data(), sizeof(double) * static_cast<std::size_t>(a.size())), 0) << states;
     EXPECT_EQ(a.bottomRows(a.rows() - states).cwiseAbs().sum(), 0);  // what fills up stays zero
   }
 }
@@ -240,8 +238,7 @@ TEST(Covariance, StaysSymmetricAndPositive) {
       step.input *= 0.05;
       for (auto& term : step.terms) term.noise += 0.01;
       ours.propagate(step);
-      for (std::uint64_t j = 0; j < 3; ++j)
-        (void)ours.update(row(kStates, 50 + j + static_cast<std::uint64_t>(i % 5)));
+      for (std::uint64_t j = 0; j < 3; ++j) (void)ours.update(row(kStates, 50 + j + static_cast<std::uint64_t>(i % 5)));
       if (i % 100 == 0) expect_covariance(ours.matrix());
     }
     expect_covariance(ours.matrix());
@@ -280,8 +277,7 @@ TEST(Covariance, RefusesWhatIsNone) {
   const StateMatrix good = covariance(12, 70);
   refused(good.topRows(11));
   refused(good.topLeftCorner(8, 8));
-  for (const double bad :
-       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), -1.0}) {
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), -1.0}) {
     StateMatrix P = good;
     P(3, 3) = bad;
     refused(P);

@@ -3,9 +3,9 @@
 // once more, and the continuous model of a term integrated in long double by doubling.
 #include "gyrobudget/estimation/navigation/error_state.h"
 
+#include "gyrobudget/estimation/navigation/strapdown.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/ellipsoid.h"
-#include "gyrobudget/estimation/navigation/strapdown.h"
 
 #include <gtest/gtest.h>
 
@@ -28,9 +28,8 @@ namespace {
 
 constexpr double kEps = std::numeric_limits<double>::epsilon();
 constexpr double kRate = earth::wgs84::kEarthRate;
-constexpr double kGradient = 3.1e-6;  // largest of the gravity gradient [1/s^2]
-constexpr double kGradientError =
-    2e-4;  // of it, that its closed form leaves out; and of a chord for a tangent
+constexpr double kGradient = 3.1e-6;     // largest of the gravity gradient [1/s^2]
+constexpr double kGradientError = 2e-4;  // of it, that its closed form leaves out; and of a chord for a tangent
 
 using CoreVector = Eigen::Matrix<double, kCoreStates, 1>;
 
@@ -61,8 +60,8 @@ CoreVector difference(const navigation::NavigationState& truth, const navigation
   return x;
 }
 
-navigation::NavigationState stepped(const navigation::NavigationState& from, const Vector3d& w,
-                                    const Vector3d& f, double dt) {
+navigation::NavigationState stepped(const navigation::NavigationState& from, const Vector3d& w, const Vector3d& f,
+                                    double dt) {
   navigation::Strapdown::Options options;
   options.order = 1;
   navigation::Strapdown strapdown(from, options);
@@ -90,8 +89,7 @@ double core_tolerance(const Scene& s, double dt, int row, int column) {
   const bool cut = dt <= navigation::Lineariser::kSecondOrder;
   const double lost = kGradientError * kGradient;
   // of f over the step: its first moment for position, its mean for velocity
-  const double f1 = f * dt * dt * (turn / 12 + turn * turn / 12),
-               f0 = f * dt * (turn * turn / 24 + kRate * dt * turn);
+  const double f1 = f * dt * dt * (turn / 12 + turn * turn / 12), f0 = f * dt * (turn * turn / 24 + kRate * dt * turn);
   const double midpoint = f * kGradient * dt * dt * dt / 24;  // the strapdown takes gravitation amid the step
   const double third[3][3] = {
       {d3 * 2 * kRate * kGradient, d3 * (kGradient + 4 * kRate * kRate), d3 * 3 * kRate * f},
@@ -152,8 +150,7 @@ TEST(ErrorState, CoreIsTheDerivativeOfTheStrapdown) {
                                   (2 * perturbation(j));
         for (int i = 0; i < kCoreStates; ++i)
           EXPECT_NEAR(step.core(i, j), column[i],
-                      core_tolerance(s, dt, i / 3, j / 3) + rounding(i, j) +
-                          1e-9 * dt * dt * (j < kAttitude ? 0 : 15))
+                      core_tolerance(s, dt, i / 3, j / 3) + rounding(i, j) + 1e-9 * dt * dt * (j < kAttitude ? 0 : 15))
               << "row " << i << " column " << j << " dt " << dt << " rate " << rate;
       }
     }
@@ -321,8 +318,7 @@ TEST(ErrorState, WhiteNoiseIsThatOfTheMean) {
   const auto& step = lineariser(input_of(scene(0), 0.02));
   for (int i = 0; i < 3; ++i) {
     EXPECT_DOUBLE_EQ(step.input_noise[i], model.gyro_white[i] * model.gyro_white[i] / 0.02);
-    EXPECT_DOUBLE_EQ(step.input_noise[3 + i],
-                     model.accelerometer_white[i] * model.accelerometer_white[i] / 0.02);
+    EXPECT_DOUBLE_EQ(step.input_noise[3 + i], model.accelerometer_white[i] * model.accelerometer_white[i] / 0.02);
   }
 }
 
@@ -358,22 +354,19 @@ TEST(ErrorState, TwoHalfStepsAreAStep) {
         } else if (i < kCoreStates) {
           // The first half of an error that decays is greater: a/16 of dt^2 and alike; axes turn by w_ie dt.
           const auto& t = whole.terms[static_cast<std::size_t>(j - kCoreStates)];
-          const double a =
-              std::min(1.0, dt / model.terms[static_cast<std::size_t>(j - kCoreStates)].correlation_time);
+          const double a = std::min(1.0, dt / model.terms[static_cast<std::size_t>(j - kCoreStates)].correlation_time);
           const double size[3][2] = {{f * dt * dt * dt / 6, dt * dt / 2}, {f * dt * dt / 2, dt}, {dt, 0}};
-          const double gain = std::max(
-              std::abs(t.gain), 2 * std::abs(half.terms[static_cast<std::size_t>(j - kCoreStates)].gain));
+          const double gain =
+              std::max(std::abs(t.gain), 2 * std::abs(half.terms[static_cast<std::size_t>(j - kCoreStates)].gain));
           tolerance += gain * size[i / 3][t.signal < 3 ? 0 : 1] * (a + 4 * kRate * dt);
         }
         EXPECT_NEAR(Phi(i, j), twice(i, j), tolerance) << i << ", " << j << " dt " << dt;
       }
     const navigation::StateMatrix Q = whole.noise(),
-                                  sum =
-                                      half.matrix() * half.noise() * half.matrix().transpose() + half.noise();
+                                  sum = half.matrix() * half.noise() * half.matrix().transpose() + half.noise();
     for (int i = kAttitude; i < Q.rows(); ++i)
       for (int j = kAttitude; j < Q.cols(); ++j)
-        EXPECT_NEAR(Q(i, j), sum(i, j), (1e-12 + 2 * kRate * dt) * std::sqrt(Q(i, i) * Q(j, j)))
-            << i << ", " << j;
+        EXPECT_NEAR(Q(i, j), sum(i, j), (1e-12 + 2 * kRate * dt) * std::sqrt(Q(i, i) * Q(j, j))) << i << ", " << j;
   }
 }
 
@@ -397,8 +390,7 @@ TEST(ErrorState, RefusesWhatIsNotAModel) {
   refused([&](auto& m) { m.terms[0].effect = Effect::time_tag; });
   refused([&](auto& m) { m.terms[0].carrier = Carrier::aid; });
   refused([&](auto& m) { m.terms[0] = term(Carrier::accelerometer, Effect::g_sensitivity, 0); });
-  refused(
-      [&](auto& m) { m.terms.assign(navigation::kMaxErrorTerms + 1, term(Carrier::gyro, Effect::bias, 0)); });
+  refused([&](auto& m) { m.terms.assign(navigation::kMaxErrorTerms + 1, term(Carrier::gyro, Effect::bias, 0)); });
   navigation::Lineariser lineariser{navigation::ErrorStateModel{}};
   for (const double dt : {0.0, -1.0, nan, std::numeric_limits<double>::infinity()})
     EXPECT_THROW((void)lineariser(input_of(scene(0), dt)), std::invalid_argument);

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: MIT
 // The square-root form where a filter could break, each against the same model in a hundred digits: every
 // sigma within kTolerance of it, or a refusal that says why.
+#include "gyrobudget/estimation/navigation/filter.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/frames.h"
-#include "gyrobudget/estimation/navigation/filter.h"
 
 #include <gtest/gtest.h>
 
@@ -33,8 +33,7 @@ constexpr double kTolerance = 1e-6;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 // 332 bits
-using Real =
-    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<100>, boost::multiprecision::et_off>;
+using Real = boost::multiprecision::number<boost::multiprecision::cpp_bin_float<100>, boost::multiprecision::et_off>;
 
 navigation::ErrorTerm bias(Carrier carrier, int axis, double correlation_time = kInfinity, double walk = 0) {
   navigation::ErrorTerm t;
@@ -130,8 +129,7 @@ TEST(Extremes, VariancesOverFortyDecades) {
   constexpr int kStates = 15;
   for (int shift = 0; shift < kStates; shift += 5) {
     StateVector variance(kStates);
-    for (int i = 0; i < kStates; ++i)
-      variance[(i * 4 + shift) % kStates] = std::pow(10, -20 + 40. * i / (kStates - 1));
+    for (int i = 0; i < kStates; ++i) variance[(i * 4 + shift) % kStates] = std::pow(10, -20 + 40. * i / (kStates - 1));
     Pair pair(with_biases(), variance);
     for (int k = 0; k < 8; ++k) {
       pair.step(0.01);
@@ -195,8 +193,7 @@ TEST(Extremes, CorrelationTimesOfAMicrosecondAndAMillionSeconds) {
   navigation::ErrorStateModel model = with_biases();
   for (const double time : {1e-6, 1e-3, 1.0, 1e6})
     for (int i = 0; i < 2; ++i) {
-      model.terms.push_back(
-          bias(i == 0 ? Carrier::gyro : Carrier::accelerometer, i, time, 1e-5 * std::sqrt(2 / time)));
+      model.terms.push_back(bias(i == 0 ? Carrier::gyro : Carrier::accelerometer, i, time, 1e-5 * std::sqrt(2 / time)));
     }
   StateVector variance = usual_variances(model.states());
   variance.tail(8).setConstant(1e-10);
@@ -264,8 +261,7 @@ TEST(Extremes, RefusalsAreClear) {
   const StateMatrix before = filter.covariance().matrix();
   filter.propagate(imu, 0);
   EXPECT_EQ((filter.covariance().matrix() - before).norm(), 0);
-  for (const double dt : {-1e-9, -1.0, kNaN, kInfinity})
-    EXPECT_THROW(filter.propagate(imu, dt), std::invalid_argument);
+  for (const double dt : {-1e-9, -1.0, kNaN, kInfinity}) EXPECT_THROW(filter.propagate(imu, dt), std::invalid_argument);
   for (const double bad : {kNaN, kInfinity}) {
     EXPECT_THROW(filter.propagate({{bad, 0, 0}, {0, 0, 0}}, 0.01), std::invalid_argument);
     auto broken = fix;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/estimation/navigation/filter.h"
 
+#include "gyrobudget/noise/normal.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/frames.h"
 #include "gyrobudget/vehicle/earth/paths.h"
-#include "gyrobudget/noise/normal.h"
 
 #include <gtest/gtest.h>
 
@@ -41,8 +41,8 @@ navigation::NavigationState start_of(const earth::Trajectory& path) {
   return {p.p_eb_e, p.v_eb_e, p.q_eb};
 }
 
-navigation::StateMatrix diagonal(const navigation::ErrorStateModel& model, double p, double v, double psi,
-                                 double bias, double scale) {
+navigation::StateMatrix diagonal(const navigation::ErrorStateModel& model, double p, double v, double psi, double bias,
+                                 double scale) {
   navigation::StateVector s(model.states());
   s.segment<3>(0).setConstant(p);
   s.segment<3>(3).setConstant(v);
@@ -79,10 +79,9 @@ TEST(Filter, FindsBiasesOfAPerfectIMUFromPositions) {
       if ((k + 1) % 50 == 0) {
         const auto truth = path.at((k + 1) * dt);
         ++fixes;
-        used += filter
-                    .update(measure(navigation::PositionFix{truth.p_eb_e, Vector3d::Constant(0.1)},
-                                    filter.estimate()))
-                    .status == navigation::Innovation::Status::used;
+        used +=
+            filter.update(measure(navigation::PositionFix{truth.p_eb_e, Vector3d::Constant(0.1)}, filter.estimate()))
+                .status == navigation::Innovation::Status::used;
       }
     }
     EXPECT_EQ(used, fixes);

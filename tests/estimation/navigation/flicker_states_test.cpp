@@ -40,8 +40,7 @@ TEST(FlickerStates, HaveTheErrorTheyState) {
     const auto fit = navigation::flicker_states(1, 1, longest, c.states);
     ASSERT_EQ(fit.processes.size(), static_cast<std::size_t>(c.states));
     EXPECT_LT(fit.worst_error, c.limit) << c.decades << " decades, " << c.states;
-    EXPECT_LT(worst_error(fit, 1, longest), kBetweenPoints * fit.worst_error + 1e-5)
-        << c.decades << " " << c.states;
+    EXPECT_LT(worst_error(fit, 1, longest), kBetweenPoints * fit.worst_error + 1e-5) << c.decades << " " << c.states;
   }
 }
 
@@ -51,8 +50,7 @@ TEST(FlickerStates, ScaleWithBandAndCoefficient) {
   constexpr double kRounding = 1e-12;
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_NEAR(scaled.processes[i].sigma / 3e-9 / unit.processes[i].sigma, 1, kRounding);
-    EXPECT_NEAR(scaled.processes[i].correlation_time / 0.25 / unit.processes[i].correlation_time, 1,
-                kRounding);
+    EXPECT_NEAR(scaled.processes[i].correlation_time / 0.25 / unit.processes[i].correlation_time, 1, kRounding);
   }
 }
 

@@ -2,9 +2,9 @@
 // The offline run against trajectories whose truth is known.
 #include "gyrobudget/estimation/navigation/navigate.h"
 
+#include "gyrobudget/noise/imu.h"
 #include "gyrobudget/vehicle/earth/frames.h"
 #include "gyrobudget/vehicle/earth/paths.h"
-#include "gyrobudget/noise/imu.h"
 
 #include <gtest/gtest.h>
 
@@ -48,11 +48,9 @@ Fix fix_of(Aid::Kind kind, const earth::TrajectoryPoint& at, double stamped) {
 }
 
 // Exact fixes at these times; their stamps are late by `late`.
-std::vector<Fix> fixes(Aid::Kind kind, const earth::Trajectory& truth, double first, double interval,
-                       double late = 0) {
+std::vector<Fix> fixes(Aid::Kind kind, const earth::Trajectory& truth, double first, double interval, double late = 0) {
   std::vector<Fix> list;
-  for (double t = first; t <= truth.duration(); t += interval)
-    list.push_back(fix_of(kind, truth.at(t), t + late));
+  for (double t = first; t <= truth.duration(); t += interval) list.push_back(fix_of(kind, truth.at(t), t + late));
   return list;
 }
 
@@ -144,14 +142,12 @@ TEST(NavigationRun, SmoothingBridgesAnOutage) {
   };
   for (std::size_t i = 0; i < filtered.solutions.size(); ++i) {
     EXPECT_EQ(smoothed.solutions[i].time, filtered.solutions[i].time);
-    EXPECT_LE(smoothed.solutions[i].position_sigma.norm(),
-              (1 + 1e-6) * filtered.solutions[i].position_sigma.norm());
+    EXPECT_LE(smoothed.solutions[i].position_sigma.norm(), (1 + 1e-6) * filtered.solutions[i].position_sigma.norm());
     EXPECT_LT(error(smoothed, i), 3 * smoothed.solutions[i].position_sigma.norm());
   }
   const std::size_t middle = 25;  // of a solution a second
   EXPECT_LT(error(smoothed, middle), 0.3 * error(filtered, middle));
-  EXPECT_LT(smoothed.solutions[middle].position_sigma.norm(),
-            0.3 * filtered.solutions[middle].position_sigma.norm());
+  EXPECT_LT(smoothed.solutions[middle].position_sigma.norm(), 0.3 * filtered.solutions[middle].position_sigma.norm());
   EXPECT_NEAR(error(smoothed, 30), error(filtered, 30), 1e-9);
 }
 
@@ -308,8 +304,7 @@ TEST(NavigationRun, WhatTheBiasWalkedMeanwhileIsHalfKnown) {
   const Solution& start = turned.solutions.front();
   constexpr double kExact = 1e-3;
   EXPECT_NEAR(start.attitude_sigma[2] / (walk * std::sqrt(kTime / 3) / rate), 1, kExact);
-  for (int axis = 0; axis < 3; ++axis)
-    EXPECT_NEAR(start.gyro_bias_sigma[axis], walk * std::sqrt(kTime), 1e-6 * walk);
+  for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(start.gyro_bias_sigma[axis], walk * std::sqrt(kTime), 1e-6 * walk);
 
   // Tilt takes the mean off the horizontal accelerometers. What is left at the end, sqrt(K^2 T/3) by its covariance
   // K^2 T/2 with the mean, moves the body by t^2/2 of it and by K sqrt(t^5/20) of its further walk. Where the two were
@@ -323,8 +318,7 @@ TEST(NavigationRun, WhatTheBiasWalkedMeanwhileIsHalfKnown) {
   const double t = kAfter;
   const double moved = force_walk * std::sqrt(kTime / 3 * std::pow(t, 4) / 4 + std::pow(t, 5) / 20);
   for (int axis = 0; axis < 2; ++axis) {
-    EXPECT_NEAR(tilted.solutions.front().attitude_sigma[axis] / (force_walk * std::sqrt(kTime / 3) / 9.781),
-                1, kExact);
+    EXPECT_NEAR(tilted.solutions.front().attitude_sigma[axis] / (force_walk * std::sqrt(kTime / 3) / 9.781), 1, kExact);
     EXPECT_NEAR(tilted.solutions.back().position_sigma[axis] / moved, 1, kExact);
   }
 }
@@ -364,8 +358,7 @@ std::pair<double, double> nees_of_self_aligned(noise::ErrorModel gyro, noise::Er
       increment.velocity = Eigen::Map<const Vector3d>(read.velocity.data());
     }
     const auto found = navigate(scene, recording);
-    if (found.status != navigation::Navigation::Status::navigated || found.reference->errors.size() != 2)
-      return {0, 0};
+    if (found.status != navigation::Navigation::Status::navigated || found.reference->errors.size() != 2) return {0, 0};
     sum.first += found.reference->errors.front().nees;
     sum.second += found.reference->errors.back().nees;
   }
@@ -386,9 +379,8 @@ TEST(NavigationRun, ASelfAlignedStartIsConsistentWithSensorsThatWander) {
                              .misalignment = noise::PerAxis(3e-3),
                              .powered_on_before = 20.0};
   };
-  for (const auto& [gyro, accelerometer] : {std::pair{walking(2e-8), walking(1e-4)},
-                                            {correlated(2e-7), correlated(1e-3)},
-                                            {all(2e-7), all(1e-3)}}) {
+  for (const auto& [gyro, accelerometer] :
+       {std::pair{walking(2e-8), walking(1e-4)}, {correlated(2e-7), correlated(1e-3)}, {all(2e-7), all(1e-3)}}) {
     const auto [at_start, at_end] = nees_of_self_aligned(gyro, accelerometer);
     // Where it starts there is nothing wrong but attitude.
     EXPECT_GT(at_start, kLow);
@@ -407,16 +399,13 @@ Fix antenna_fix(const Aid& aid, const earth::TrajectoryPoint& at, double stamped
   const Vector3d w_eb_b = at.w_ib_b - at.q_eb.conjugate() * Vector3d(0, 0, earth::wgs84::kEarthRate);
   if (aid.kind == Aid::Kind::position) fix.value += at.q_eb * aid.lever_arm;
   if (aid.kind == Aid::Kind::velocity)
-    fix.value +=
-        earth::C_e_ned(place.latitude, place.longitude).transpose() * (at.q_eb * w_eb_b.cross(aid.lever_arm));
+    fix.value += earth::C_e_ned(place.latitude, place.longitude).transpose() * (at.q_eb * w_eb_b.cross(aid.lever_arm));
   return fix;
 }
 
-std::vector<Fix> antenna_fixes(const Aid& aid, const earth::Trajectory& truth, double first,
-                               double interval) {
+std::vector<Fix> antenna_fixes(const Aid& aid, const earth::Trajectory& truth, double first, double interval) {
   std::vector<Fix> list;
-  for (double t = first; t <= truth.duration(); t += interval)
-    list.push_back(antenna_fix(aid, truth.at(t), t));
+  for (double t = first; t <= truth.duration(); t += interval) list.push_back(antenna_fix(aid, truth.at(t), t));
   return list;
 }
 
@@ -484,8 +473,7 @@ TEST(NavigationRun, AFixIsUsedOnce) {
   Scenario scene = from_gnss(truth);
   scene.alignment.level_sigma = scene.alignment.heading_sigma = 1e-3;
   Recording recording = record(truth);
-  recording.fixes = {antenna_fixes(scene.aids[0], truth, 0.3, 1),
-                     antenna_fixes(scene.aids[1], truth, 0.5, 1)};
+  recording.fixes = {antenna_fixes(scene.aids[0], truth, 0.3, 1), antenna_fixes(scene.aids[1], truth, 0.5, 1)};
   const auto found = navigate(scene, recording);
   ASSERT_EQ(found.status, navigation::Navigation::Status::navigated) << found.why;
   EXPECT_NEAR(found.alignment.to, 1.3, 1e-9);
@@ -562,8 +550,7 @@ TEST(NavigationRun, SigmasOfZeroAreNumbers) {
   const auto found = navigate(scene, record(truth));
   ASSERT_EQ(found.status, navigation::Navigation::Status::navigated) << found.why;
   for (const Solution& s : found.solutions)
-    EXPECT_TRUE(s.position_sigma.allFinite() && s.velocity_sigma.allFinite() && s.attitude_sigma.allFinite())
-        << s.time;
+    EXPECT_TRUE(s.position_sigma.allFinite() && s.velocity_sigma.allFinite() && s.attitude_sigma.allFinite()) << s.time;
 }
 
 TEST(NavigationRun, AMemsIsAskedForItsHeading) {

@@ -23,8 +23,7 @@ void integrate(const System& system, State& state, double t, double step) {
 }  // namespace
 
 Eigen::Vector3d tumbling_angle(double t) {
-  return 2 * Eigen::Vector3d(1 - std::cos(t), std::sin(1.3 * t) / 1.3,
-                             (std::cos(1.0) - std::cos(0.7 * t + 1)) / 0.7);
+  return 2 * Eigen::Vector3d(1 - std::cos(t), std::sin(1.3 * t) / 1.3, (std::cos(1.0) - std::cos(0.7 * t + 1)) / 0.7);
 }
 
 Eigen::Quaterniond tumbled(double t) {
@@ -38,8 +37,7 @@ Eigen::Quaterniond tumbled(double t) {
   return Eigen::Quaterniond(q).normalized();
 }
 
-std::pair<Eigen::Vector3d, Eigen::Vector3d> orbit(const Eigen::Vector3d& p, const Eigen::Vector3d& v,
-                                                  double t) {
+std::pair<Eigen::Vector3d, Eigen::Vector3d> orbit(const Eigen::Vector3d& p, const Eigen::Vector3d& v, double t) {
   using Vector6d = Eigen::Matrix<double, 6, 1>;
   Vector6d state;
   state << p, v;

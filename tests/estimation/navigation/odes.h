@@ -14,7 +14,6 @@ Eigen::Vector3d tumbling_angle(double t);
 /// Its attitude after t seconds from identity, to 1e-13 rad.
 Eigen::Quaterniond tumbled(double t);
 /// Position and velocity in inertial axes after t seconds of free fall in the normal field, to 1e-6 m.
-std::pair<Eigen::Vector3d, Eigen::Vector3d> orbit(const Eigen::Vector3d& p, const Eigen::Vector3d& v,
-                                                  double t);
+std::pair<Eigen::Vector3d, Eigen::Vector3d> orbit(const Eigen::Vector3d& p, const Eigen::Vector3d& v, double t);
 
 }  // namespace odes

@@ -131,8 +131,7 @@ Matrix<T> propagated(const Matrix<T>& P, const navigation::Transition& step) {
 
 /// (I - k h) P (I - k h)^T + r k k^T with the optimal gain, but 0 for considered states.
 template <typename T>
-Matrix<T> updated(const Matrix<T>& P, const navigation::MeasurementRow& row,
-                  std::span<const bool> considered = {}) {
+Matrix<T> updated(const Matrix<T>& P, const navigation::MeasurementRow& row, std::span<const bool> considered = {}) {
   const Matrix<T> h = Matrix<T>(row.h).transposed(), g = P * h.transposed();
   Matrix<T> k = (T(1) / ((h * g)(0, 0) + T(row.variance))) * g;
   for (std::size_t i = 0; i < considered.size(); ++i)

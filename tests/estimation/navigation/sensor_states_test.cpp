@@ -58,8 +58,7 @@ double exact(const Case& c, double dt) {
     for (int k = 0; k < cells; ++k)
       to_window[static_cast<std::size_t>(i)] += D(middle(i) + (k + 0.5) * window / cells) / cells;
   return position_variance([&](int i, int j) {
-    return (to_window[static_cast<std::size_t>(i)] + to_window[static_cast<std::size_t>(j)] - between(i, j) -
-            within) /
+    return (to_window[static_cast<std::size_t>(i)] + to_window[static_cast<std::size_t>(j)] - between(i, j) - within) /
            2;
   });
 }
@@ -73,8 +72,7 @@ double of_states(const SensorStates& states) {
     for (int p = 0; p < n; ++p) {
       const auto& term = states.model.terms[static_cast<std::size_t>(p)];
       for (int q = 0; q < n; ++q)
-        R +=
-            states.initial(p, q) * decay(term, s) * decay(states.model.terms[static_cast<std::size_t>(q)], t);
+        R += states.initial(p, q) * decay(term, s) * decay(states.model.terms[static_cast<std::size_t>(q)], t);
       const double tc = term.correlation_time;
       if (std::isinf(tc))
         R += term.walk * term.walk * std::min(s, t);

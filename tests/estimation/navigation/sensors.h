@@ -2,8 +2,8 @@
 // The sensors that tests of budgets and Monte Carlo share.
 #pragma once
 
-#include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/noise/sensor.h"
+#include "gyrobudget/vehicle/earth/attitude.h"
 
 namespace gyrobudget::tests {
 

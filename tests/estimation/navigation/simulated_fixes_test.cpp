@@ -96,8 +96,7 @@ TEST(SimulatedFixes, MeasureVelocityAndAttitudeInTheirAxes) {
   const Vector3d expected = C_en.transpose() * (truth.v_eb_e + C_eb * w_eb_b.cross(velocity.lever_arm));
   EXPECT_LT((simulated_fixes(velocity, 0, path, 1, 0)[7].value - expected).norm(), 1e-9);
   const auto attitude = simulated_fixes(aid(Aid::Kind::attitude, 1e-12), 0, path, 1, 0)[7];
-  EXPECT_LT(earth::log_rotation(Eigen::Quaterniond(C_en) * attitude.q_nb * truth.q_eb.conjugate()).norm(),
-            1e-10);
+  EXPECT_LT(earth::log_rotation(Eigen::Quaterniond(C_en) * attitude.q_nb * truth.q_eb.conjugate()).norm(), 1e-10);
 }
 
 TEST(SimulatedFixes, AreTheSameForASeedAndARun) {

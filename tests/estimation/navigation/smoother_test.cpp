@@ -3,9 +3,9 @@
 // all; and closed-loop flights whose errors are known.
 #include "gyrobudget/estimation/navigation/smoother.h"
 
+#include "gyrobudget/estimation/navigation/filter.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/paths.h"
-#include "gyrobudget/estimation/navigation/filter.h"
 
 #include <gtest/gtest.h>
 
@@ -43,8 +43,7 @@ navigation::Transition transition(std::uint64_t seed) {
   step.input.block<3, 3>(6, 3).setZero();
   step.input_noise.setConstant(0.3);
   for (std::size_t k = 0; k < kStates - kCoreStates; ++k)
-    step.terms[k] = {
-        .signal = static_cast<int>(2 * k), .decay = 0.9, .gain = 0.5, .noise = 0.1, .spill = 0.2};
+    step.terms[k] = {.signal = static_cast<int>(2 * k), .decay = 0.9, .gain = 0.5, .noise = 0.1, .spill = 0.2};
   return step;
 }
 
@@ -126,9 +125,8 @@ TEST(Smoother, IsThatOfRauchTungAndStriebel) {
       EXPECT_EQ(smoothed[at].time, k);
       EXPECT_LT(largest(smoothed[at].P, Ps), kTolerance * 10) << k;
       EXPECT_LT(largest(StateMatrix(filtered[at] + smoothed[at].correction), xs), kTolerance * 10) << k;
-      EXPECT_LT(
-          (smoothed[at].terms - (filtered[at] + smoothed[at].correction).tail(kStates - kCoreStates)).norm(),
-          kTolerance);
+      EXPECT_LT((smoothed[at].terms - (filtered[at] + smoothed[at].correction).tail(kStates - kCoreStates)).norm(),
+                kTolerance);
       EXPECT_EQ((smoothed[at].state.p_eb_e - smoothed[at].correction.head<3>()).norm(), 0);
       for (int i = 0; i < kStates; ++i)
         EXPECT_LE(smoothed[at].P(i, i), static_cast<double>(moments[at].P(i, i)) * (1 + kTolerance));
@@ -193,8 +191,8 @@ TEST(Smoother, ErrorsAreThoseClaimed) {
       if ((k + 1) % 10 == 5) {
         Vector3d noise;
         normal.fill(noise);
-        filter.update(measure(navigation::PositionFix{path.at((k + 1) * kDt).p_eb_e + noise, fix_sigma},
-                              filter.estimate()));
+        filter.update(
+            measure(navigation::PositionFix{path.at((k + 1) * kDt).p_eb_e + noise, fix_sigma}, filter.estimate()));
       }
     }
     const auto smoothed = smooth(record);
@@ -231,14 +229,12 @@ TEST(Smoother, RefusesWhatItCannotSmooth) {
   EXPECT_THROW(navigation::FilterHistory(navigation::kMaxStates + 1), std::invalid_argument);
   navigation::FilterHistory record(kStates), other(kStates + 1);
   EXPECT_THROW(other.moved(transition(1)), std::invalid_argument);
-  EXPECT_THROW(record.updated({StateVector::Zero(11), 1}, 1, 0, StateVector::Zero(12)),
-               std::invalid_argument);
+  EXPECT_THROW(record.updated({StateVector::Zero(11), 1}, 1, 0, StateVector::Zero(12)), std::invalid_argument);
   EXPECT_TRUE(smooth(record).empty());
 
   navigation::ErrorStateModel model;
   model.terms.resize(3);
-  const navigation::NavigationState start{
-      earth::to_ecef({0, 0, 0}), {0, 0, 0}, Eigen::Quaterniond::Identity()};
+  const navigation::NavigationState start{earth::to_ecef({0, 0, 0}), {0, 0, 0}, Eigen::Quaterniond::Identity()};
   const StateMatrix P0 = StateMatrix::Identity(kStates, kStates);
   navigation::Filter filter(start, model, P0);
   EXPECT_THROW(filter.keep_epoch(), std::logic_error);

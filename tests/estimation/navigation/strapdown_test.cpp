@@ -3,11 +3,11 @@
 // and an explicit Runge-Kutta of another make (Boost.Odeint) where neither serves.
 #include "gyrobudget/estimation/navigation/strapdown.h"
 
+#include "gyrobudget/noise/normal.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/frames.h"
 #include "gyrobudget/vehicle/earth/gravity.h"
 #include "gyrobudget/vehicle/earth/paths.h"
-#include "gyrobudget/noise/normal.h"
 
 #include <gtest/gtest.h>
 
@@ -135,8 +135,7 @@ TEST(StrapdownSculling, DriftsAsTheTextbookSays) {
   constexpr double duration = 20;
   const auto left = [&](int order, double x) {
     const Trajectory truth = standing(
-        {.sculling_angle = angle, .sculling_acceleration = A, .sculling_frequency = x / kStep / (2 * pi)},
-        duration);
+        {.sculling_angle = angle, .sculling_acceleration = A, .sculling_frequency = x / kStep / (2 * pi)}, duration);
     Strapdown strapdown(state_of(truth.at(0)), {.order = order});
     for (const ImuIncrement& increment : truth.increments(kStep)) strapdown.step(increment, kStep);
     const TrajectoryPoint end = truth.at(duration);
@@ -308,8 +307,7 @@ TEST(StrapdownMoving, FreeFallIsAnOrbit) {
   double coarse = 0;
   for (const double dt : {1.0, 0.5}) {
     Strapdown strapdown({p, v, Quaterniond::Identity()});
-    for (double t = 0; t < kDuration - dt / 2; t += dt)
-      strapdown.step({Vector3d::Zero(), Vector3d::Zero()}, dt);
+    for (double t = 0; t < kDuration - dt / 2; t += dt) strapdown.step({Vector3d::Zero(), Vector3d::Zero()}, dt);
     const NavigationState& end = strapdown.state();
     const double error = (end.p_eb_e - truth.p).norm();
     EXPECT_LT(error, 0.05 * dt * dt) << dt;

@@ -95,9 +95,8 @@ TEST(Attitude, EulerRoundTripOfTheRotation) {
   for (int k = 0; k < 10000; ++k) {
     const double off = std::pow(10, uniform(-18, 0));
     const Quaterniond q =
-        k % 2 == 0
-            ? attitude(uniform)
-            : from_euler({uniform(-pi, pi), std::copysign(pi / 2 - off, uniform(-1, 1)), uniform(-pi, pi)});
+        k % 2 == 0 ? attitude(uniform)
+                   : from_euler({uniform(-pi, pi), std::copysign(pi / 2 - off, uniform(-1, 1)), uniform(-pi, pi)});
     const Euler e = to_euler(q);
     ASSERT_LE(std::abs(e.pitch), pi / 2);
     ASSERT_LE(std::abs(e.yaw), pi * (1 + kEpsilon));

@@ -65,10 +65,8 @@ TEST(Ellipsoid, GeodeticAgreesWithGeographicLib) {
     const double distance = p.norm();
     const double tolerance = 3 * kNanometre * std::max(1.0, distance / wgs84::kEquatorialRadius);
     ASSERT_NEAR(ours.height, truth.height, tolerance);
-    ASSERT_NEAR((ours.latitude - truth.latitude) * distance, 0, 2 * tolerance)
-        << truth.latitude << " " << truth.height;
-    ASSERT_NEAR(longitude_difference(ours.longitude, truth.longitude) * std::hypot(p.x(), p.y()), 0,
-                2 * tolerance);
+    ASSERT_NEAR((ours.latitude - truth.latitude) * distance, 0, 2 * tolerance) << truth.latitude << " " << truth.height;
+    ASSERT_NEAR(longitude_difference(ours.longitude, truth.longitude) * std::hypot(p.x(), p.y()), 0, 2 * tolerance);
     // GeographicLib's own error is up to 8 nm.
     ASSERT_NEAR(ours.height, height, 8 * tolerance);
     ASSERT_NEAR((ours.latitude - latitude * kDegree) * distance, 0, 8 * tolerance);
@@ -134,18 +132,15 @@ TEST(Ellipsoid, Corners) {
 TEST(Ellipsoid, RadiiAreThoseOfGeographicLib) {
   const auto& ellipsoid = GeographicLib::Ellipsoid::WGS84();
   for (double degrees = -90; degrees <= 90; degrees += 0.5) {
-    EXPECT_NEAR(meridian_radius(degrees * kDegree), ellipsoid.MeridionalCurvatureRadius(degrees),
-                4 * kNanometre);
-    EXPECT_NEAR(transverse_radius(degrees * kDegree), ellipsoid.TransverseCurvatureRadius(degrees),
-                4 * kNanometre);
+    EXPECT_NEAR(meridian_radius(degrees * kDegree), ellipsoid.MeridionalCurvatureRadius(degrees), 4 * kNanometre);
+    EXPECT_NEAR(transverse_radius(degrees * kDegree), ellipsoid.TransverseCurvatureRadius(degrees), 4 * kNanometre);
   }
 }
 
 TEST(Ellipsoid, RefusesWhatIsNoPlace) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(static_cast<void>(to_geodetic({nan, 0, 0})), std::invalid_argument);
-  EXPECT_THROW(static_cast<void>(to_geodetic({0, 0, std::numeric_limits<double>::infinity()})),
-               std::invalid_argument);
+  EXPECT_THROW(static_cast<void>(to_geodetic({0, 0, std::numeric_limits<double>::infinity()})), std::invalid_argument);
   EXPECT_THROW(static_cast<void>(to_geodetic({1e16, 0, 0})), std::invalid_argument);
   EXPECT_THROW(static_cast<void>(Geodetic::from_degrees(90.0001, 0, 0)), std::invalid_argument);
   EXPECT_THROW(static_cast<void>(Geodetic::from_degrees(nan, 0, 0)), std::invalid_argument);

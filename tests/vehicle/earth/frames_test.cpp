@@ -27,9 +27,7 @@ using std::numbers::pi;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kNanometre = 1e-9;
 
-double off_identity(const Eigen::Matrix3d& C) {
-  return (C * C.transpose() - Eigen::Matrix3d::Identity()).norm();
-}
+double off_identity(const Eigen::Matrix3d& C) { return (C * C.transpose() - Eigen::Matrix3d::Identity()).norm(); }
 
 TEST(Frames, RotationsAreProperAndNamedAxesPointWhereTheySay) {
   for (const Geodetic& g : many_points(2000)) {
@@ -67,8 +65,7 @@ TEST(Frames, LocalFrameIsLocalCartesian) {
   Uniform uniform(3);
   for (const Geodetic& origin : many_points(300)) {
     if (origin.height > 1e5) continue;
-    const GeographicLib::LocalCartesian truth(origin.latitude / kDegree, origin.longitude / kDegree,
-                                              origin.height);
+    const GeographicLib::LocalCartesian truth(origin.latitude / kDegree, origin.longitude / kDegree, origin.height);
     const auto local = LocalFrame::east_north_up(origin);
     const Geodetic there{uniform(-pi / 2, pi / 2), uniform(-pi, pi), uniform(0, 3e5)};
     Eigen::Vector3d p;
@@ -94,8 +91,7 @@ TEST(Frames, LaunchPlaneTurnsWithItsAzimuth) {
     EXPECT_LE((plane.C_el().col(2) - enu.C_el().col(2)).norm(), 4 * kEpsilon);
     EXPECT_NEAR(plane.C_el().determinant(), 1, 8 * kEpsilon);
   }
-  EXPECT_THROW(LocalFrame::launch_plane(site, std::numeric_limits<double>::infinity()),
-               std::invalid_argument);
+  EXPECT_THROW(LocalFrame::launch_plane(site, std::numeric_limits<double>::infinity()), std::invalid_argument);
 }
 
 TEST(Frames, InertialRoundTripAndFixedPointsMoveEast) {
@@ -133,8 +129,7 @@ TEST(Frames, RatesOfNorthEastDown) {
     const Geodetic g{uniform(-1.5, 1.5), uniform(-pi, pi), uniform(0, 3e5)};
     const Eigen::Matrix3d C_en = C_e_ned(g.latitude, g.longitude);
     const Eigen::Vector3d w_ie_e(0, 0, wgs84::kEarthRate);
-    ASSERT_LE((earth_rate_ned(g.latitude) - C_en.transpose() * w_ie_e).norm(),
-              4 * kEpsilon * wgs84::kEarthRate);
+    ASSERT_LE((earth_rate_ned(g.latitude) - C_en.transpose() * w_ie_e).norm(), 4 * kEpsilon * wgs84::kEarthRate);
 
     // d(C_en)/dt = C_en [w_en_n x], by a central difference along the motion.
     const Eigen::Vector3d v_n = uniform.vector(1000);

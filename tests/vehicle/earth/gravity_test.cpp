@@ -78,8 +78,7 @@ TEST(Gravity, ZonalsAreTheEllipsoids) {
 }
 
 TEST(Gravity, GradientIsTheDerivative) {
-  constexpr double h =
-      100;  // [m]; the difference errs by (h/r)^2, 3e-10, and rounding over h, 5e-11 of GM/r^3
+  constexpr double h = 100;  // [m]; the difference errs by (h/r)^2, 3e-10, and rounding over h, 5e-11 of GM/r^3
   double worst = 0;
   for (const Geodetic& g : many_points(2000)) {
     const Eigen::Vector3d p = to_ecef(g);
@@ -117,15 +116,12 @@ class ModelFile {
     constexpr int kDegreeOfFile = 20;
     std::ofstream meta(path());
     meta.precision(17);
-    meta << "EGMF-1\nName ellipsoid\nDescription the WGS84 ellipsoid itself\nModelRadius "
-         << wgs84::kEquatorialRadius << "\nModelMass " << wgs84::kGM << "\nAngularVelocity "
-         << wgs84::kEarthRate << "\nReferenceRadius " << wgs84::kEquatorialRadius << "\nReferenceMass "
-         << wgs84::kGM << "\nFlattening " << wgs84::kFlattening
+    meta << "EGMF-1\nName ellipsoid\nDescription the WGS84 ellipsoid itself\nModelRadius " << wgs84::kEquatorialRadius
+         << "\nModelMass " << wgs84::kGM << "\nAngularVelocity " << wgs84::kEarthRate << "\nReferenceRadius "
+         << wgs84::kEquatorialRadius << "\nReferenceMass " << wgs84::kGM << "\nFlattening " << wgs84::kFlattening
          << "\nHeightOffset 0\nNormalization full\nID ELLIPSOI\n";
     std::ofstream cof(path() + ".cof", std::ios::binary);
-    const auto put_int = [&](std::int32_t value) {
-      cof.write(reinterpret_cast<const char*>(&value), sizeof value);
-    };
+    const auto put_int = [&](std::int32_t value) { cof.write(reinterpret_cast<const char*>(&value), sizeof value); };
     const auto put = [&](double value) { cof.write(reinterpret_cast<const char*>(&value), sizeof value); };
     cof << "ELLIPSOI";
     put_int(kDegreeOfFile);

@@ -44,9 +44,7 @@ Samples sampled(const Trajectory& path, double h) {
   return s;
 }
 
-double turn_between(const Quaterniond& a, const Quaterniond& b) {
-  return log_rotation(a.conjugate() * b).norm();
-}
+double turn_between(const Quaterniond& a, const Quaterniond& b) { return log_rotation(a.conjugate() * b).norm(); }
 
 TEST(Sampled, PassesThroughEverySample) {
   const Samples s = sampled(truth(), 0.1);
@@ -91,14 +89,13 @@ TEST(Sampled, MeetsCubicsExactly) {
   for (const double t : times) positions.push_back(p(t));
   for (const std::size_t count : {std::size_t{4}, times.size()}) {
     const std::vector<Quaterniond> level(count, Quaterniond::Identity());
-    const Trajectory spline =
-        through_samples(std::span(times).first(count), std::span(positions).first(count), level);
+    const Trajectory spline = through_samples(std::span(times).first(count), std::span(positions).first(count), level);
     for (double t = 0; t <= times[count - 1]; t += 0.05) {
       EXPECT_LE((spline.at(t).p_eb_e - p(t)).norm(), 1e-8);
-      EXPECT_LE((spline.at(t).v_eb_e -
-                 (Vector3d(100, 5, -3) + Vector3d(2, 4, 6) * t + Vector3d(0.3, -0.6, 0.15) * t * t))
-                    .norm(),
-                1e-7);
+      EXPECT_LE(
+          (spline.at(t).v_eb_e - (Vector3d(100, 5, -3) + Vector3d(2, 4, 6) * t + Vector3d(0.3, -0.6, 0.15) * t * t))
+              .norm(),
+          1e-7);
     }
   }
 }

@@ -55,8 +55,7 @@ std::vector<Case> all_paths() {
                                       .turn_period = 20,
                                       .vibration = vibration,
                                       .duration = 10})});
-  cases.push_back(
-      {"over the pole", cruise({.start = {pi / 2 - 4e-4, 0, 1e4}, .azimuth = 0, .duration = 10})});
+  cases.push_back({"over the pole", cruise({.start = {pi / 2 - 4e-4, 0, 1e4}, .azimuth = 0, .duration = 10})});
   cases.push_back({"date line", cruise({.start = {0.2, pi - 2e-4, 1e4}, .speed = 300, .duration = 10})});
   cases.push_back({"climb", climb({.vibration = vibration, .duration = 10})});
   cases.push_back({"ascent", ascent({})});
@@ -128,8 +127,7 @@ TEST(Stand, ConingIncrementsAreTheClosedForm) {
           ASSERT_LE((one.angle - own - C * w_ie_n).norm(),
                     4 * angle * phase * (1 + w * span) + 8 * kEpsilon * w * dt * angle)
               << frequency << " " << angle << " " << dt;
-          ASSERT_LE((one.velocity - C * f_n).norm(),
-                    20 * (phase * std::min(angle, 1.0) / w + 16 * kEpsilon * dt));
+          ASSERT_LE((one.velocity - C * f_n).norm(), 20 * (phase * std::min(angle, 1.0) / w + 16 * kEpsilon * dt));
         }
     }
 }
@@ -160,9 +158,9 @@ TEST(Stand, UncorrectedScullingIsHalfTheProduct) {
   const double angle = 0.01;
   const double acceleration = 2;
   const Trajectory still = stand({.duration = 10});
-  const Trajectory sculling = stand(
-      {.vibration = {.sculling_angle = angle, .sculling_acceleration = acceleration, .sculling_frequency = 5},
-       .duration = 10});
+  const Trajectory sculling =
+      stand({.vibration = {.sculling_angle = angle, .sculling_acceleration = acceleration, .sculling_frequency = 5},
+             .duration = 10});
   // f_z = -g cos(roll) - sin(roll) f_y, with f_y = -acceleration sin, averaged over whole periods.
   const double mean = (sculling.increment(0, 10).velocity - still.increment(0, 10).velocity).z() / 10;
   EXPECT_NEAR(mean, angle * acceleration / 2 + 9.78 * angle * angle / 4, 1e-3 * angle * acceleration);
@@ -192,8 +190,7 @@ TEST(Cruise, EastAlongTheEquatorIsAnOrbit) {
 }
 
 TEST(Cruise, KeepsHeightLevelAndSpeedOverThePole) {
-  const Trajectory flight =
-      cruise({.start = {1.2, 0.4, 9000}, .azimuth = 0, .speed = 300, .duration = 3600 * 4});
+  const Trajectory flight = cruise({.start = {1.2, 0.4, 9000}, .azimuth = 0, .speed = 300, .duration = 3600 * 4});
   for (double t = 0; t <= flight.duration(); t += 60) {
     const TrajectoryPoint p = flight.at(t);
     const Geodetic here = to_geodetic(p.p_eb_e);
@@ -207,8 +204,8 @@ TEST(Cruise, KeepsHeightLevelAndSpeedOverThePole) {
 
 TEST(Cruise, TurnsAsHardAsAskedAndCoordinated) {
   const double acceleration = 0.5 * kG;
-  const Trajectory flight = cruise(
-      {.azimuth = 1, .speed = 300, .turn_acceleration = acceleration, .turn_period = 60, .duration = 60});
+  const Trajectory flight =
+      cruise({.azimuth = 1, .speed = 300, .turn_acceleration = acceleration, .turn_period = 60, .duration = 60});
   double hardest = 0;
   for (double t = 0; t <= 60; t += 0.1) {
     const TrajectoryPoint p = flight.at(t);
@@ -293,8 +290,7 @@ InertialState derivative(const InertialState& s, const TrajectoryPoint& sensed) 
   const Inertial inertial;
   const Matrix3d C_ie = inertial.C_ie(sensed.t);
   const Quaterniond rate(0, sensed.w_ib_b.x() / 2, sensed.w_ib_b.y() / 2, sensed.w_ib_b.z() / 2);
-  return {s.v, s.q_ib.normalized() * sensed.f_ib_b + C_ie * normal_gravitation(C_ie.transpose() * s.p),
-          s.q_ib * rate};
+  return {s.v, s.q_ib.normalized() * sensed.f_ib_b + C_ie * normal_gravitation(C_ie.transpose() * s.p), s.q_ib * rate};
 }
 
 InertialState plus(const InertialState& s, double h, const InertialState& d) {
@@ -351,16 +347,14 @@ TEST(EveryPath, IncrementsAddUpInWhateverPieces) {
     for (const double interval : {0.001, 0.01, 0.1, 0.7, 5.0}) {
       ImuIncrement sum{Vector3d::Zero(), Vector3d::Zero()};
       const auto all = c.trajectory.increments(interval);
-      const std::size_t count =
-          std::min(all.size(), static_cast<std::size_t>(std::floor(T / interval * (1 + 1e-12))));
+      const std::size_t count = std::min(all.size(), static_cast<std::size_t>(std::floor(T / interval * (1 + 1e-12))));
       for (std::size_t k = 0; k < count; ++k) {
         sum.velocity += all[k].velocity;
         sum.angle += all[k].angle;
       }
       const ImuIncrement rest = c.trajectory.increment(std::min(T, static_cast<double>(count) * interval), T);
       const double rounding = 4 * kEpsilon * std::sqrt(static_cast<double>(count) + 100);  // of a running sum
-      EXPECT_LE((sum.velocity + rest.velocity - whole.velocity).norm(), rounding * 200)
-          << c.name << " " << interval;
+      EXPECT_LE((sum.velocity + rest.velocity - whole.velocity).norm(), rounding * 200) << c.name << " " << interval;
       EXPECT_LE((sum.angle + rest.angle - whole.angle).norm(), rounding * (1 + whole.angle.norm())) << c.name;
     }
   }
@@ -437,8 +431,7 @@ TEST(Trajectory, RefusesOptionsByName) {
     }
   };
   EXPECT_NE(message([&] { return stand({.position = {2, 0, 0}}); }).find("latitude"), std::string::npos);
-  EXPECT_NE(message([&] { return stand({.q_nb = Quaterniond(2, 0, 0, 0)}); }).find("q_nb"),
-            std::string::npos);
+  EXPECT_NE(message([&] { return stand({.q_nb = Quaterniond(2, 0, 0, 0)}); }).find("q_nb"), std::string::npos);
   EXPECT_NE(message([&] { return stand({.vibration = {.coning_frequency = -1}}); }).find("coning frequency"),
             std::string::npos);
   EXPECT_NE(message([&] { return cruise({.speed = nan}); }).find("speed"), std::string::npos);

@@ -60,7 +60,8 @@ TEST(LookupTable, RangeIsThatOfAllValues) {
   const LookupTable humped = LookupTable::smooth({{0, 0}, {1, 1}, {2, 1}, {3, 0}});
   EXPECT_EQ(humped.range().first, 0);
   EXPECT_NEAR(humped.range().second, 1.25, 8 * kEpsilon);
-  const LookupTable table = LookupTable::smooth({{0, 0.3}, {0.8, -0.33}, {0.95, 0.42}, {1.05, 0.55}, {1.2, 0.1}, {5, 2}});
+  const LookupTable table =
+      LookupTable::smooth({{0, 0.3}, {0.8, -0.33}, {0.95, 0.42}, {1.05, 0.55}, {1.2, 0.1}, {5, 2}});
   double least = table(0), greatest = table(0);
   constexpr double kStep = 1e-4;
   for (double x = 0; x < 5; x += kStep) {
@@ -94,11 +95,10 @@ TEST(LookupTable, RefusesWhatIsNoFunction) {
 struct Row {
   double height, temperature, pressure, density;
 };
-constexpr Row kPublished[] = {{0, 288.150, 1.01325e5, 1.2250},      {1000, 281.651, 8.9876e4, 1.1117},
-                              {5000, 255.676, 5.4048e4, 0.73643},   {10000, 223.252, 2.6500e4, 0.41351},
-                              {20000, 216.650, 5.5293e3, 0.088910}, {30000, 226.509, 1.1970e3, 0.018410},
-                              {50000, 270.650, 79.779, 1.0269e-3},  {70000, 219.585, 5.2209, 8.2829e-5},
-                              {80000, 198.639, 1.0524, 1.8458e-5}};
+constexpr Row kPublished[] = {
+    {0, 288.150, 1.01325e5, 1.2250},     {1000, 281.651, 8.9876e4, 1.1117},    {5000, 255.676, 5.4048e4, 0.73643},
+    {10000, 223.252, 2.6500e4, 0.41351}, {20000, 216.650, 5.5293e3, 0.088910}, {30000, 226.509, 1.1970e3, 0.018410},
+    {50000, 270.650, 79.779, 1.0269e-3}, {70000, 219.585, 5.2209, 8.2829e-5},  {80000, 198.639, 1.0524, 1.8458e-5}};
 
 TEST(StandardAtmosphere, AgreesWithThePublishedTable) {
   constexpr double kLastDigit = 1e-4;  // relative, one unit of the fifth figure
@@ -150,8 +150,7 @@ TEST(Height, AgreesWithTheExactOneToAMicrometre) {
       const auto place = earth::Geodetic::from_degrees(latitude, 33, height);
       const detail::Height fast = detail::height_of(earth::to_ecef(place));
       EXPECT_NEAR(fast.above_ellipsoid, height, 1e-6) << latitude;
-      EXPECT_LT((fast.up - earth::up_e(place.latitude, place.longitude)).norm(), 1e-8)
-          << latitude << " " << height;
+      EXPECT_LT((fast.up - earth::up_e(place.latitude, place.longitude)).norm(), 1e-8) << latitude << " " << height;
     }
 }
 

@@ -49,9 +49,7 @@ TEST(Body, TumblesWithItsEnergyAndAngularMomentum) {
   BodyState s = in_orbit({7e6, 0, 0}, {0, 7500, 0});
   s.w_ib_b = {0.05, 1, 0.02};  // about the middle axis: it flips over
   const auto energy = [&](const BodyState& b) { return b.w_ib_b.dot(inertia.cwiseProduct(b.w_ib_b)); };
-  const auto momentum = [&](const BodyState& b) -> Vector3d {
-    return b.q_ib * inertia.cwiseProduct(b.w_ib_b);
-  };
+  const auto momentum = [&](const BodyState& b) -> Vector3d { return b.q_ib * inertia.cwiseProduct(b.w_ib_b); };
   Body body(inert(), kVacuum, s, kPrecise);
   bool flipped = false;
   for (int k = 1; k <= 1000; ++k) {
@@ -207,14 +205,12 @@ TEST_P(Orders, ShowsOnASmoothScene) {
     const double coarse = distance(fly_smooth({method, step, 0}, bends), truth);
     const double fine = distance(fly_smooth({method, step / 2, 0}, bends), truth);
     EXPECT_GT(fine, 1e-12);  // above rounding
-    EXPECT_NEAR(std::log2(coarse / fine), order, order / 10)
-        << to_string(method) << " " << coarse << " " << fine;
+    EXPECT_NEAR(std::log2(coarse / fine), order, order / 10) << to_string(method) << " " << coarse << " " << fine;
   }
 }
 INSTANTIATE_TEST_SUITE_P(All, Orders,
                          testing::Values(Order{Method::exact, 0.05, 4}, Order{Method::runge_kutta4, 0.05, 4},
-                                         Order{Method::dormand_prince, 0.05, 5},
-                                         Order{Method::fehlberg78, 0.25, 8},
+                                         Order{Method::dormand_prince, 0.05, 5}, Order{Method::fehlberg78, 0.25, 8},
                                          Order{Method::rosenbrock, 0.05, 4}),
                          [](const auto& test) { return std::string(to_string(test.param.method)); });
 

@@ -75,14 +75,12 @@ TEST(Dispersion, HasTheSigmasAskedFor) {
     std::vector<double> drawn;
   };
   Quantity all[] = {
-      {kAll.impulse,
-       [](const Flight& f) { return f.vehicle.specific_impulse / vlm1().specific_impulse - 1; }},
+      {kAll.impulse, [](const Flight& f) { return f.vehicle.specific_impulse / vlm1().specific_impulse - 1; }},
       {kAll.burn_time, [](const Flight& f) { return f.vehicle.burn_time / vlm1().burn_time - 1; }},
       {kAll.mass, [](const Flight& f) { return f.vehicle.lift_off_mass / vlm1().lift_off_mass - 1; }},
       {kAll.inertia, [](const Flight& f) { return f.vehicle.yaw_inertia(0) / vlm1().yaw_inertia(0) - 1; }},
       {kAll.axial_drag, [](const Flight& f) { return f.vehicle.axial_drag(1) / vlm1().axial_drag(1) - 1; }},
-      {kAll.normal_force,
-       [](const Flight& f) { return f.vehicle.normal_force_slope / vlm1().normal_force_slope - 1; }},
+      {kAll.normal_force, [](const Flight& f) { return f.vehicle.normal_force_slope / vlm1().normal_force_slope - 1; }},
       {kAll.pressure_ahead, [](const Flight& f) { return f.vehicle.pressure_ahead - vlm1().pressure_ahead; }},
       {kAll.thrust_misalignment, [](const Flight& f) { return f.faults.thrust_misalignment[0] - 1e-3; }},
       {kAll.thrust_misalignment, [](const Flight& f) { return f.faults.thrust_misalignment[1]; }},
@@ -104,8 +102,7 @@ TEST(Dispersion, HasTheSigmasAskedFor) {
     EXPECT_LT(std::abs(q.sum / kRuns), kSigmas * q.sigma / std::sqrt(kRuns)) << &q - all;
     EXPECT_NEAR(std::sqrt(q.squares / kRuns) / q.sigma, 1, kSigmas / std::sqrt(2.0 * kRuns)) << &q - all;
     for (const Quantity* other = all; other != &q; ++other) {
-      const double correlation =
-          std::inner_product(q.drawn.begin(), q.drawn.end(), other->drawn.begin(), 0.0) / kRuns;
+      const double correlation = std::inner_product(q.drawn.begin(), q.drawn.end(), other->drawn.begin(), 0.0) / kRuns;
       EXPECT_LT(std::abs(correlation), kSigmas / std::sqrt(kRuns)) << &q - all << " " << other - all;
     }
   }
@@ -124,8 +121,7 @@ TEST(Dispersion, EachQuantityHasNumbersOfItsOwn) {
 
 TEST(Dispersion, RefusesWhatCouldLeaveAVehicleThatCannotBe) {
   EXPECT_THROW((void)disperse({}, {.impulse = -0.1}, 1, 1), std::invalid_argument);
-  EXPECT_THROW((void)disperse({}, {.wind = std::numeric_limits<double>::infinity()}, 1, 1),
-               std::invalid_argument);
+  EXPECT_THROW((void)disperse({}, {.wind = std::numeric_limits<double>::infinity()}, 1, 1), std::invalid_argument);
   EXPECT_THROW((void)disperse({}, {.axial_drag = 0.12}, 1, 1), std::invalid_argument);
   EXPECT_THROW((void)disperse({}, {.mass = 0.07}, 1, 1), std::invalid_argument);  // 12 of 28 t are propellant
   EXPECT_NO_THROW((void)disperse({}, {.mass = 0.06}, 1, 1));

@@ -44,8 +44,7 @@ double between(const LookupTable& table, double x) {  // straight between the po
   if (x <= p.front().first) return p.front().second;
   for (std::size_t k = 1; k < p.size(); ++k)
     if (x <= p[k].first)
-      return p[k - 1].second +
-             (p[k].second - p[k - 1].second) * (x - p[k - 1].first) / (p[k].first - p[k - 1].first);
+      return p[k - 1].second + (p[k].second - p[k - 1].second) * (x - p[k - 1].first) / (p[k].first - p[k - 1].first);
   return p.back().second;
 }
 
@@ -120,8 +119,7 @@ TEST(Flight, RateFeedbackLagsByTwiceDampingOverFrequency) {
   const double rate = 40 * kDegree / 75;
   for (const FlightPoint& p : lagging.points) {
     if (p.t < 14 || p.t > 75) continue;
-    EXPECT_NEAR(p.truth.q_eb.angularDistance(control.reference(p.t)) / (2 * 0.7 / 2.5 * rate), 1, 0.03)
-        << p.t;
+    EXPECT_NEAR(p.truth.q_eb.angularDistance(control.reference(p.t)) / (2 * 0.7 / 2.5 * rate), 1, 0.03) << p.t;
   }
   plan.world.atmosphere = true;
   const Vector3d late = end_of(plan, fly_perfect(plan, {.feedback = RateFeedback::rate}));
@@ -192,8 +190,7 @@ TEST(Margins, MeetTheDemandsOverTheFlight) {
   Flight plan;
   plan.record_every = 100;
   const FlightRecord record = fly_perfect(plan);
-  for (const Case c :
-       {Case{false, 0, 1}, Case{true, -0.47, 1}, Case{true, -0.47, 0.9}, Case{true, -0.47, 1.1}}) {
+  for (const Case c : {Case{false, 0, 1}, Case{true, -0.47, 1}, Case{true, -0.47, 0.9}, Case{true, -0.47, 1.1}}) {
     Vehicle v = plan.vehicle;
     AttitudeControl::Options options;
     if (c.bends) {
@@ -281,10 +278,8 @@ TEST(Margins, TellAnUnstableLoop) {
 void expect_sound(const FlightRecord& record) {
   EXPECT_FALSE(record.account.empty());
   for (const FlightPoint& p : record.points) {
-    EXPECT_TRUE(p.truth.p_eb_e.allFinite() && p.truth.v_eb_e.allFinite() &&
-                p.truth.q_eb.coeffs().allFinite());
-    EXPECT_TRUE(p.seen.p_eb_e.allFinite() && p.deflection.allFinite() &&
-                std::isfinite(p.flow.angle_of_attack));
+    EXPECT_TRUE(p.truth.p_eb_e.allFinite() && p.truth.v_eb_e.allFinite() && p.truth.q_eb.coeffs().allFinite());
+    EXPECT_TRUE(p.seen.p_eb_e.allFinite() && p.deflection.allFinite() && std::isfinite(p.flow.angle_of_attack));
   }
 }
 

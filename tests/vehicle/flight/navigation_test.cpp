@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The strapdown as navigator of the closed loop: it meets the concept as it is.
-#include "gyrobudget/vehicle/flight/fly.h"
 #include "gyrobudget/estimation/navigation/strapdown.h"
+#include "gyrobudget/vehicle/flight/fly.h"
 
 #include <gtest/gtest.h>
 

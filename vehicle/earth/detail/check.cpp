@@ -11,8 +11,7 @@ namespace gyrobudget::inline v0::earth::detail {
 namespace {
 
 void require(bool valid, double value, std::string_view what, std::string_view unit, std::string_view limit) {
-  if (!valid)
-    throw std::invalid_argument(fmt::format("{} is {} {}; it must be {}", what, value, unit, limit));
+  if (!valid) throw std::invalid_argument(fmt::format("{} is {} {}; it must be {}", what, value, unit, limit));
 }
 
 }  // namespace

@@ -6,13 +6,13 @@
 #include "gyrobudget/vehicle/earth/frames.h"
 #include "gyrobudget/vehicle/earth/gravity.h"
 #include "gyrobudget/vehicle/flight/body.h"
-#include "burn.h"
-#include "height.h"
 
 #include <cmath>
 #include <cstddef>
 #include <numbers>
 
+#include "burn.h"
+#include "height.h"
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 

@@ -47,8 +47,7 @@ class Rosenbrock {
   }
 
   template <class System>
-  const Eigen::Matrix<double, N, N>& jacobian(const System& system, const X& y, double t, double h,
-                                              const X& scale) {
+  const Eigen::Matrix<double, N, N>& jacobian(const System& system, const X& y, double t, double h, const X& scale) {
     X f0, ft;
     linearise(system, y, t, h, scale, f0, ft);
     return jacobian_;
@@ -61,13 +60,12 @@ class Rosenbrock {
   static constexpr std::array<double, kStages> kC{0, 0.386, 0.21, 0.63, 1, 1};
   static constexpr std::array<double, kStages> kD{0.25, -0.1043, 0.1035, -0.0362, 0, 0};
   using Rows = std::array<std::array<double, kStages - 1>, kStages>;
-  static constexpr Rows kA{
-      {{},
-       {1.544},
-       {0.9466785280815826, 0.2557011698983284},
-       {3.314825187068521, 2.896124015972201, 0.9986419139977817},
-       {1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950},
-       {1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950, 1}}};
+  static constexpr Rows kA{{{},
+                            {1.544},
+                            {0.9466785280815826, 0.2557011698983284},
+                            {3.314825187068521, 2.896124015972201, 0.9986419139977817},
+                            {1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950},
+                            {1.221224509226641, 6.019134481288629, 12.53708332932087, -0.6878860361058950, 1}}};
   static constexpr Rows kK{
       {{},
        {-5.6688},
