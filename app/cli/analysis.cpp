@@ -15,8 +15,6 @@
 
 namespace gyrobudget::inline v0::cli {
 
-namespace {
-
 // The text was checked when the command line was read: one of three words, or a number.
 allan::Taus taus_of(const CurveArguments& a) {
   using Kind = allan::Taus::Kind;
@@ -25,8 +23,6 @@ allan::Taus taus_of(const CurveArguments& a) {
   if (a.taus == "all") return {Kind::all};
   return {Kind::logarithmic, std::stoll(a.taus)};
 }
-
-}  // namespace
 
 std::vector<std::int64_t> factors_for(const CurveArguments& a, std::int64_t samples) {
   return allan::factors_of(taus_of(a), samples);
