@@ -15,7 +15,7 @@ namespace {
 class CurveTables : public testing::Test {
  protected:
   allan::DeviationTable read(const std::string& text, std::optional<std::string> unit = {},
-                  std::vector<std::string> columns = {}) {
+                             std::vector<std::string> columns = {}) {
     std::ofstream(path_) << text;
     return read_curve({path_.string(), std::move(unit), std::move(columns)});
   }

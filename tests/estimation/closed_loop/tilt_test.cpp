@@ -25,7 +25,7 @@ void expect_near(const Vector3d& flown, const Vector3d& theory) {
 }
 
 struct Vehicles : testing::TestWithParam<flight::Vehicle (*)()> {
-  flight::Plan plan = [this] {
+  flight::Plan plan = [] {
     flight::Plan p;
     p.flight.vehicle = GetParam()();
     return p;

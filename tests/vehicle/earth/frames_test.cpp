@@ -91,7 +91,7 @@ TEST(Frames, LaunchPlaneTurnsWithItsAzimuth) {
     EXPECT_LE((plane.C_el().col(2) - enu.C_el().col(2)).norm(), 4 * kEpsilon);
     EXPECT_NEAR(plane.C_el().determinant(), 1, 8 * kEpsilon);
   }
-  EXPECT_THROW(LocalFrame::launch_plane(site, std::numeric_limits<double>::infinity()), std::invalid_argument);
+  EXPECT_THROW((void)LocalFrame::launch_plane(site, std::numeric_limits<double>::infinity()), std::invalid_argument);
 }
 
 TEST(Frames, InertialRoundTripAndFixedPointsMoveEast) {
