@@ -46,7 +46,8 @@ struct Options {
   std::optional<double> frequency_hz;        ///< of the sinusoid, held [Hz]; unset: fitted
   bool cross_check = false;                  ///< fit the likelihood of the record beside its curve
   Masking mask;
-  allan::Taus taus;  ///< of the curve that is shown, and read by the methods that read; the fit has octaves
+  /// Of the curve that is shown, and read by the methods that read; the fit has octaves.
+  allan::Taus taus{.kind = allan::Taus::Kind::logarithmic, .count = 50};
   allan::Form form = allan::Form::full;
   double minimum_fill = allan::kMinimumFill;  ///< part of a cluster's samples that must exist, in (0, 1]
 };

@@ -56,14 +56,15 @@ TEST(Calibrate, FindsTheNoiseOfACleanRecord) {
   EXPECT_NEAR(axis.fit[Term::white].value / mems().n, 1, tolerance(record.samples));
 }
 
-// What fit::fit alone does not see: a record of angle steps owes its short taus to quantization.
+// What fit::fit alone does not see: a record of angle steps owes its short taus to quantization. Its square is known to
+// sqrt(2/n) by likelihood, Q to half of that; five of those, and as much again for the white noise beside it.
 TEST(Calibrate, AddsQuantizationWhereTheFirstTausShowIt) {
-  const auto sheet = calibrate(record_of("quantized"));
+  const auto record = record_of("quantized");
+  const auto sheet = calibrate(record);
   const auto& q = sheet.axes[0].fit[Term::quantization];
-  EXPECT_TRUE(q.fitted);
+  ASSERT_TRUE(q.fitted);
   EXPECT_EQ(q.status, fit::Status::identified);
-  const double step = 2e-4;  // Q = step/sqrt(12); known to about 1 % from 36 000 samples
-  EXPECT_NEAR(q.value / (step / std::sqrt(12.0)), 1, 0.05);
+  EXPECT_NEAR(q.value / kQuantization, 1, 10 * std::sqrt(0.5 / static_cast<double>(record.samples)));
 }
 
 TEST(Calibrate, MasksWhatIsAskedFor) {

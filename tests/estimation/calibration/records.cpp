@@ -25,14 +25,9 @@ allan::Record with(std::uint64_t seed, Added added) {
 }
 
 allan::Record quantized() {
-  constexpr double kStep = 2e-4;  // some 7 steps of angle within the noise of a second
-  auto rate = mems_rates(kSamples, 8);
-  double angle = 0, told = 0;
-  for (double& y : rate) {
-    angle += y / kRecordRate;
-    const double rounded = std::round(angle / kStep) * kStep;
-    y = (rounded - std::exchange(told, rounded)) * kRecordRate;
-  }
+  auto processes = mems().processes();
+  processes.emplace_back(noise::Quantization{kQuantization});
+  auto rate = noise::generate_record(processes, kSamples, 1 / kRecordRate, {.seed = 8, .stream = 0});
   return allan::make_record({gyro_axis(std::move(rate))}, kRecordRate);
 }
 
