@@ -46,7 +46,7 @@ std::size_t index_of(const std::vector<double>& times, double at) {
 // the start's "up" says little.
 void choose_axes(BudgetResult& r, const navigation::Scenario& scenario, const earth::Trajectory& trajectory) {
   if (scenario.site) return;
-  const earth::Geodetic here = earth::to_geodetic(trajectory.at(r.at).p_eb_e);
+  const earth::Geodetic here = earth::to_geodetic(trajectory.at(r.at).pose.p_eb_e);
   r.C_enu = earth::LocalFrame::east_north_up(here).C_el();
   r.C_launch = earth::LocalFrame::launch_plane(here, scenario.azimuth).C_el();
 }

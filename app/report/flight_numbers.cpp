@@ -105,7 +105,7 @@ FromPad FlightFrame::from_pad(const FlightPoint& p) const {
           earth::to_geodetic(p.truth.p_eb_e), launch_attitude(p.truth.q_eb, launch_.C_el())};
 }
 
-Difference FlightFrame::difference(const flight::Body::Pose& a, const flight::Body::Pose& b) const {
+Difference FlightFrame::difference(const earth::Pose& a, const earth::Pose& b) const {
   const auto local = [&](const Vector3d& e) -> Vector3d { return launch_.C_el().transpose() * e; };
   return {local(a.p_eb_e - b.p_eb_e), local(a.v_eb_e - b.v_eb_e),
           local(earth::log_rotation((a.q_eb * b.q_eb.conjugate()).normalized()))};
@@ -117,8 +117,7 @@ std::optional<Difference> FlightFrame::departure(const FlightPoint& p) const {
   constexpr double kSameTime = 1e-9;  // [s]
   if (std::abs(p.t - nominal_->end.t) < kSameTime) return difference(p.truth, nominal_->end.truth);
   if (!path_ || p.t > nominal_->end.t) return std::nullopt;
-  const earth::TrajectoryPoint there = path_->at(p.t);
-  return difference(p.truth, {there.p_eb_e, there.v_eb_e, there.q_eb});
+  return difference(p.truth, path_->at(p.t).pose);
 }
 
 LimitsUsed limits_used(const FlightResult& r, const FlightRecord& record) {

@@ -66,7 +66,7 @@ class FlightFrame {
   explicit FlightFrame(const FlightResult&);
 
   [[nodiscard]] FromPad from_pad(const flight::FlightPoint&) const;
-  [[nodiscard]] Difference difference(const flight::Body::Pose&, const flight::Body::Pose& less) const;
+  [[nodiscard]] Difference difference(const earth::Pose&, const earth::Pose& less) const;
   /// Of navigation: truth less what it tells.
   [[nodiscard]] Difference navigation_error(const flight::FlightPoint&) const;
   /// From the nominal flight at the same time; none after its end.

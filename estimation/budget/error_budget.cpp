@@ -1,32 +1,12 @@
 // SPDX-License-Identifier: MIT
 #include "error_budget.h"
 
-#include "gyrobudget/vehicle/earth/attitude.h"
-#include "gyrobudget/vehicle/earth/ellipsoid.h"
-#include "gyrobudget/vehicle/earth/gravity.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 
 namespace gyrobudget::inline v0::budget {
-namespace {
-
-using Eigen::Matrix3d;
-using Eigen::Vector3d;
-
-const Vector3d kEarthRate{0, 0, earth::wgs84::kEarthRate};
-constexpr double kSameTime = 1e-9;  // [s]
-constexpr double kAtRest = 1e-3;    // [m/s]
-constexpr double kMostSteps = 1e6;  // 600 bytes each in the adjoint
-
-void require(bool good, std::string_view what, double value, std::string_view expected) {
-  if (!good) throw std::invalid_argument(fmt::format("{} is {}, expected {}", what, value, expected));
-}
-
-}  // namespace
 
 // --- The filter's gains -------------------------------------------------------------------------------------------
 
@@ -54,10 +34,10 @@ class GainRun {
  private:
   void now(double time) {
     const auto& fixes = timeline_.fixes();
-    while (result_.of_fix.size() < fixes.size() && fixes[result_.of_fix.size()].time <= time + kSameTime)
+    while (result_.of_fix.size() < fixes.size() && fixes[result_.of_fix.size()].time <= time + Timeline::kSameTime)
       use(fixes[result_.of_fix.size()]);
     const auto& report = timeline_.report();
-    if (result_.claimed.size() < report.size() && report[result_.claimed.size()] <= time + kSameTime)
+    if (result_.claimed.size() < report.size() && report[result_.claimed.size()] <= time + Timeline::kSameTime)
       result_.claimed.emplace_back(
           covariance_.matrix().topLeftCorner<navigation::kCoreStates, navigation::kCoreStates>());
   }
@@ -191,7 +171,7 @@ class Passage {
     const navigation::Transition& transition = transition_of(step.input);
     if (start_) start_->propagate(transition, covariance_.matrix());
     covariance_.propagate(transition);
-    if (!start_ || step.to < -kSameTime) return;
+    if (!start_ || step.to < -Timeline::kSameTime) return;
     covariance_.add(start_->joining());
     start_.reset();
   }
@@ -302,7 +282,8 @@ class Propagation {
 
  private:
   void fixes_at(double time) {
-    for (; next_fix_ < timeline_.fixes().size() && timeline_.fixes()[next_fix_].time <= time + kSameTime; ++next_fix_)
+    for (; next_fix_ < timeline_.fixes().size() && timeline_.fixes()[next_fix_].time <= time + Timeline::kSameTime;
+         ++next_fix_)
       for (auto& passage : passages_) passage.update(timeline_, next_fix_, gains_.of_fix[next_fix_]);
   }
 
@@ -315,7 +296,7 @@ class Propagation {
 
   void report_at(double time, const Timeline::Step& next) {
     const auto& report = timeline_.report();
-    if (next_report_ == report.size() || report[next_report_] > time + kSameTime) return;
+    if (next_report_ == report.size() || report[next_report_] > time + Timeline::kSameTime) return;
     budget_.times.push_back(report[next_report_++]);
     navigation::CoreMatrix total = navigation::CoreMatrix::Zero();
     for (std::size_t i = 0; i < passages_.size(); ++i) {

@@ -27,7 +27,7 @@ struct Flown {
   std::int64_t fixes = 0, refused = 0;
 };
 
-CoreVector error(const navigation::NavigationState& truth, const navigation::NavigationState& estimate) {
+CoreVector error(const earth::Pose& truth, const earth::Pose& estimate) {
   CoreVector e;
   e << truth.p_eb_e - estimate.p_eb_e, truth.v_eb_e - estimate.v_eb_e,
       earth::log_rotation(truth.q_eb * estimate.q_eb.conjugate());
@@ -46,11 +46,11 @@ Flown fly(const SimulatedScene& scene, std::uint64_t run) {
     const std::size_t next = flown.errors.size();
     const bool asked = next < report.size() && scene.sample(report[next]) <= k;
     if (!asked && !navigator.fix_due()) return;
-    const navigation::Instant truth = timeline.at(scene.time(k));
+    const earth::Motion truth = timeline.at(scene.time(k));
     navigator.use_fixes(truth);
-    if (asked) flown.errors.push_back(error(truth.state, navigator.state()));
+    if (asked) flown.errors.push_back(error(truth.pose, navigator.state()));
   };
-  for (const earth::ImuIncrement& exact : scene.increments()) {
+  for (const noise::ImuIncrement& exact : scene.increments()) {
     at_sample();
     navigator.step(exact);
   }

@@ -38,7 +38,7 @@ double fastest_turn(const earth::Trajectory& trajectory) {
   constexpr int kInstants = 1000;
   double fastest = 0;
   for (int i = 0; i <= kInstants; ++i)
-    fastest = std::max(fastest, trajectory.at(trajectory.duration() * i / kInstants).w_ib_b.norm());
+    fastest = std::max(fastest, trajectory.at(trajectory.duration() * i / kInstants).sensed.w_ib_b.norm());
   return fastest;
 }
 
@@ -58,7 +58,7 @@ class Builder {
     if (!(length_ <= kLongestScene))
       throw std::invalid_argument(
           fmt::format("a scene of {:g} s, expected at most {:g} s, a year", length_, kLongestScene));
-    const earth::Geodetic site = scenario.site ? *scenario.site : earth::to_geodetic(trajectory.at(0).p_eb_e);
+    const earth::Geodetic site = scenario.site ? *scenario.site : earth::to_geodetic(trajectory.at(0).pose.p_eb_e);
     C_enu_ = earth::LocalFrame::east_north_up(site).C_el();
     C_launch_ = earth::LocalFrame::launch_plane(site, scenario.azimuth).C_el();
   }
@@ -159,21 +159,21 @@ class Builder {
                              navigation::AttitudeFix>
   fix(const navigation::Aid& aid, int number, double t) const {
     const earth::TrajectoryPoint truth = trajectory_.at(t);
-    const Matrix3d C = truth.q_eb.toRotationMatrix();
-    const earth::Geodetic at = earth::to_geodetic(truth.p_eb_e);
+    const Matrix3d C = truth.pose.q_eb.toRotationMatrix();
+    const earth::Geodetic at = earth::to_geodetic(truth.pose.p_eb_e);
     const Matrix3d axes = earth::C_e_enu(at.latitude, at.longitude);
-    const Vector3d w_eb_b = truth.w_ib_b - C.transpose() * Vector3d(0, 0, earth::wgs84::kEarthRate);
+    const Vector3d w_eb_b = truth.sensed.w_ib_b - C.transpose() * Vector3d(0, 0, earth::wgs84::kEarthRate);
     switch (aid.kind) {
       case navigation::Aid::Kind::position:
-        return navigation::PositionFix{truth.p_eb_e + C * aid.lever_arm, aid.sigma, axes, aid.lever_arm, number};
+        return navigation::PositionFix{truth.pose.p_eb_e + C * aid.lever_arm, aid.sigma, axes, aid.lever_arm, number};
       case navigation::Aid::Kind::height:
         return navigation::HeightFix{at.height, aid.sigma[0], number};
       case navigation::Aid::Kind::attitude:
-        return navigation::AttitudeFix{truth.q_eb, aid.sigma, number};
+        return navigation::AttitudeFix{truth.pose.q_eb, aid.sigma, number};
       default:
-        if (aid.kind == navigation::Aid::Kind::rest) check_rest(aid, truth.v_eb_e.norm(), t);
-        return navigation::VelocityFix{truth.v_eb_e + C * w_eb_b.cross(aid.lever_arm), aid.sigma, axes, aid.lever_arm,
-                                       number};
+        if (aid.kind == navigation::Aid::Kind::rest) check_rest(aid, truth.pose.v_eb_e.norm(), t);
+        return navigation::VelocityFix{truth.pose.v_eb_e + C * w_eb_b.cross(aid.lever_arm), aid.sigma, axes,
+                                       aid.lever_arm, number};
     }
   }
 
@@ -207,17 +207,18 @@ class Builder {
   // sensors cause.
   void coarse(const navigation::SelfAlignment& self) {
     const earth::TrajectoryPoint start = trajectory_.at(0);
-    const Matrix3d C_be = start.q_eb.toRotationMatrix().transpose();
-    const earth::Geodetic at = earth::to_geodetic(start.p_eb_e);
+    const Matrix3d C_be = start.pose.q_eb.toRotationMatrix().transpose();
+    const earth::Geodetic at = earth::to_geodetic(start.pose.p_eb_e);
     navigation::AlignmentOptions options;
     options.sensor = scenario_.sensor;
     options.interval = question_.imu_interval;
     options.latitude = at.latitude;
     const Matrix3d C_en = earth::C_e_ned(at.latitude, at.longitude);
     if (self.heading)
-      options.heading = navigation::heading_of(Eigen::Quaterniond(C_en).conjugate() * start.q_eb, initial_.heading);
+      options.heading =
+          navigation::heading_of(Eigen::Quaterniond(C_en).conjugate() * start.pose.q_eb, initial_.heading);
     const navigation::Alignment found =
-        navigation::align(navigation::StaticMeans{-(C_be * earth::normal_gravity(start.p_eb_e)),
+        navigation::align(navigation::StaticMeans{-(C_be * earth::normal_gravity(start.pose.p_eb_e)),
                                                   C_be * Vector3d(0, 0, earth::wgs84::kEarthRate), self.duration},
                           options);
     const Vector3d sigma = found.sigma();

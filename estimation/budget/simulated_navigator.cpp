@@ -6,6 +6,7 @@
 #include "gyrobudget/vehicle/earth/ellipsoid.h"
 #include "gyrobudget/vehicle/earth/frames.h"
 #include "gyrobudget/vehicle/earth/gravity.h"
+#include "gyrobudget/vehicle/earth/vector.h"
 
 #include <fmt/format.h>
 
@@ -29,16 +30,13 @@ noise::StreamKey key(std::uint64_t seed, std::uint64_t what, std::uint64_t run) 
   return {seed, (std::uint64_t{'M'} << 56) | (what << 48) | run};
 }
 
-noise::Vector3 array(const Vector3d& v) { return {v[0], v[1], v[2]}; }
-Vector3d vector(const noise::Vector3& v) { return {v[0], v[1], v[2]}; }
-
-std::vector<earth::ImuIncrement> exact_increments(const Timeline& timeline, double interval) {
-  const navigation::NavigationState start = timeline.at(timeline.start()).state;
+std::vector<noise::ImuIncrement> exact_increments(const Timeline& timeline, double interval) {
+  const earth::Pose start = timeline.at(timeline.start()).pose;
   const Matrix3d C_be = start.q_eb.toRotationMatrix().transpose();
-  const earth::ImuIncrement rest{-interval * (C_be * earth::normal_gravity(start.p_eb_e)),
-                                 interval * (C_be * Vector3d(0, 0, earth::wgs84::kEarthRate))};
+  const noise::ImuIncrement rest{.angle = earth::array(interval * (C_be * Vector3d(0, 0, earth::wgs84::kEarthRate))),
+                                 .velocity = earth::array(-interval * (C_be * earth::normal_gravity(start.p_eb_e)))};
   const auto pad = static_cast<std::size_t>(std::llround(-timeline.start() / interval));
-  std::vector<earth::ImuIncrement> all(pad, rest);
+  std::vector<noise::ImuIncrement> all(pad, rest);
   const auto flown = timeline.trajectory().increments(interval);
   all.insert(all.end(), flown.begin(), flown.end());
   return all;
@@ -46,22 +44,22 @@ std::vector<earth::ImuIncrement> exact_increments(const Timeline& timeline, doub
 
 // The same fix with the true values of another instant.
 struct AtTruth {
-  const navigation::Instant& at;
+  const earth::Motion& at;
 
   navigation::PositionFix operator()(navigation::PositionFix fix) const {
-    fix.p_eb_e = at.state.p_eb_e + at.state.q_eb * fix.lever_arm;
+    fix.p_eb_e = at.pose.p_eb_e + at.pose.q_eb * fix.lever_arm;
     return fix;
   }
   navigation::VelocityFix operator()(navigation::VelocityFix fix) const {
-    fix.v_eb_e = at.state.v_eb_e + at.state.q_eb * at.w_eb_b.cross(fix.lever_arm);
+    fix.v_eb_e = at.pose.v_eb_e + at.pose.q_eb * at.w_eb_b.cross(fix.lever_arm);
     return fix;
   }
   navigation::HeightFix operator()(navigation::HeightFix fix) const {
-    fix.height = earth::to_geodetic(at.state.p_eb_e).height;
+    fix.height = earth::to_geodetic(at.pose.p_eb_e).height;
     return fix;
   }
   navigation::AttitudeFix operator()(navigation::AttitudeFix fix) const {
-    fix.q_eb = at.state.q_eb;
+    fix.q_eb = at.pose.q_eb;
     return fix;
   }
 };
@@ -122,10 +120,10 @@ void SimulatedScene::add_world(const Source& source) {
   for (std::size_t v = 0; v < vectors; ++v) world_.push_back({source.model.terms[3 * v].carrier, {}});
   for (std::size_t k = 0; k < increments_.size(); ++k) {
     const double t = timeline_.start() + (static_cast<double>(k) + 0.5) * dt;
-    const navigation::Instant at = timeline_.at(std::min(t, timeline_.end()));
+    const earth::Motion at = timeline_.at(std::min(t, timeline_.end()));
     navigation::StepInput input;
-    input.p_eb_e = at.state.p_eb_e;
-    input.C_eb = at.state.q_eb.toRotationMatrix();
+    input.p_eb_e = at.pose.p_eb_e;
+    input.C_eb = at.pose.q_eb.toRotationMatrix();
     for (std::size_t v = 0; v < vectors; ++v)
       world_[world_.size() - vectors + v].unit.emplace_back(
           dt * Vector3d(source.shape(input, 3 * v), source.shape(input, 3 * v + 1), source.shape(input, 3 * v + 2)));
@@ -137,7 +135,7 @@ SimulatedNavigator::SimulatedNavigator(const SimulatedScene& scene, std::uint64_
       start_(key(scene.options_.seed, kStart, run)),
       aids_(key(scene.options_.seed, kAids, run)),
       imu_(scene.sensor_, scene.options_.imu_interval, {scene.options_.seed, run}, scene.options_.imu) {
-  navigation::NavigationState start = wrong_start();
+  earth::Pose start = wrong_start();
   for (std::size_t v = 0; v < scene.world_.size(); ++v) world_.push_back(start_());
   Eigen::VectorXd draw(scene.aid_root_.rows());
   for (auto& x : draw) x = aids_();
@@ -163,12 +161,11 @@ double SimulatedNavigator::Normals::operator()() {
   return buffer_[next_++];
 }
 
-earth::ImuIncrement SimulatedNavigator::measure_imu(const earth::ImuIncrement& truth, std::size_t sample) {
-  const noise::ImuReading read = imu_.next({array(truth.angle), array(truth.velocity)});
-  earth::ImuIncrement measured{vector(read.velocity), vector(read.angle)};
+noise::ImuIncrement SimulatedNavigator::measure_imu(const noise::ImuIncrement& truth, std::size_t sample) {
+  noise::ImuIncrement measured = imu_.next(truth);
   sample = std::min(sample, scene_.increments_.size() - 1);  // a flight may outlive its plan
   for (std::size_t v = 0; v < scene_.world_.size(); ++v)
-    (scene_.world_[v].carrier == navigation::Carrier::gyro ? measured.angle : measured.velocity) +=
+    earth::vector(scene_.world_[v].carrier == navigation::Carrier::gyro ? measured.angle : measured.velocity) +=
         world_[v] * scene_.world_[v].unit[sample];
   return measured;
 }
@@ -179,7 +176,7 @@ std::optional<Eigen::Quaterniond> SimulatedNavigator::coarse_alignment() {
   const std::size_t samples = scene_.pad_samples();
   pad_.reserve(samples);
   for (std::size_t k = 0; k < samples; ++k) pad_.push_back(measure_imu(scene_.increments_[k], k));
-  const navigation::NavigationState truth = scene_.timeline_.at(scene_.timeline_.start()).state;
+  const earth::Pose truth = scene_.timeline_.at(scene_.timeline_.start()).pose;
   const earth::Geodetic at = earth::to_geodetic(truth.p_eb_e);
   const Eigen::Matrix3d C_en = earth::C_e_ned(at.latitude, at.longitude);
   navigation::AlignmentOptions options;
@@ -196,8 +193,8 @@ std::optional<Eigen::Quaterniond> SimulatedNavigator::coarse_alignment() {
   return Eigen::Quaterniond(C_en) * *found.q_nb;
 }
 
-navigation::NavigationState SimulatedNavigator::wrong_start() {
-  navigation::NavigationState state = scene_.timeline_.at(scene_.timeline_.start()).state;
+earth::Pose SimulatedNavigator::wrong_start() {
+  earth::Pose state = scene_.timeline_.at(scene_.timeline_.start()).pose;
   const auto draw = [&](const Vector3d& sigma) -> Vector3d {
     Vector3d v;
     for (int i = 0; i < 3; ++i) v[i] = sigma[i] * start_();
@@ -212,7 +209,7 @@ navigation::NavigationState SimulatedNavigator::wrong_start() {
 }
 
 // What the fixes that the start is taken from have wrong, it has.
-void SimulatedNavigator::take_start(navigation::NavigationState& state) {
+void SimulatedNavigator::take_start(earth::Pose& state) {
   for (const auto& [from, white, aid] : scene_.taken_) {
     Eigen::VectorXd draw(white.cols());
     for (auto& x : draw) x = aids_();
@@ -224,7 +221,7 @@ void SimulatedNavigator::take_start(navigation::NavigationState& state) {
   }
 }
 
-void SimulatedNavigator::step(const earth::ImuIncrement& exact) {
+void SimulatedNavigator::step(const noise::ImuIncrement& exact) {
   sensed_ = samples_ < pad_.size() ? pad_[samples_] : measure_imu(exact, samples_);
   const double dt = scene_.options_.imu_interval;
   filter_ ? filter_->propagate(sensed_, dt) : strapdown_->step(sensed_, dt);
@@ -244,13 +241,13 @@ bool SimulatedNavigator::fix_due() const {
   return next_fix_ < fixes.size() && scene_.sample(fixes[next_fix_].time) <= samples_;
 }
 
-void SimulatedNavigator::use_fixes(const navigation::Instant& truth) {
+void SimulatedNavigator::use_fixes(const earth::Motion& truth) {
   for (; fix_due(); ++next_fix_)
     if (filter_) use(scene_.timeline_.fixes()[next_fix_], truth);
 }
 
 // The fix as the aid gives it: truth, its own errors by what they do to it, and white noise.
-void SimulatedNavigator::use(const navigation::PlannedFix& planned, const navigation::Instant& truth) {
+void SimulatedNavigator::use(const navigation::PlannedFix& planned, const earth::Motion& truth) {
   navigation::Measurement measurement = std::visit(
       [&](const auto& fix) { return navigation::measure(AtTruth{truth}(fix), filter_->estimate()); }, planned.fix);
   const navigation::Measurement of_errors = navigation::linearise(planned, truth, scene_.aids_.model);

@@ -36,7 +36,7 @@ class SimulatedScene {
   /// When a sample ends.
   [[nodiscard]] double time(std::size_t sample) const;
   /// What the exact IMU sums up on the timeline, sample by sample from the scene's start.
-  [[nodiscard]] const std::vector<earth::ImuIncrement>& increments() const { return increments_; }
+  [[nodiscard]] const std::vector<noise::ImuIncrement>& increments() const { return increments_; }
 
  private:
   friend class SimulatedNavigator;
@@ -49,7 +49,7 @@ class SimulatedScene {
   const std::optional<Design>& design_;
   const MonteCarlo::AidErrors& aids_;
   const MonteCarlo::Options& options_;
-  std::vector<earth::ImuIncrement> increments_;
+  std::vector<noise::ImuIncrement> increments_;
   Eigen::MatrixXd aid_root_;  ///< of the aids' initial covariance
   struct Taken {
     navigation::StartFromFix from;
@@ -82,20 +82,18 @@ class SimulatedNavigator {
   /// False where the alignment on the pad found no heading: it then starts as the initial errors have it.
   [[nodiscard]] bool aligned() const { return aligned_; }
   /// One sample of the exact IMU; an alignment has measured those on the pad already.
-  void step(const earth::ImuIncrement& exact);
+  void step(const noise::ImuIncrement& exact);
   /// At rest to time 0, with the fixes up to there.
   void pass_pad();
   [[nodiscard]] bool fix_due() const;
   /// Takes the fixes that are due, at that truth.
-  void use_fixes(const navigation::Instant& truth);
+  void use_fixes(const earth::Motion& truth);
 
-  [[nodiscard]] const navigation::NavigationState& state() const {
-    return filter_ ? filter_->state() : strapdown_->state();
-  }
+  [[nodiscard]] const earth::Pose& state() const { return filter_ ? filter_->state() : strapdown_->state(); }
   [[nodiscard]] std::int64_t fixes() const { return fixes_; }      ///< so far, those that the filter refused too
   [[nodiscard]] std::int64_t refused() const { return refused_; }  ///< by the filter's gate
   [[nodiscard]] const std::optional<navigation::Filter>& filter() const { return filter_; }
-  [[nodiscard]] const earth::ImuIncrement& sensed() const { return sensed_; }  ///< last
+  [[nodiscard]] const noise::ImuIncrement& sensed() const { return sensed_; }  ///< last
   [[nodiscard]] std::size_t samples() const { return samples_; }               ///< so far
   [[nodiscard]] Saturated saturated() const;
 
@@ -113,13 +111,13 @@ class SimulatedNavigator {
     std::uint64_t drawn_ = 0;
   };
 
-  [[nodiscard]] earth::ImuIncrement measure_imu(const earth::ImuIncrement& exact, std::size_t sample);
+  [[nodiscard]] noise::ImuIncrement measure_imu(const noise::ImuIncrement& truth, std::size_t sample);
   /// White noise is on its fixes.
   [[nodiscard]] bool noisy(int aid) const { return scene_.options_.noisy_aid.value_or(aid) == aid; }
-  [[nodiscard]] navigation::NavigationState wrong_start();
-  void take_start(navigation::NavigationState&);
+  [[nodiscard]] earth::Pose wrong_start();
+  void take_start(earth::Pose&);
   [[nodiscard]] std::optional<Eigen::Quaterniond> coarse_alignment();
-  void use(const navigation::PlannedFix&, const navigation::Instant& truth);
+  void use(const navigation::PlannedFix&, const earth::Motion& truth);
   void move_aids();
 
   const SimulatedScene& scene_;
@@ -129,8 +127,8 @@ class SimulatedNavigator {
   std::optional<navigation::Strapdown> strapdown_;
   Eigen::VectorXd aid_terms_;
   std::vector<double> world_;             ///< sizes of the scene's vectors
-  std::vector<earth::ImuIncrement> pad_;  ///< as measured, where it served the alignment
-  earth::ImuIncrement sensed_{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  std::vector<noise::ImuIncrement> pad_;  ///< as measured, where it served the alignment
+  noise::ImuIncrement sensed_;
   std::size_t samples_ = 0, next_fix_ = 0;
   std::int64_t fixes_ = 0, refused_ = 0;
   bool aligned_ = true;

@@ -20,25 +20,25 @@ class InertialNavigator {
     inside_.pass_pad();
   }
 
-  void step(const earth::ImuIncrement& exact, double dt) {
+  void step(const noise::ImuIncrement& exact, double dt) {
     dt_ = dt;
     inside_.step(exact);
   }
-  void know(const flight::Body::Pose& truth) {
-    if (dt_ > 0 && inside_.fix_due()) inside_.use_fixes(instant(truth));
+  void know(const earth::Pose& truth) {
+    if (dt_ > 0 && inside_.fix_due()) inside_.use_fixes(motion(truth));
     v_eb_e_ = truth.v_eb_e;
     q_eb_ = truth.q_eb;
   }
-  [[nodiscard]] const navigation::NavigationState& state() const { return inside_.state(); }
-  [[nodiscard]] const earth::ImuIncrement& sensed() const { return inside_.sensed(); }
+  [[nodiscard]] const earth::Pose& state() const { return inside_.state(); }
+  [[nodiscard]] const noise::ImuIncrement& sensed() const { return inside_.sensed(); }
   [[nodiscard]] const budget::SimulatedNavigator& inside() const { return inside_; }
 
  private:
   // Rate and acceleration are means over the last period, of the truth, whatever the gyros sense of it.
-  [[nodiscard]] navigation::Instant instant(const flight::Body::Pose& truth) const {
-    return {{truth.p_eb_e, truth.v_eb_e, truth.q_eb},
-            earth::log_rotation(q_eb_.conjugate() * truth.q_eb) / dt_,
-            (truth.v_eb_e - v_eb_e_) / dt_};
+  [[nodiscard]] earth::Motion motion(const earth::Pose& truth) const {
+    return {.pose = truth,
+            .a_eb_e = (truth.v_eb_e - v_eb_e_) / dt_,
+            .w_eb_b = earth::log_rotation(q_eb_.conjugate() * truth.q_eb) / dt_};
   }
 
   budget::SimulatedNavigator inside_;

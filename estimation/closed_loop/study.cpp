@@ -65,7 +65,7 @@ MarginsAt margins_along(const flight::Plan& plan, const FlightRecord& nominal) {
 
 // Truth less estimate, axes of e.
 template <class State>
-Eigen::Matrix<double, kCoreStates, 1> error(const flight::Body::Pose& truth, const State& estimate) {
+Eigen::Matrix<double, kCoreStates, 1> error(const earth::Pose& truth, const State& estimate) {
   Eigen::Matrix<double, kCoreStates, 1> e;
   e << truth.p_eb_e - estimate.p_eb_e, truth.v_eb_e - estimate.v_eb_e,
       earth::log_rotation(truth.q_eb * estimate.q_eb.conjugate());

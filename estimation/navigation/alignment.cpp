@@ -2,6 +2,7 @@
 #include "alignment.h"
 
 #include "gyrobudget/estimation/navigation/detail/gauss_markov.h"
+#include "gyrobudget/vehicle/earth/vector.h"
 
 #include <fmt/core.h>
 
@@ -317,12 +318,12 @@ class Aligner {
   Matrix3d C_lb_;  ///< l: east, north, up
 };
 
-StaticMeans means_of(std::span<const earth::ImuIncrement> imu, double dt) {
+StaticMeans means_of(std::span<const noise::ImuIncrement> imu, double dt) {
   const double T = dt * static_cast<double>(imu.size());
   StaticMeans means{Vector3d::Zero(), Vector3d::Zero(), T};
-  for (const earth::ImuIncrement& increment : imu) {
-    means.f_ib_b += increment.velocity;
-    means.w_ib_b += increment.angle;
+  for (const noise::ImuIncrement& increment : imu) {
+    means.f_ib_b += earth::vector(increment.velocity);
+    means.w_ib_b += earth::vector(increment.angle);
   }
   means.f_ib_b /= T;
   means.w_ib_b /= T;
@@ -338,7 +339,7 @@ GivenHeading heading_of(const Eigen::Quaterniond& q_nb, double sigma) {
   return {std::atan2(C_nb(1, axis), C_nb(0, axis)), sigma, Vector3d::Unit(axis)};
 }
 
-Alignment align(std::span<const earth::ImuIncrement> imu, double dt, const AlignmentOptions& options) {
+Alignment align(std::span<const noise::ImuIncrement> imu, double dt, const AlignmentOptions& options) {
   if (imu.size() < 2 * kParts)
     throw std::invalid_argument(fmt::format("{} increments are too few to align: {} at least", imu.size(), 2 * kParts));
   if (!(dt > 0) || !std::isfinite(dt))

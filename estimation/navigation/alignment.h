@@ -102,8 +102,8 @@ struct Alignment {
 /// @throws std::invalid_argument for fewer than 12 increments, dt not positive, numbers that are not finite
 /// or a mean specific force of zero; a latitude beyond 90 degrees; a limit or sigma out of range; a
 /// heading's axis of zero; an interval of the IMU or an epoch of the sensor out of range.
-[[nodiscard]] Alignment align(std::span<const earth::ImuIncrement>, double dt, const AlignmentOptions&);
+[[nodiscard]] Alignment align(std::span<const noise::ImuIncrement> imu, double dt, const AlignmentOptions& options);
 /// The same from means alone: what the body did in the meantime is not seen.
-[[nodiscard]] Alignment align(const StaticMeans&, const AlignmentOptions&);
+[[nodiscard]] Alignment align(const StaticMeans& means, const AlignmentOptions& options);
 
 }  // namespace gyrobudget::inline v0::navigation

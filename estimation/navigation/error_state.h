@@ -68,9 +68,9 @@ struct ErrorTerm {
 };
 
 /// exp(-dt/Tc): what is left of a term after dt.
-[[nodiscard]] double decay(const ErrorTerm&, double dt);
+[[nodiscard]] double decay(const ErrorTerm& term, double dt);
 /// Mean of exp(-t/Tc) over 0 to dt: what acts of a term over a step, by its value at the start.
-[[nodiscard]] double mean_decay(const ErrorTerm&, double dt);
+[[nodiscard]] double mean_decay(const ErrorTerm& term, double dt);
 
 /// White noise of the sensors and the states beyond the core.
 struct ErrorStateModel {
@@ -85,7 +85,7 @@ struct ErrorStateModel {
 };
 
 /// "gyro bias x", "accelerometer misalignment y<-z", "aid 0 lever arm x".
-[[nodiscard]] std::string name(const ErrorTerm&);
+[[nodiscard]] std::string name(const ErrorTerm& term);
 
 /// One step of the linear model,
 ///   x+ = Phi x + noise,  Phi = [core, coupling; 0, diag(decay)],  noise covariance Q = G diag(q) G^T,
@@ -129,7 +129,7 @@ struct StepInput {
 class Lineariser {
  public:
   /// @throws std::invalid_argument for what ErrorStateModel::check refuses.
-  explicit Lineariser(ErrorStateModel);
+  explicit Lineariser(ErrorStateModel model);
 
   [[nodiscard]] const ErrorStateModel& model() const { return model_; }
   [[nodiscard]] int states() const { return model_.states(); }

@@ -52,19 +52,19 @@ class Filter {
   /// Terms start at zero; P0 is that of error_state.h in its order.
   /// @throws std::invalid_argument for what ErrorStateModel::check and Covariance refuse, P0 of another size, a
   /// gate outside 0 to 1 or a negative interval.
-  Filter(const NavigationState& start, ErrorStateModel model, const StateMatrix& P0, const Options& options);
-  Filter(const NavigationState& start, ErrorStateModel model, const StateMatrix& P0);
+  Filter(const earth::Pose& start, ErrorStateModel model, const StateMatrix& P0, const Options& options);
+  Filter(const earth::Pose& start, ErrorStateModel model, const StateMatrix& P0);
 
   /// One IMU interval. dt = 0 changes nothing.
   /// @throws std::invalid_argument for dt < 0 (time runs backwards), dt or increments not finite.
-  void propagate(const earth::ImuIncrement&, double dt);
+  void propagate(const noise::ImuIncrement& measured, double dt);
 
   /// All rows of a measurement, or none: those beyond the gate and those not finite are reported and left
   /// out.
-  Innovation update(const Measurement&);
+  Innovation update(const Measurement& measurement);
 
   [[nodiscard]] double time() const { return time_; }  ///< since the start [s]
-  [[nodiscard]] const NavigationState& state() const { return strapdown_.state(); }
+  [[nodiscard]] const earth::Pose& state() const { return strapdown_.state(); }
   [[nodiscard]] const ErrorStateModel& model() const { return lineariser_.model(); }
   /// Estimate of model().terms[k].
   [[nodiscard]] double term(int k) const { return terms_[k]; }
@@ -91,9 +91,9 @@ class Filter {
     Eigen::Quaterniond q_start = Eigen::Quaterniond::Identity();
     Eigen::Vector3d p_start = Eigen::Vector3d::Zero();
   };
-  [[nodiscard]] earth::ImuIncrement corrected(const earth::ImuIncrement&, double dt) const;
+  [[nodiscard]] noise::ImuIncrement corrected(const noise::ImuIncrement& imu, double dt) const;
   void set_step(double dt);
-  void expect(const Measurement&, Innovation&) const;
+  void expect(const Measurement& measurement, Innovation& innovation) const;
   void correct(const StateVector& x);
 
   Options options_;

@@ -5,6 +5,7 @@
 #include "gyrobudget/estimation/navigation/detail/start.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/frames.h"
+#include "gyrobudget/vehicle/earth/vector.h"
 
 #include <boost/math/distributions/chi_squared.hpp>
 #include <fmt/format.h>
@@ -88,7 +89,7 @@ SensorStates states(const Scenario& scenario, double length, double step) {
 // --- Measurements --------------------------------------------------------------------------------------------
 
 Measurement measure_fix(const Aid& aid, int number, const Fix& fix, const Estimate& estimate, const Vector3d& sigma) {
-  const Vector3d& p = estimate.state.p_eb_e;
+  const Vector3d& p = estimate.motion.pose.p_eb_e;
   const earth::Geodetic at = earth::to_geodetic(p);
   const Matrix3d C_enu = earth::C_e_enu(at.latitude, at.longitude);
   switch (aid.kind) {
@@ -140,9 +141,9 @@ class Comparison {
 
   void compare(const Estimate& estimate, const StateMatrix& P, double t) {
     if (summary_.dof == 0) return;
-    const earth::Geodetic at = earth::to_geodetic(estimate.state.p_eb_e);
+    const earth::Geodetic at = earth::to_geodetic(estimate.motion.pose.p_eb_e);
     const Matrix3d C_enu = earth::C_e_enu(at.latitude, at.longitude);
-    const Matrix3d C_lb = C_enu.transpose() * estimate.state.q_eb.toRotationMatrix();
+    const Matrix3d C_lb = C_enu.transpose() * estimate.motion.pose.q_eb.toRotationMatrix();
     ReferenceError e;
     e.time = t;
     Rows rows;
@@ -373,7 +374,7 @@ class Runner {
     }
     const std::vector<SmoothedEpoch> smoothed = smooth(record);
     for (std::size_t i = 0; i < smoothed.size(); ++i) {
-      kept[i].state = smoothed[i].state;
+      kept[i].motion.pose = smoothed[i].state;
       kept[i].terms = smoothed[i].terms.data();
       solve(kept[i], smoothed[i].P, times[i]);
       comparison.compare(kept[i], smoothed[i].P, times[i]);
@@ -444,13 +445,14 @@ class Runner {
 
   // The part of an interval's increments from one time to another: all of it, or by a straight rate through the
   // means of the neighbours that keeps the interval's own.
-  [[nodiscard]] earth::ImuIncrement piece(std::size_t k, double from, double to) const {
+  [[nodiscard]] noise::ImuIncrement piece(std::size_t k, double from, double to) const {
     const auto& imu = recording_.imu;
     const double begin = stamp(k), end = stamp(k + 1);
     if (from <= begin + kSame && to >= end - kSame) return imu.increments[k];
     const auto rates = [&](std::size_t i) {
       const double dt = stamp(i + 1) - stamp(i);
-      return std::pair<Vector3d, Vector3d>{imu.increments[i].velocity / dt, imu.increments[i].angle / dt};
+      return earth::Sensed{.f_ib_b = earth::vector(imu.increments[i].velocity) / dt,
+                           .w_ib_b = earth::vector(imu.increments[i].angle) / dt};
     };
     const auto middle = [&](std::size_t i) { return (stamp(i) + stamp(i + 1)) / 2; };
     auto [f, w] = rates(k);
@@ -462,7 +464,7 @@ class Runner {
       f += away * (f_after - f_before) / between;
       w += away * (w_after - w_before) / between;
     }
-    return {f * (to - from), w * (to - from)};
+    return {.angle = earth::array(w * (to - from)), .velocity = earth::array(f * (to - from))};
   }
 
   void use(Filter& filter, const Event& event, Sums& sums) {
@@ -477,7 +479,7 @@ class Runner {
   void solve(const Estimate& estimate, const StateMatrix& P, double t) {
     Solution s;
     s.time = t;
-    s.state = estimate.state;
+    s.state = estimate.motion.pose;
     const earth::Geodetic at = earth::to_geodetic(s.state.p_eb_e);
     const LocalSigmas local =
         local_sigmas(P.topLeftCorner<kCoreStates, kCoreStates>(), earth::C_e_enu(at.latitude, at.longitude));

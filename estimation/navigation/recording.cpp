@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "recording.h"
 
+#include "gyrobudget/vehicle/earth/vector.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -46,9 +48,9 @@ struct Interval {
   bool bridged;
 };
 
-Rates rates_of(const earth::ImuIncrement& value) {
+Rates rates_of(const noise::ImuIncrement& value) {
   Rates rates;
-  rates << value.angle, value.velocity;
+  rates << earth::vector(value.angle), earth::vector(value.velocity);
   return rates;
 }
 
@@ -133,7 +135,8 @@ ImuLog imu_log(const ImuSamples& samples) {
   for (const Interval& i : intervals) {
     const double dt = seconds(i.to - i.from);
     log.stamps.push_back(i.to);
-    log.increments.push_back({i.rates.tail<3>() * dt, i.rates.head<3>() * dt});
+    log.increments.push_back(
+        {.angle = earth::array(i.rates.head<3>() * dt), .velocity = earth::array(i.rates.tail<3>() * dt)});
     log.bridged.push_back(i.bridged);
     if (i.bridged && gap == 0) ++log.gaps;
     gap = i.bridged ? gap + dt : 0;

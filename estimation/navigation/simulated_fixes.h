@@ -18,7 +18,7 @@ namespace gyrobudget::inline v0::navigation {
 ///
 /// Deterministic in (seed, run, number of the aid).
 /// @throws std::invalid_argument for what check(Aid) refuses.
-[[nodiscard]] std::vector<Fix> simulated_fixes(const Aid&, int number, const earth::Trajectory&, std::uint64_t seed,
-                                               std::uint64_t run);
+[[nodiscard]] std::vector<Fix> simulated_fixes(const Aid& aid, int number, const earth::Trajectory& trajectory,
+                                               std::uint64_t seed, std::uint64_t run);
 
 }  // namespace gyrobudget::inline v0::navigation

@@ -13,13 +13,6 @@
 
 namespace gyrobudget::inline v0::navigation {
 
-/// Where a body is, how it moves and how it is turned, against the turning Earth.
-struct NavigationState {
-  Eigen::Vector3d p_eb_e;   ///< [m]
-  Eigen::Vector3d v_eb_e;   ///< [m/s]
-  Eigen::Quaterniond q_eb;  ///< unit
-};
-
 /// Integrates increments of an IMU in Earth-centred, Earth-fixed axes: no latitude, no Euler angle and so
 /// no place or attitude that is special, with normal gravity. A step takes place in inertial axes,
 ///   C' = C [w_ib_b x],  v' = C f_ib_b + g(p),  p' = v,
@@ -50,7 +43,7 @@ struct NavigationState {
 /// The vertical channel is unstable by nature: an error in height grows e-fold every sqrt(R/2g) = 570 s.
 ///
 ///   navigation::Strapdown strapdown({p_eb_e, v_eb_e, q_eb});
-///   for (const earth::ImuIncrement& increment : imu) strapdown.step(increment, 0.005);
+///   for (const noise::ImuIncrement& increment : imu) strapdown.step(increment, 0.005);
 ///   const earth::Geodetic place = earth::to_geodetic(strapdown.state().p_eb_e);
 class Strapdown {
  public:
@@ -67,19 +60,19 @@ class Strapdown {
 
   /// @throws std::invalid_argument for an order out of range, a number that is not finite, a quaternion whose
   /// norm is off 1 by more than 1e-6, or a position nearer to Earth's centre than 1000 km.
-  explicit Strapdown(const NavigationState&, const Options&);
-  explicit Strapdown(const NavigationState& state) : Strapdown(state, Options{}) {}
+  explicit Strapdown(const earth::Pose& state, const Options& options);
+  explicit Strapdown(const earth::Pose& state) : Strapdown(state, Options{}) {}
 
   /// Advances by one interval of dt seconds, which may differ from step to step. dt = 0 changes nothing.
   /// Allocates nothing.
   /// @throws std::invalid_argument where dt is negative or not finite, an increment is not finite, and
   /// where the position leaves the domain of earth::normal_gravitation; the state is then the one before.
-  void step(const earth::ImuIncrement&, double dt);
+  void step(const noise::ImuIncrement& imu, double dt);
 
-  [[nodiscard]] const NavigationState& state() const { return now_.state; }
+  [[nodiscard]] const earth::Pose& state() const { return now_.state; }
   /// Replaces the state, as after a filter's correction; the history of increments is kept.
   /// @throws as the constructor.
-  void set_state(const NavigationState&);
+  void set_state(const earth::Pose& state);
 
   /// Mean of C_eb f_ib_b over the last step [m/s^2], in the axes of e at its start; zero before the first.
   [[nodiscard]] const Eigen::Vector3d& last_specific_force_e() const { return specific_force_e_; }
@@ -95,15 +88,15 @@ class Strapdown {
   };
   /// The state with what its last digits leave over.
   struct Sum {
-    NavigationState state;
+    earth::Pose state;
     Eigen::Vector3d p_rest = Eigen::Vector3d::Zero();
     Eigen::Vector4d q_rest = Eigen::Vector4d::Zero();
     Eigen::Vector3d gravitation;  ///< amid the last step, in ECEF axes
   };
   struct Polynomial;
 
-  void remember(const Increment&);
-  void advance(Sum&, const Increment&, const Polynomial&);
+  void remember(const Increment& increment);
+  void advance(Sum& sum, const Increment& increment, const Polynomial& polynomial);
   void redo();
 
   Options options_;

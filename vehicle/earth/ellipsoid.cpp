@@ -65,12 +65,12 @@ Geodetic Geodetic::from_degrees(double latitude_deg, double longitude_deg, doubl
   return {latitude_deg * kDegree, longitude_deg * kDegree, height_m};
 }
 
-Eigen::Vector3d to_ecef(const Geodetic& g) {
-  const double sin_latitude = std::sin(g.latitude);
+Eigen::Vector3d to_ecef(const Geodetic& position) {
+  const double sin_latitude = std::sin(position.latitude);
   const double radius = kA / std::sqrt(normal_factor(sin_latitude));
-  const double out = (radius + g.height) * std::cos(g.latitude);
-  return {out * std::cos(g.longitude), out * std::sin(g.longitude),
-          (wgs84::kAxisRatioSquared * radius + g.height) * sin_latitude};
+  const double out = (radius + position.height) * std::cos(position.latitude);
+  return {out * std::cos(position.longitude), out * std::sin(position.longitude),
+          (wgs84::kAxisRatioSquared * radius + position.height) * sin_latitude};
 }
 
 Geodetic to_geodetic(const Eigen::Vector3d& p_eb_e) {

@@ -36,7 +36,7 @@ struct Geodetic {
 /// Earth-centred, Earth-fixed position p_eb_e [m]: x through Greenwich, z through the north pole.
 ///   x = (R_E + h) cos L cos l,  y = (R_E + h) cos L sin l,  z = ((1 - e^2) R_E + h) sin L
 /// Error below 2 ulp of the distance from the centre (2 nm at the surface).
-[[nodiscard]] Eigen::Vector3d to_ecef(const Geodetic&);
+[[nodiscard]] Eigen::Vector3d to_ecef(const Geodetic& position);
 
 /// The inverse, in closed form, for every point including poles and centre (H. Vermeille, J. Geodesy 76:451,
 /// 2002 and 85:105, 2011; height by projection on the normal). Position error of the way there and back is

@@ -59,9 +59,9 @@ Vector2d AttitudeControl::gain(const BurnState& now) const {
 }
 
 Command AttitudeControl::command(const Seen& seen, const Quaterniond& q_eb_wanted) {
-  const Quaterniond to_reference = seen.q_eb.conjugate() * q_eb_wanted;
+  const Quaterniond to_reference = seen.pose.q_eb.conjugate() * q_eb_wanted;
   const Vector3d error = earth::log_rotation(to_reference);
-  const Vector3d earth_rate = seen.q_eb.conjugate() * Vector3d(0, 0, earth::wgs84::kEarthRate);
+  const Vector3d earth_rate = seen.pose.q_eb.conjugate() * Vector3d(0, 0, earth::wgs84::kEarthRate);
   Vector3d rate = seen.w_ib_b - earth_rate;
   if (options_.feedback == RateFeedback::rate_error)
     rate -= to_reference * Vector3d(0, options_.pitch.at(seen.t).first, 0);

@@ -58,7 +58,7 @@ Command TrajectoryControl::command(const Seen& seen) {
       std::max(now.vacuum_thrust, attitude_.options().least_thrust * attitude_.vehicle().mean_thrust()) / now.mass;
   const double w = options_.frequency;
   const Vector3d acceleration =
-      w * w * (wanted.p_eb_e - seen.p_eb_e) + 2 * options_.damping * w * (wanted.v_eb_e - seen.v_eb_e);
+      w * w * (wanted.p_eb_e - seen.pose.p_eb_e) + 2 * options_.damping * w * (wanted.v_eb_e - seen.pose.v_eb_e);
   const Vector3d nose = program * Vector3d::UnitX();
   Vector3d turn = push > 0 ? Vector3d(nose.cross(acceleration) / push) : Vector3d(Vector3d::Zero());
   if (turn.norm() > options_.angle_limit) turn *= options_.angle_limit / turn.norm();

@@ -41,7 +41,7 @@ class PointMass {
     Stream air;
     const Motion m = motion_at(x, t, &air);
     const earth::Moving here = earth::Inertial().to_ecef({x.head<3>(), x.tail<3>()}, t);
-    const Body::Pose pose{here.p, here.v, program_.reference(t)};
+    const earth::Pose pose{.p_eb_e = here.p, .v_eb_e = here.v, .q_eb = program_.reference(t)};
     const double sound = air.air.speed_of_sound;
     return {t,
             pose,

@@ -14,6 +14,6 @@ namespace gyrobudget::inline v0::flight {
 /// Against fly() it saves nearly all the time and errs by what the attitude loop lets happen
 /// (tests/bench/flight_benchmark parts).
 /// @throws std::invalid_argument as fly() does, and for a step that is not positive.
-[[nodiscard]] FlightRecord fly_point_mass(const Flight&, const AttitudeControl& program, double step = 0.1);
+[[nodiscard]] FlightRecord fly_point_mass(const Flight& flight, const AttitudeControl& program, double step = 0.1);
 
 }  // namespace gyrobudget::inline v0::flight

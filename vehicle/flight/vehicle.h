@@ -81,7 +81,7 @@ struct BurnState {
   double roll_inertia, pitch_inertia, yaw_inertia;  ///< [kg m^2]
 };
 /// At a time after ignition; before it as at 0, after burn_time as at its end but without thrust.
-[[nodiscard]] BurnState burn_state(const Vehicle&, double t);
+[[nodiscard]] BurnState burn_state(const Vehicle& vehicle, double t);
 
 /// Where a number comes from.
 enum class Origin {
