@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "error_budget.h"
 
+#include "gyrobudget/estimation/navigation/errors.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/ellipsoid.h"
 #include "gyrobudget/vehicle/earth/gravity.h"
@@ -23,7 +24,7 @@ constexpr double kAtRest = 1e-3;    // [m/s]
 constexpr double kMostSteps = 1e6;  // 600 bytes each in the adjoint
 
 void require(bool good, std::string_view what, double value, std::string_view expected) {
-  if (!good) throw std::invalid_argument(fmt::format("{} is {}, expected {}", what, value, expected));
+  if (!good) throw navigation::SetupError(fmt::format("{} is {}, expected {}", what, value, expected));
 }
 
 }  // namespace
@@ -82,7 +83,7 @@ class GainRun {
 
 FrozenGains frozen_gains(const Timeline& timeline, const std::optional<Design>& design) {
   if (design) return GainRun(timeline, *design)();
-  if (!timeline.fixes().empty()) throw std::invalid_argument("the scene has fixes but no filter that would use them");
+  if (!timeline.fixes().empty()) throw navigation::SetupError("the scene has fixes but no filter that would use them");
   return {};
 }
 
@@ -308,7 +309,7 @@ class Propagation {
 
   void require_finite() const {
     if (budget_.total.back().allFinite()) return;
-    throw std::invalid_argument(fmt::format(
+    throw navigation::Diverged(fmt::format(
         "errors grow beyond all numbers within {} s, as the vertical channel does without a height (by e in 570 s): give the scene a height aid, or end it earlier",
         timeline_.end()));
   }

@@ -15,6 +15,16 @@
 
 namespace gyrobudget::inline v0::budget {
 
+/// An axis of a sensor that senses more than its range along the trajectory, and is cut off there: linear covariance knows
+/// nothing of that and does not hold.
+struct OutOfRange {
+  navigation::Carrier carrier = navigation::Carrier::gyro;
+  int axis = 0;      ///< of the body, 0 to 2
+  double from = 0;   ///< when it first is [s]
+  double peak = 0;   ///< what it would sense, at most [rad/s, m/s^2]
+  double range = 0;  ///< [rad/s, m/s^2]
+};
+
 /// A scene made ready for budget, adjoint and Monte Carlo.
 ///
 /// - Unaided and with its start given: strapdown alone.
@@ -40,7 +50,8 @@ struct BudgetScene {
   MonteCarlo::AidErrors aids;
   bool self_alignment = false;
   std::optional<double> heading_sigma;  ///< of a heading that the alignment is given [rad]
-  std::vector<std::string> warnings;    ///< heading not observable, samples that will be out of a sensor's range
+  std::string no_heading;  ///< what the alignment says where it finds none; empty: it finds one, or needs none
+  std::vector<OutOfRange> out_of_range;                     ///< gyros first
   std::vector<navigation::SensorStates::LeftOut> left_out;  ///< by linear covariance and why
 };
 
@@ -60,7 +71,7 @@ struct BudgetQuestion {
 /// What a scene asks by itself: its world, and whether its strapdown knows of Earth's rate.
 [[nodiscard]] BudgetQuestion question_of(const navigation::Scenario&, double imu_interval);
 
-/// @throws std::invalid_argument for what Timeline, sensor_states and check(Aid) refuse, a rest where the trajectory
+/// @throws navigation::SetupError for what Timeline, sensor_states and check(Aid) refuse, a rest where the trajectory
 /// moves, a start from an aid that has no fix at 0 s, and more than a year.
 [[nodiscard]] BudgetScene budget_scene(const navigation::Scenario&, const earth::Trajectory&, const BudgetQuestion&);
 
@@ -68,12 +79,13 @@ struct BudgetQuestion {
 struct Negligible {
   std::string name;
   double position = 0;  ///< root sum square of its error at the times asked for, at most [m]
-  std::string why;
+  /// Its largest part in the variance of any total at these times; 0: it has no effect in this scene.
+  double share = 0;
 };
 /// Takes out the smallest sources as long as all of them together change no total of position, velocity or attitude at
 /// `times` by more than `tolerance` of it. By the adjoint, exact at these times, gains frozen. Sources that have no
 /// response are always taken out; none is where one grows beyond all numbers. Times must be times of interest of the timeline.
-/// @throws std::invalid_argument unless 0 <= tolerance < 1.
+/// @throws navigation::SetupError unless 0 <= tolerance < 1.
 [[nodiscard]] std::vector<Negligible> leave_out(BudgetScene&, const FrozenGains&, std::span<const double> times,
                                                 double tolerance);
 

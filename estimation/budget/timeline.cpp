@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "timeline.h"
 
+#include "gyrobudget/estimation/navigation/errors.h"
 #include "gyrobudget/vehicle/earth/ellipsoid.h"
 #include "gyrobudget/vehicle/earth/gravity.h"
 
@@ -22,7 +23,7 @@ constexpr double kAtRest = 1e-3;    // [m/s]
 constexpr double kMostSteps = 1e6;  // 600 bytes each in the adjoint
 
 void require(bool good, std::string_view what, double value, std::string_view expected) {
-  if (!good) throw std::invalid_argument(fmt::format("{} is {}, expected {}", what, value, expected));
+  if (!good) throw navigation::SetupError(fmt::format("{} is {}, expected {}", what, value, expected));
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 constexpr double kMostFixes = 1e6;
 
 void require(bool good, std::string_view what, double value, std::string_view expected) {
-  if (!good) throw std::invalid_argument(fmt::format("{} is {}, expected {}", what, value, expected));
+  if (!good) throw SetupError(fmt::format("{} is {}, expected {}", what, value, expected));
 }
 
 }  // namespace

@@ -263,8 +263,7 @@ void check(const NavigationState& state) {
 
 Strapdown::Strapdown(const NavigationState& state, const Options& options) : options_(options) {
   if (options.order < 1 || options.order > kHighestOrder)
-    throw std::invalid_argument(
-        fmt::format("order {} of the strapdown must be from 1 to {}", options.order, kHighestOrder));
+    throw SetupError(fmt::format("order {} of the strapdown must be from 1 to {}", options.order, kHighestOrder));
   set_state(state);
 }
 

@@ -121,7 +121,7 @@ Seen look(const FlightInProgress& run, N& navigator) {
 ///   flight::PerfectNavigator navigator;
 ///   const flight::FlightRecord record = flight::fly(plan, control, navigator);
 ///
-/// @throws std::invalid_argument as Body does, and for a period or duration that is not positive.
+/// @throws SetupError as Body does, and for a period or duration that is not positive.
 template <Controller C, Navigator N>
 [[nodiscard]] FlightRecord fly(const Flight& flight, C& controller, N& navigator) {
   detail::FlightInProgress run(flight);
