@@ -37,6 +37,7 @@ struct Outcome {
       Eigen::Matrix<double, navigation::kCoreStates, 1>::Zero();
 
   [[nodiscard]] bool counts() const { return aligned && ended == flight::Ended::complete; }
+  [[nodiscard]] bool lost() const { return aligned && ended != flight::Ended::complete; }
 };
 
 /// Flights of one kind, in the order of their runs.
@@ -118,7 +119,6 @@ struct Study {
 /// Navigation is that of the scene (alignment, aids, filter); a scene without aids and alignment on the pad flies on the
 /// strapdown alone. Errors of the world that the scene names act on the nominal flight's increments.
 ///
-/// A flight takes about 10 ms for each 100 s on the strapdown at 100 Hz, several times that with a filter.
 /// @throws flight::SetupError as flight::fly does; navigation::SetupError as budget::budget_scene does and for runs below
 /// 0; navigation::Diverged where the open loop's covariance grows beyond all numbers. What Options::progress throws passes
 /// through. A navigator that diverges in flight ends that flight as flight::Ended::not_finite.

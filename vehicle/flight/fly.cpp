@@ -21,7 +21,7 @@ constexpr double kBelowPad = 0.5;  // [m]
 double checked_duration(const Flight& flight) {
   if (!(flight.period > 0) || !std::isfinite(flight.period))
     throw SetupError(fmt::format("control period is {} s, but must be positive", flight.period));
-  const double duration = std::isnan(flight.duration) ? flight.vehicle.burn_time : flight.duration;
+  const double duration = asked_duration(flight);
   if (!(duration > 0) || !(duration / flight.period < 1e8))
     throw SetupError(fmt::format("duration is {} s, but must be positive and below 1e8 periods", duration));
   return duration;
@@ -149,6 +149,12 @@ std::string_view to_string(Ended ended) {
   }
   return "not_finite";
 }
+
+double asked_duration(const Flight& flight) {
+  return std::isnan(flight.duration) ? flight.vehicle.burn_time : flight.duration;
+}
+
+bool ends_early(const Flight& flight, double flown) { return flown < asked_duration(flight) - flight.period; }
 
 Body::Pose pose_on_pad(const Flight& flight) {
   return Body(flight.vehicle, flight.world, detail::at_ignition(flight), {.method = Method::exact}, flight.faults)

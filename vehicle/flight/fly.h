@@ -29,6 +29,11 @@ struct Flight {
   bool keep_increments = false;                                           ///< of the exact IMU, one a period
 };
 
+/// How long a flight is to last: its duration, or where that is not a number to burnout [s].
+[[nodiscard]] double asked_duration(const Flight& flight);
+/// Whether a flight that lasted `flown` [s] ended more than a period before its time.
+[[nodiscard]] bool ends_early(const Flight& flight, double flown);
+
 /// One instant of a flight.
 struct FlightPoint {
   double t;
