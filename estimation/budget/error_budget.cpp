@@ -18,14 +18,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-const Vector3d kEarthRate{0, 0, earth::wgs84::kEarthRate};
 constexpr double kSameTime = 1e-9;  // [s]
-constexpr double kAtRest = 1e-3;    // [m/s]
-constexpr double kMostSteps = 1e6;  // 600 bytes each in the adjoint
-
-void require(bool good, std::string_view what, double value, std::string_view expected) {
-  if (!good) throw navigation::SetupError(fmt::format("{} is {}, expected {}", what, value, expected));
-}
 
 }  // namespace
 
