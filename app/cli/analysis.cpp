@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "analysis.h"
 
-#include "gyrobudget/allan/factors.h"
 #include "gyrobudget/allan/statistics.h"
+#include "gyrobudget/allan/taus.h"
 #include "gyrobudget/app/report/report.h"
 #include "gyrobudget/app/text/error.h"
 #include "gyrobudget/app/text/output.h"
@@ -15,18 +15,21 @@
 
 namespace gyrobudget::inline v0::cli {
 
-std::vector<std::int64_t> factors_for(const CurveArguments& a, std::int64_t samples) {
-  if (a.taus == "octave") return allan::octave_factors(samples);
-  if (a.taus == "decade") return allan::decade_factors(samples);
-  if (a.taus == "all") return allan::all_factors(samples);
-  return allan::log_factors(samples, std::stoll(a.taus));
+// The text was checked when the command line was read: one of three words, or a number.
+allan::Taus taus_of(const CurveArguments& a) {
+  using Kind = allan::Taus::Kind;
+  if (a.taus == "octave") return {Kind::octave};
+  if (a.taus == "decade") return {Kind::decade};
+  if (a.taus == "all") return {Kind::all};
+  return {Kind::logarithmic, std::stoll(a.taus)};
 }
 
-// The lists of factors.h end at n/2; an estimator that reaches further is given the list of a longer record.
+std::vector<std::int64_t> factors_for(const CurveArguments& a, std::int64_t samples) {
+  return allan::factors_of(taus_of(a), samples);
+}
+
 std::vector<std::int64_t> factors_for(const CurveArguments& a, allan::Estimator estimator, std::int64_t samples) {
-  if (estimator == allan::Estimator::oadev) return factors_for(a, samples);
-  const double longest = allan::averaging_time(estimator, allan::factor_range(estimator, samples).most, 1);
-  return allan::usable_factors(estimator, samples, factors_for(a, 2 * static_cast<std::int64_t>(longest)));
+  return allan::factors_of(taus_of(a), estimator, samples);
 }
 
 namespace {

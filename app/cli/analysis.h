@@ -4,6 +4,7 @@
 #include "gyrobudget/allan/deviation.h"
 #include "gyrobudget/allan/estimator.h"
 #include "gyrobudget/allan/identify.h"
+#include "gyrobudget/allan/taus.h"
 #include "gyrobudget/app/log/log.h"
 #include "gyrobudget/app/report/result.h"
 
@@ -16,7 +17,9 @@
 // Log -> curve with its statistics: what allan and calibrate share.
 namespace gyrobudget::inline v0::cli {
 
-/// The averaging factors that --taus asks for.
+/// What --taus asks for.
+[[nodiscard]] allan::Taus taus_of(const CurveArguments&);
+/// The averaging factors that it stands for.
 [[nodiscard]] std::vector<std::int64_t> factors_for(const CurveArguments&, std::int64_t samples);
 
 /// The same for any estimator: in the range that it has terms for.

@@ -4,6 +4,8 @@
 #include "gyrobudget/allan/estimator.h"
 #include "gyrobudget/app/files/trajectory_file.h"
 #include "gyrobudget/app/log/log.h"
+#include "gyrobudget/estimation/budget/components.h"
+#include "gyrobudget/estimation/calibration/calibrate.h"
 #include "gyrobudget/estimation/fit/fit.h"
 #include "gyrobudget/estimation/fit/requirement.h"
 #include "gyrobudget/noise/bielas.h"
@@ -90,31 +92,17 @@ struct AllanArguments {
   bool follow = false;              ///< stream, and show the table while the log grows
 };
 
-/// What calibrate leaves out of the record before it fits.
-struct Masking {
-  bool outliers = false;
-  bool steps = false;    ///< all but the longest part without a step
-  bool warm_up = false;  ///< the first time constants of a warm-up
-};
-
 struct CalibrateArguments {
   Common common;
   Pictures pictures;
   CurveArguments curve;
-  std::vector<std::string> logs;                  ///< several: records of one sensor type
-  std::string curve_file;                         ///< a table of deviations instead of a log
-  std::optional<double> duration_s;               ///< of the record behind a curve file
-  std::optional<std::vector<noise::Term>> terms;  ///< unset: N, B, K, and Q where the first tau shows it
-  std::optional<double> correlation_time_s;       ///< of G, where given
-  std::optional<double> frequency_hz;             ///< of S, where given
-  bool choose_terms = false;                      ///< --terms auto
-  fit::Method method = fit::Method::gls;
-  bool cross_check = false;  ///< the likelihood beside the fit
-  Masking masking;
-  std::optional<double> tau_min_s, tau_max_s;
-  std::string output;  ///< sensor file
-  std::string kalibr;  ///< imu.yaml
-  std::string name;    ///< of the sensor, for the sensor file
+  std::vector<std::string> logs;     ///< several: records of one sensor type
+  std::string curve_file;            ///< a table of deviations instead of a log
+  std::optional<double> duration_s;  ///< of the record behind a curve file
+  calibration::Options options;      ///< but for what `curve` says
+  std::string output;                ///< sensor file
+  std::string kalibr;                ///< imu.yaml
+  std::string name;                  ///< of the sensor, for the sensor file
 };
 
 struct PlanArguments {
@@ -175,8 +163,8 @@ struct BudgetArguments {
   bool each_source = false;  ///< and so many of each source alone
   std::uint64_t seed = 1;
   struct Limit {
-    std::string text;       ///< as typed
-    std::string component;  ///< "crossrange"
+    std::string text;  ///< as typed
+    budget::Component component = budget::Component::rss;
     double metres = 0;
   };
   std::optional<Limit> limit;

@@ -152,7 +152,8 @@ CLI::App* add_calibrate(CLI::App& app, CalibrateArguments& a, Texts& texts) {
          "gls: least squares with the exact covariance; edf: each tau's own variance; loglog: no weights; slope, visual: read off the plot, to compare; whittle: likelihood of the record")
       ->check(CLI::IsMember({"gls", "edf", "loglog", "slope", "visual", "whittle"}))
       ->capture_default_str();
-  fit->add_flag("--cross-check", a.cross_check, "fit the likelihood of the record too, and say whether the two agree");
+  fit->add_flag("--cross-check", a.options.cross_check,
+                "fit the likelihood of the record too, and say whether the two agree");
   fit->add_option(
          "--mask", texts.mask,
          "leave out of the fit what is found in the record: outliers, steps (all but the longest part without one), warm-up")
@@ -188,31 +189,33 @@ void finish(CalibrateArguments& a, const Texts& texts) {
     throw std::invalid_argument(fmt::format("{} is given twice: one record counts once", *log));
   }
   if (!a.logs.empty()) a.curve.log.path = a.logs.front();
-  const bool of_samples = texts.method == "whittle" || a.cross_check || !texts.mask.empty();
+  const bool of_samples = texts.method == "whittle" || a.options.cross_check || !texts.mask.empty();
   if (of_samples && !a.curve_file.empty())
     throw std::invalid_argument("--method whittle, --cross-check and --mask need the log, not a table (--curve)");
   if (texts.terms == "auto") {
-    a.choose_terms = true;
+    a.options.choose_terms = true;
   } else if (!texts.terms.empty()) {
     const ShapedTerms given = shaped_terms(texts.terms);
-    a.terms = given.terms;
-    a.correlation_time_s = given.correlation_time_s;
-    a.frequency_hz = given.frequency_hz;
+    a.options.terms = given.terms;
+    a.options.correlation_time_s = given.correlation_time_s;
+    a.options.frequency_hz = given.frequency_hz;
   }
-  const auto asked = [&](Term t) { return a.terms && std::ranges::find(*a.terms, t) != a.terms->end(); };
-  const bool open_time = asked(Term::gauss_markov) && !a.correlation_time_s;
-  const bool open_frequency = asked(Term::sinusoid) && !a.frequency_hz;
-  if (!a.curve_file.empty() && (a.choose_terms || open_time || open_frequency))
+  const auto asked = [&](Term t) {
+    return a.options.terms && std::ranges::find(*a.options.terms, t) != a.options.terms->end();
+  };
+  const bool open_time = asked(Term::gauss_markov) && !a.options.correlation_time_s;
+  const bool open_frequency = asked(Term::sinusoid) && !a.options.frequency_hz;
+  if (!a.curve_file.empty() && (a.options.choose_terms || open_time || open_frequency))
     throw std::invalid_argument(
         "--terms auto, and G and S of unknown time and frequency, need the log, not a table (--curve); for a table give them: --terms N,G=120s,S=0.05Hz");
-  a.method = *std::find_if(fit::kMethods.begin(), fit::kMethods.end(),
-                           [&](fit::Method m) { return fit::name(m) == texts.method; });
+  a.options.method = *std::find_if(fit::kMethods.begin(), fit::kMethods.end(),
+                                   [&](fit::Method m) { return fit::name(m) == texts.method; });
   const auto masks = [&](const char* what) {
     return std::find(texts.mask.begin(), texts.mask.end(), what) != texts.mask.end();
   };
-  a.masking = {masks("outliers"), masks("steps"), masks("warm-up")};
-  if (!texts.tau_min.empty()) a.tau_min_s = duration("--tau-min", texts.tau_min);
-  if (!texts.tau_max.empty()) a.tau_max_s = duration("--tau-max", texts.tau_max);
+  a.options.mask = {masks("outliers"), masks("steps"), masks("warm-up")};
+  if (!texts.tau_min.empty()) a.options.tau_min_s = duration("--tau-min", texts.tau_min);
+  if (!texts.tau_max.empty()) a.options.tau_max_s = duration("--tau-max", texts.tau_max);
   if (!texts.duration.empty()) a.duration_s = duration("--duration", texts.duration);
   if (!a.curve_file.empty() &&
       (a.curve.ieee_form || a.curve.strict_gaps || a.curve.log.scale != 1 || texts.input != "rate")) {

@@ -1,21 +1,24 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/app/report/result.h"
+#include "gyrobudget/estimation/calibration/several.h"
+
+#include <string>
+#include <vector>
 
 #include "arguments.h"
 
-// What calibrate hands on: the sensor file, and Kalibr's.
+// What calibrate hands on: datasheet, pictures, the sensor file and Kalibr's.
 namespace gyrobudget::inline v0::cli {
 
-/// A converged fit that describes the record and finds at least one of N, B, K and G.
-[[nodiscard]] bool has_answer(const report::AxisResult&);
-/// Every axis has that in one record at least.
-[[nodiscard]] bool every_axis_has_answer(const report::RunsResult&);
-
-/// Writes -o and --kalibr, or says why there is nothing to write.
-/// @throws std::invalid_argument where no axis is a gyro or an accelerometer.
-void write_sensor_files(const report::LogResult&, const CalibrateArguments&);
-void write_sensor_files(const report::RunsResult&, const CalibrateArguments&);
+/// Prints the datasheet and writes what was asked for beside it; where no axis has an answer it says that no sensor file
+/// is written.
+/// @param notes  how the log was read
+/// @return the exit code
+/// @throws std::invalid_argument where -o or --kalibr is asked for and no axis is a gyro or an accelerometer.
+[[nodiscard]] int tell(const calibration::Datasheet& sheet, std::vector<std::string> notes,
+                       const CalibrateArguments& a);
+[[nodiscard]] int tell(const calibration::TypeDatasheet& sheet, std::vector<std::vector<std::string>> notes,
+                       const CalibrateArguments& a);
 
 }  // namespace gyrobudget::inline v0::cli

@@ -88,7 +88,7 @@ Choice choose(const std::string& source, const Layout& layout, const CurveOption
   return choice;
 }
 
-void check(const CurveTable& table, const TableReader& reader) {
+void check(const allan::DeviationTable& table, const TableReader& reader) {
   for (std::size_t i = 0; i < table.tau_s.size(); ++i) {
     const auto complain = [&](std::string_view what) {
       throw text::InputError(fmt::format("{}:{}: {}", table.source, reader.line_of_row(i), what));
@@ -104,13 +104,13 @@ void check(const CurveTable& table, const TableReader& reader) {
 
 }  // namespace
 
-CurveTable read_curve(const CurveOptions& options) {
+allan::DeviationTable read_curve(const CurveOptions& options) {
   const Bytes source(options.path);
   const Layout layout = read_layout(source);
   const Choice choice = choose(source.name(), layout, options);
   const TableReader reader(source, layout, kChunk);
   Table numbers = reader.read(choice);
-  CurveTable table;
+  allan::DeviationTable table;
   table.source = source.name();
   table.tau_s = std::move(numbers.numbers.front());
   for (std::size_t i = 1; i < choice.data.size(); ++i) {

@@ -1,26 +1,14 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "gyrobudget/allan/deviation_table.h"
 #include "gyrobudget/app/text/error.h"
-#include "gyrobudget/noise/sensor.h"
 
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace gyrobudget::inline v0::log {
-
-/// A table of Allan deviations, as other tools and papers give them.
-struct CurveTable {
-  struct Column {
-    std::string name;
-    noise::Signal signal = noise::Signal::angular_rate;
-    std::vector<double> deviation;  ///< SI
-  };
-  std::string source;
-  std::vector<double> tau_s;  ///< ascending
-  std::vector<Column> columns;
-};
 
 struct CurveOptions {
   std::string path;                  ///< "-" is standard input
@@ -33,6 +21,6 @@ struct CurveOptions {
 /// max are no deviations.
 /// @throws InputError where there is no such column, a unit is missing, or a tau or deviation is not above zero or the
 /// taus do not ascend.
-[[nodiscard]] CurveTable read_curve(const CurveOptions&);
+[[nodiscard]] allan::DeviationTable read_curve(const CurveOptions&);
 
 }  // namespace gyrobudget::inline v0::log

@@ -4,7 +4,6 @@
 #include "gyrobudget/allan/confidence.h"
 #include "gyrobudget/allan/deviation.h"
 #include "gyrobudget/allan/factors.h"
-#include "gyrobudget/app/cli/analysis.h"
 #include "gyrobudget/estimation/fit/visual.h"
 #include "gyrobudget/noise/bielas.h"
 #include "gyrobudget/noise/generate.h"

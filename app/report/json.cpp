@@ -352,7 +352,7 @@ Json cross_check(const AxisResult& axis) {
 Json findings(const AxisResult& axis, double rate_hz) {
   if (!axis.findings) return nullptr;
   constexpr std::size_t kMostOutliers = 1000;
-  const Findings& found = *axis.findings;
+  const calibration::Findings& found = *axis.findings;
   const Scale scale(axis.signal);
   const auto at = [&](std::int64_t index) { return static_cast<double>(index) / rate_hz; };
   Json outliers = Json::array(), steps = Json::array(), lines = Json::array();
@@ -426,7 +426,7 @@ Json combined_parameter(Signal signal, const fit::Combined& c) {
 }
 
 /// In the order of reading.
-std::vector<fit::Combined> in_reading_order(const CombinedAxis& axis) {
+std::vector<fit::Combined> in_reading_order(const calibration::CombinedAxis& axis) {
   std::vector<fit::Combined> list;
   for (const Term term : reading_order()) {
     const auto at = std::ranges::find(axis.coefficients, term, &fit::Combined::term);
@@ -437,7 +437,7 @@ std::vector<fit::Combined> in_reading_order(const CombinedAxis& axis) {
 
 Json combined(const RunsResult& result) {
   Json axes = Json::array();
-  for (const CombinedAxis& axis : result.combined) {
+  for (const calibration::CombinedAxis& axis : result.combined) {
     Json parameters = Json::object();
     for (const auto& c : in_reading_order(axis))
       parameters[std::string(noise::key(axis.signal, c.term))] = combined_parameter(axis.signal, c);
@@ -450,7 +450,7 @@ Json combined(const RunsResult& result) {
 /// What the page shows of it.
 Json combined_rows(const RunsResult& result) {
   Json axes = Json::array();
-  for (const CombinedAxis& axis : result.combined) {
+  for (const calibration::CombinedAxis& axis : result.combined) {
     Json rows = Json::array();
     for (const auto& c : in_reading_order(axis)) {
       const CombinedText t = combined_text(axis.signal, c);

@@ -1,17 +1,9 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include "gyrobudget/allan/departure.h"
-#include "gyrobudget/allan/deviation.h"
 #include "gyrobudget/allan/estimator.h"
-#include "gyrobudget/allan/lines.h"
-#include "gyrobudget/allan/outliers.h"
 #include "gyrobudget/allan/points.h"
-#include "gyrobudget/allan/steps.h"
-#include "gyrobudget/estimation/fit/combine.h"
-#include "gyrobudget/estimation/fit/fit.h"
-#include "gyrobudget/estimation/fit/selection.h"
-#include "gyrobudget/estimation/fit/whittle.h"
+#include "gyrobudget/estimation/calibration/several.h"
 #include "gyrobudget/noise/sensor.h"
 
 #include <cstdint>
@@ -20,29 +12,6 @@
 #include <vector>
 
 namespace gyrobudget::inline v0::report {
-
-/// What an axis holds beside noise. Indices count samples of the whole record.
-struct Findings {
-  std::vector<allan::Outlier> outliers;
-  std::vector<allan::Step> steps;
-  std::optional<allan::Departure> departure;  ///< slow, beside the noise that was fitted
-  std::vector<allan::SpectralLine> lines;
-  bool outliers_masked = false, steps_masked = false, warm_up_masked = false;
-  std::int64_t first = 0;    ///< of the samples that the curve and the fit are of
-  std::int64_t samples = 0;  ///< number of those
-};
-
-/// The likelihood of the record beside the fit of its curve.
-struct CrossChecked {
-  fit::Result likelihood;
-  fit::CrossCheck check;
-};
-
-/// How the terms of a fit were chosen, where it was left to the record.
-struct Chosen {
-  fit::Selection selection;
-  std::optional<fit::Result> alternative_fit;  ///< with the terms of `selection.alternative`
-};
 
 /// A two-sided power spectral density, as its root: white noise reads N. SI units of the axis' signal per sqrt(Hz).
 struct SpectrumResult {
@@ -74,12 +43,12 @@ struct AxisResult {
   double mean = 0;                            ///< of the signal, SI
   std::vector<allan::DeviationPoint> points;  ///< ascending m; NaN deviations (no terms left) are not in it
   std::optional<fit::Result> fit;             ///< calibrate only
-  std::optional<Chosen> chosen;               ///< where the terms were left to the record
-  std::optional<CrossChecked> cross_checked;  ///< where asked for
-  std::optional<Findings> findings;           ///< calibrate of a log only
-  std::optional<SpectrumResult> psd;          ///< allan --psd, with the first curve of a column
-  std::optional<SurfaceResult> dynamic;       ///< allan --dynamic, likewise
-  std::vector<std::string> advice;            ///< plain words, one thing to know or do each
+  std::optional<calibration::Chosen> chosen;  ///< where the terms were left to the record
+  std::optional<calibration::CrossChecked> cross_checked;  ///< where asked for
+  std::optional<calibration::Findings> findings;           ///< calibrate of a log only
+  std::optional<SpectrumResult> psd;                       ///< allan --psd, with the first curve of a column
+  std::optional<SurfaceResult> dynamic;                    ///< allan --dynamic, likewise
+  std::vector<std::string> advice;                         ///< plain words, one thing to know or do each
 };
 
 /// A stretch of a log that was pooled with others into one curve.
@@ -103,19 +72,11 @@ struct LogResult {
   std::vector<AxisResult> axes;
 };
 
-/// An axis of a sensor type from several records.
-struct CombinedAxis {
-  std::string name;
-  noise::Signal signal = noise::Signal::angular_rate;
-  std::vector<fit::Combined> coefficients;  ///< empty where no record is quotable
-  std::vector<std::string> left_out;        ///< sources of the records that were not taken: not described
-};
-
 /// Several records of one sensor type (power-ups, units), each with its own datasheet, and what they say together.
 struct RunsResult {
   std::string command;
-  std::vector<LogResult> runs;         ///< the same axes in the same order in each
-  std::vector<CombinedAxis> combined;  ///< in that order
+  std::vector<LogResult> runs;                      ///< the same axes in the same order in each
+  std::vector<calibration::CombinedAxis> combined;  ///< in that order
 };
 
 }  // namespace gyrobudget::inline v0::report

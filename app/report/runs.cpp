@@ -37,7 +37,7 @@ std::string table_of_runs(const RunsResult& result, std::size_t axis) {
   return table.text();
 }
 
-std::string combined_table(const CombinedAxis& axis) {
+std::string combined_table(const calibration::CombinedAxis& axis) {
   if (axis.coefficients.empty()) return "  No record can be quoted, so there is nothing to combine.\n";
   TextTable table(
       {Align::left, Align::left, Align::right, Align::right, Align::right, Align::right, Align::left, Align::left});
@@ -52,7 +52,7 @@ std::string combined_table(const CombinedAxis& axis) {
   return table.text();
 }
 
-std::string left_out(const CombinedAxis& axis) {
+std::string left_out(const calibration::CombinedAxis& axis) {
   std::string names;
   for (const std::string& source : axis.left_out) names += (names.empty() ? "" : ", ") + printable(source);
   return names.empty() ? names : "Not taken, because the model does not describe them: " + names + ".";
@@ -60,9 +60,7 @@ std::string left_out(const CombinedAxis& axis) {
 
 /// A record with nothing to say of itself leaves the word to the combined coefficients.
 bool is_plain(const AxisResult& axis) {
-  const bool found = axis.findings && (!axis.findings->outliers.empty() || !axis.findings->steps.empty() ||
-                                       axis.findings->departure || !axis.findings->lines.empty());
-  return !found && axis.fit && is_quotable(*axis.fit);
+  return !(axis.findings && axis.findings->any()) && axis.fit && is_quotable(*axis.fit);
 }
 
 std::string advice(const RunsResult& result, std::size_t axis) {
@@ -81,7 +79,7 @@ std::string runs_datasheet(const RunsResult& result) {
   std::string out = fmt::format("{} records of one sensor type, each fitted by itself\n", result.runs.size());
   for (const LogResult& run : result.runs) out += fmt::format("  {}: {}\n", printable(run.source), record_text(run));
   for (std::size_t i = 0; i < result.combined.size(); ++i) {
-    const CombinedAxis& axis = result.combined[i];
+    const calibration::CombinedAxis& axis = result.combined[i];
     out += fmt::format("\n{}\n", printable(axis.name)) + table_of_runs(result, i) + '\n' + combined_table(axis);
     out += wrapped(left_out(axis), "  ", "  ") + advice(result, i);
   }

@@ -276,12 +276,6 @@ const std::vector<Term>& reading_order() {
   return kOrder;
 }
 
-const Coefficient* find(const fit::Result& fit, Term term) {
-  const auto it = std::find_if(fit.coefficients.begin(), fit.coefficients.end(),
-                               [term](const Coefficient& c) { return c.term == term; });
-  return it == fit.coefficients.end() ? nullptr : &*it;
-}
-
 noise::Process process_of(const Coefficient& c, double value) {
   if (c.term == Term::gauss_markov) return noise::GaussMarkov{value, c.shape};
   if (c.term == Term::sinusoid) return noise::Sinusoid{value, c.shape};
@@ -292,17 +286,6 @@ std::string letters(const std::vector<Term>& terms) {
   std::vector<std::string> list;
   for (const Term t : terms) list.emplace_back(1, static_cast<char>(t));
   return join(list, " and ");
-}
-
-bool is_reading(Method method) { return method == Method::visual || method == Method::slope; }
-
-bool has_p_value(Method method) { return method == Method::gls || method == Method::whittle; }
-
-bool is_tested(const fit::Result& fit) { return has_p_value(fit.method) && fit.dof > 0; }
-
-bool is_quotable(const fit::Result& fit) {
-  const bool refused = is_tested(fit) && fit.verdict == Verdict::not_described;
-  return fit.converged && !refused;
 }
 
 std::string file_name(const std::string& path) {
@@ -529,17 +512,9 @@ std::string consequence_text(const fit::Result& fit) {
 
 std::string consequence_text(const AxisResult& axis) {
   std::vector<std::string> spoilt;
-  if (axis.findings) {
-    const Findings& found = *axis.findings;
-    // By their part of the variance: a few small ones in a long record spoil nothing.
-    constexpr double kSpoils = 0.01;
-    double squares = 0;
-    for (const auto& outlier : found.outliers) squares += outlier.sigmas * outlier.sigmas;
-    const bool large = squares > kSpoils * static_cast<double>(found.samples);
-    if (large && !found.outliers_masked) spoilt.emplace_back("outliers");
-    if (!found.steps.empty() && !found.steps_masked) spoilt.emplace_back("steps");
-    if (found.departure && !found.warm_up_masked) spoilt.emplace_back("a drift");
-  }
+  if (axis.findings && axis.findings->outliers_spoil()) spoilt.emplace_back("outliers");
+  if (axis.findings && axis.findings->steps_spoil()) spoilt.emplace_back("steps");
+  if (axis.findings && axis.findings->departure_spoils()) spoilt.emplace_back("a drift");
   const bool disputed = axis.cross_checked && !axis.cross_checked->check.agrees;
   if (!is_usable(*axis.fit) || (spoilt.empty() && !disputed)) return consequence_text(*axis.fit);
   std::string text;

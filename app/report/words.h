@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "gyrobudget/estimation/fit/judgement.h"
+
 #include <string>
 #include <string_view>
 #include <vector>
@@ -69,21 +71,12 @@ struct CombinedText {
 
 /// Order in which people look for the terms: N, B, K, then Q and R, G and S.
 [[nodiscard]] const std::vector<noise::Term>& reading_order();
-[[nodiscard]] const fit::Coefficient* find(const fit::Result&, noise::Term);
 
 /// The process of a fitted term with `value` for its coefficient, and its own correlation time or frequency.
 [[nodiscard]] noise::Process process_of(const fit::Coefficient&, double value);
 /// "N, B and K"
 [[nodiscard]] std::string letters(const std::vector<noise::Term>&);
 
-/// Read off the plot: no fit, no test.
-[[nodiscard]] bool is_reading(fit::Method);
-/// Whether a method can tell how well its model explains the record.
-[[nodiscard]] bool has_p_value(fit::Method);
-/// Whether it did: that takes more averaging times, or bands, than terms.
-[[nodiscard]] bool is_tested(const fit::Result&);
-/// False where the model does not describe the record or the fit did not converge: its coefficients must not be quoted.
-[[nodiscard]] bool is_quotable(const fit::Result&);
 /// The last part of a path, for titles.
 [[nodiscard]] std::string file_name(const std::string& path);
 /// "identified", "upper bound: at most 0.0014 deg/h", "left out: not fitted".

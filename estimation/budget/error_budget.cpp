@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "error_budget.h"
 
+#include "gyrobudget/estimation/navigation/errors.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -62,7 +64,7 @@ class GainRun {
 
 FrozenGains frozen_gains(const Timeline& timeline, const std::optional<Design>& design) {
   if (design) return GainRun(timeline, *design)();
-  if (!timeline.fixes().empty()) throw std::invalid_argument("the scene has fixes but no filter that would use them");
+  if (!timeline.fixes().empty()) throw navigation::SetupError("the scene has fixes but no filter that would use them");
   return {};
 }
 
@@ -289,7 +291,7 @@ class Propagation {
 
   void require_finite() const {
     if (budget_.total.back().allFinite()) return;
-    throw std::invalid_argument(fmt::format(
+    throw navigation::Diverged(fmt::format(
         "errors grow beyond all numbers within {} s, as the vertical channel does without a height (by e in 570 s): give the scene a height aid, or end it earlier",
         timeline_.end()));
   }

@@ -85,7 +85,7 @@ struct FrozenGains {
   std::vector<navigation::CoreMatrix> claimed;       ///< the design's own covariance at the times of interest
   std::optional<AlignmentGain> alignment;            ///< of the attitude at the start; none: by no sensor
 };
-/// @throws std::invalid_argument for fixes without a design, and what Covariance refuses.
+/// @throws navigation::SetupError for fixes without a design, and what Covariance refuses.
 [[nodiscard]] FrozenGains frozen_gains(const Timeline& timeline, const std::optional<Design>& design);
 
 struct Budget {

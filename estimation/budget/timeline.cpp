@@ -2,6 +2,7 @@
 #include "timeline.h"
 
 #include "gyrobudget/estimation/navigation/detail/check.h"
+#include "gyrobudget/estimation/navigation/errors.h"
 #include "gyrobudget/vehicle/earth/ellipsoid.h"
 #include "gyrobudget/vehicle/earth/gravity.h"
 #include "gyrobudget/vehicle/earth/vector.h"

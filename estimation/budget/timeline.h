@@ -27,7 +27,7 @@ class Timeline {
 
   /// Steps end at every fix and time of interest, and at breaks of the trajectory that are half a step or more behind
   /// the end before.
-  /// @throws std::invalid_argument for a step or pad out of range, a step below 1e-6 of the scene, times outside the
+  /// @throws navigation::SetupError for a step or pad out of range, a step below 1e-6 of the scene, times outside the
   /// scene, a pad before a trajectory that starts faster than 1 mm/s.
   Timeline(earth::Trajectory trajectory, std::vector<navigation::PlannedFix> fixes, const Options& options);
 

@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 
 double variance(double sigma) {
   if (!(sigma > 0) || !std::isfinite(sigma))
-    throw std::invalid_argument(fmt::format("sigma of an aid is {}, expected above 0 and finite", sigma));
+    throw SetupError(fmt::format("sigma of an aid is {}, expected above 0 and finite", sigma));
   return sigma * sigma;
 }
 

@@ -6,6 +6,7 @@
 #include "gyrobudget/vehicle/earth/ellipsoid.h"
 
 #include "covariance.h"
+#include "errors.h"
 #include "strapdown.h"
 #include <Eigen/Geometry>
 
@@ -63,7 +64,7 @@ struct AttitudeFix {
   int aid = -1;
 };
 
-/// @throws std::invalid_argument for a sigma that is not positive and finite.
+/// @throws SetupError for a sigma that is not positive and finite.
 [[nodiscard]] Measurement measure(const PositionFix& fix, const Estimate& estimate);
 [[nodiscard]] Measurement measure(const VelocityFix& fix, const Estimate& estimate);
 [[nodiscard]] Measurement measure(const HeightFix& fix, const Estimate& estimate);

@@ -19,6 +19,7 @@
 #include <string>
 #include <vector>
 
+#include "errors.h"
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
@@ -79,7 +80,7 @@ struct ErrorStateModel {
   std::vector<ErrorTerm> terms;
 
   [[nodiscard]] int states() const { return kCoreStates + static_cast<int>(terms.size()); }
-  /// @throws std::invalid_argument for numbers that are not finite or out of range, more than kMaxErrorTerms
+  /// @throws SetupError for numbers that are not finite or out of range, more than kMaxErrorTerms
   /// terms, a misalignment on its own axis, an effect that its carrier does not have.
   void check() const;
 };
@@ -128,7 +129,7 @@ struct StepInput {
 /// Makes the transitions of one model. What depends on dt alone is kept from step to step.
 class Lineariser {
  public:
-  /// @throws std::invalid_argument for what ErrorStateModel::check refuses.
+  /// @throws SetupError for what ErrorStateModel::check refuses.
   explicit Lineariser(ErrorStateModel model);
 
   [[nodiscard]] const ErrorStateModel& model() const { return model_; }

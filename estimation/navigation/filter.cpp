@@ -36,11 +36,9 @@ void check(const Filter::Options& options, int states, const StateMatrix& P0) {
     throw std::invalid_argument(fmt::format("initial covariance of {} x {}, expected {} x {} for the model's states",
                                             P0.rows(), P0.cols(), states, states));
   if (!(options.gate_false_alarm >= 0 && options.gate_false_alarm < 1))
-    throw std::invalid_argument(
-        fmt::format("gate's false alarm is {}, expected 0 to below 1", options.gate_false_alarm));
+    throw SetupError(fmt::format("gate's false alarm is {}, expected 0 to below 1", options.gate_false_alarm));
   if (!(options.covariance_interval >= 0) || !std::isfinite(options.covariance_interval))
-    throw std::invalid_argument(
-        fmt::format("covariance interval is {} s, expected 0 or more", options.covariance_interval));
+    throw SetupError(fmt::format("covariance interval is {} s, expected 0 or more", options.covariance_interval));
 }
 
 bool multiplies(const ErrorTerm& term) { return term.carrier != Carrier::aid && term.effect != Effect::bias; }
@@ -96,6 +94,8 @@ void Filter::propagate(const noise::ImuIncrement& measured, double dt) {
     throw std::invalid_argument(fmt::format("IMU increment at {} s is not finite", time_));
   set_step(dt);
   const noise::ImuIncrement imu = corrected(measured, dt);
+  if (!vector(imu.angle).allFinite() || !vector(imu.velocity).allFinite())
+    throw Diverged(fmt::format("what is estimated of the IMU's errors at {} s leaves no finite increment", time_));
   const Eigen::Quaterniond before = strapdown_.state().q_eb;
   if (pending_.dt == 0) {
     pending_.q_start = before;
@@ -196,7 +196,7 @@ void Filter::record(FilterHistory* record) {
     throw std::invalid_argument(
         fmt::format("record of {} states for a filter of {}", record->states(), covariance_.size()));
   if (record != nullptr && std::find(considered_.begin(), considered_.end(), true) != considered_.end())
-    throw std::invalid_argument("a filter with considered states cannot be smoothed: its gains are not optimal");
+    throw SetupError("a filter with considered states cannot be smoothed: its gains are not optimal");
   catch_up();
   record_ = record;
 }
@@ -212,6 +212,8 @@ void Filter::correct(const StateVector& x) {
   state.p_eb_e += x.segment<3>(kPosition);
   state.v_eb_e += x.segment<3>(kVelocity);
   state.q_eb = (earth::exp_rotation(x.segment<3>(kAttitude)) * state.q_eb).normalized();
+  if (!state.v_eb_e.allFinite() || !state.q_eb.coeffs().allFinite() || !x.allFinite())
+    throw Diverged(fmt::format("the correction at {} s is not finite", time_));
   strapdown_.set_state(state);
   terms_ += x.tail(terms_.size());
 }

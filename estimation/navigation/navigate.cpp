@@ -33,19 +33,18 @@ constexpr double kSame = 2e-8;  // s: times that are one but for rounded stamps
 
 void check_aid_number(const Scenario& scenario, std::size_t aid, Aid::Kind kind, const char* what) {
   if (aid >= scenario.aids.size())
-    throw std::invalid_argument(fmt::format("{}: aid number {}, there are {}", what, aid, scenario.aids.size()));
+    throw SetupError(fmt::format("{}: aid number {}, there are {}", what, aid, scenario.aids.size()));
   if (scenario.aids[aid].kind != kind)
-    throw std::invalid_argument(fmt::format("{}: aid {} measures {}, not {}", what, scenario.aids[aid].name,
-                                            name(scenario.aids[aid].kind), name(kind)));
+    throw SetupError(fmt::format("{}: aid {} measures {}, not {}", what, scenario.aids[aid].name,
+                                 name(scenario.aids[aid].kind), name(kind)));
 }
 
 void check(const Scenario& scenario, const Recording& recording) {
   if (recording.imu.increments.empty() || recording.imu.stamps.size() != recording.imu.increments.size() + 1)
-    throw std::invalid_argument(fmt::format("IMU log of {} increments and {} stamps, expected one stamp more",
-                                            recording.imu.increments.size(), recording.imu.stamps.size()));
+    throw RecordingError(fmt::format("IMU log of {} increments and {} stamps, expected one stamp more",
+                                     recording.imu.increments.size(), recording.imu.stamps.size()));
   if (recording.fixes.size() != scenario.aids.size())
-    throw std::invalid_argument(
-        fmt::format("{} lists of fixes for {} aids", recording.fixes.size(), scenario.aids.size()));
+    throw RecordingError(fmt::format("{} lists of fixes for {} aids", recording.fixes.size(), scenario.aids.size()));
   for (const Aid& aid : scenario.aids) navigation::check(aid);
   const AlignmentPlan& a = scenario.alignment;
   if (const auto* from = std::get_if<FromAid>(&a.position))
@@ -58,8 +57,7 @@ void check(const Scenario& scenario, const Recording& recording) {
     if (aid >= scenario.aids.size()) check_aid_number(scenario, aid, Aid::Kind::position, "reference");
   }
   if (!(scenario.solution_interval > 0))
-    throw std::invalid_argument(
-        fmt::format("interval of solutions is {} s, expected above 0 s", scenario.solution_interval));
+    throw SetupError(fmt::format("interval of solutions is {} s, expected above 0 s", scenario.solution_interval));
 }
 
 // --- The model -----------------------------------------------------------------------------------------------
@@ -129,8 +127,8 @@ class Comparison {
           attitude_ = i;
           break;
         default:
-          throw std::invalid_argument(fmt::format("reference: {} measures {}, expected position, velocity or attitude",
-                                                  scenario.aids[i].name, name(scenario.aids[i].kind)));
+          throw SetupError(fmt::format("reference: {} measures {}, expected position, velocity or attitude",
+                                       scenario.aids[i].name, name(scenario.aids[i].kind)));
       }
     }
     summary_.has_position = position_.has_value();
@@ -328,7 +326,7 @@ class Runner {
     constexpr double kMost = 1e7;
     const auto require = [&](double seconds, double interval, std::string_view what) {
       if (!(seconds <= kMost * interval))
-        throw std::invalid_argument(
+        throw SetupError(
             fmt::format("{} every {:g} s over {:g} s, expected at most {:g} in all", what, interval, seconds, kMost));
     };
     require(end_ - aligning.to, scenario_.solution_interval, "solutions");
@@ -352,36 +350,54 @@ class Runner {
     std::vector<Estimate> kept;  // what of an epoch smoothing does not change
     std::vector<double> times;
     if (scenario_.smooth) filter.record(&record);
-    try {
-      for (const Event& event : events(sums)) {
-        advance(filter, event.time);
-        if (event.aid != scenario_.aids.size()) {
-          use(filter, event, sums);
-        } else if (scenario_.smooth) {
-          filter.keep_epoch();
-          kept.push_back(filter.estimate());
-          times.push_back(event.time);
-        } else {
-          filter.catch_up();
-          const StateMatrix P = filter.covariance().matrix();
-          solve(filter.estimate(), P, event.time);
-          comparison.compare(filter.estimate(), P, event.time);
-        }
+    const auto step = [&](const Event& event) {
+      advance(filter, event.time);
+      if (event.aid != scenario_.aids.size()) {
+        use(filter, event, sums);
+      } else if (scenario_.smooth) {
+        const Estimate now = filter.estimate();
+        filter.keep_epoch();
+        kept.push_back(now);
+        times.push_back(event.time);
+      } else {
+        filter.catch_up();
+        const StateMatrix P = filter.covariance().matrix();
+        solve(filter.estimate(), P, event.time);
+        comparison.compare(filter.estimate(), P, event.time);
       }
-    } catch (const std::invalid_argument& error) {
-      result_.status = Navigation::Status::failed;
-      result_.why = fmt::format("at {:g} s: {}", now_, error.what());
-    }
+    };
+    as_far_as_possible([&] {
+      for (const Event& event : events(sums)) step(event);
+    });
     const std::vector<SmoothedEpoch> smoothed = smooth(record);
-    for (std::size_t i = 0; i < smoothed.size(); ++i) {
-      kept[i].motion.pose = smoothed[i].state;
-      kept[i].terms = smoothed[i].terms.data();
-      solve(kept[i], smoothed[i].P, times[i]);
-      comparison.compare(kept[i], smoothed[i].P, times[i]);
-    }
+    as_far_as_possible([&] {
+      for (std::size_t i = 0; i < smoothed.size(); ++i) {
+        kept[i].motion.pose = smoothed[i].state;
+        kept[i].terms = smoothed[i].terms.data();
+        solve(kept[i], smoothed[i].P, times[i]);
+        comparison.compare(kept[i], smoothed[i].P, times[i]);
+      }
+    });
     sums.finish();
     result_.reference = comparison.finish();
     say_outside();
+  }
+
+  // Does what it can until the solution leaves what can be computed: that is an answer. Any other exception is none.
+  template <class Work>
+  void as_far_as_possible(const Work& work) {
+    const auto fail = [this](const std::exception& error) {
+      if (result_.status == Navigation::Status::failed) return;
+      result_.status = Navigation::Status::failed;
+      result_.why = fmt::format("at {:g} s: {}", now_, error.what());
+    };
+    try {
+      work();
+    } catch (const earth::OutsideDomain& error) {
+      fail(error);
+    } catch (const Diverged& error) {
+      fail(error);
+    }
   }
 
   // Times that were asked for and have no solution.

@@ -8,6 +8,7 @@
 
 #include "aiding.h"
 #include "error_state.h"
+#include "errors.h"
 #include <Eigen/Core>
 
 namespace gyrobudget::inline v0::navigation {
@@ -42,7 +43,7 @@ struct FixPlan {
 };
 /// first + k interval for k = 0, 1, ... up to `last`, which counts where rounding puts a fix up to 1e-9 of an interval
 /// beyond; those within an outage are left out [s]. None where last < first.
-/// @throws std::invalid_argument for an interval that is not above 0 and finite, and more than 1e6 fixes.
+/// @throws SetupError for an interval that is not above 0 and finite, and more than 1e6 fixes.
 [[nodiscard]] std::vector<double> fix_times(const FixPlan& plan);
 
 }  // namespace gyrobudget::inline v0::navigation

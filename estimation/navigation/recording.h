@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "errors.h"
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
@@ -46,7 +47,7 @@ struct ImuSamples {
 /// those; beyond that there is a gap before it, and its interval is the median. Gaps, and samples with a number
 /// missing, are bridged by rates that run straight from the last sample to the next. Values at instants are
 /// integrated by the trapezoidal rule.
-/// @throws std::invalid_argument for fewer than 2 samples, lists of different length, times that do not
+/// @throws RecordingError for fewer than 2 samples, lists of different length, times that do not
 /// ascend (naming the sample, from 0), or no sample that is complete.
 [[nodiscard]] ImuLog imu_log(const ImuSamples& samples);
 

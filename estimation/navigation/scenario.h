@@ -14,6 +14,7 @@
 #include <variant>
 #include <vector>
 
+#include "errors.h"
 #include "filter.h"
 #include "sensor_states.h"
 #include <Eigen/Core>
@@ -62,7 +63,7 @@ struct Aid {
 [[nodiscard]] std::string_view name(Aid::Kind kind);
 /// Scalars in one fix: 3, of heights 1.
 [[nodiscard]] int rows(Aid::Kind kind);
-/// @throws std::invalid_argument for a number out of range, naming the aid and the number.
+/// @throws SetupError for a number out of range, naming the aid and the number.
 void check(const Aid& aid);
 
 /// One sigma of what a fix gives a start: white, constant and correlated error together.

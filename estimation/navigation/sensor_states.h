@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "error_state.h"
+#include "errors.h"
 
 namespace gyrobudget::inline v0::navigation {
 
@@ -24,7 +25,7 @@ struct Epoch {
 
 /// That of a sensor file, which counts from the scene's start.
 [[nodiscard]] Epoch epoch_of(const noise::ErrorModel& errors);
-/// @throws std::invalid_argument for a calibration of 0 s or less, a negative powered_on_before, naming the triad.
+/// @throws SetupError for a calibration of 0 s or less, a negative powered_on_before, naming the triad.
 void check(const Epoch& epoch, std::string_view triad);
 
 /// What becomes of a constant that a datasheet gives: a state to be estimated, one that is only counted
@@ -78,7 +79,7 @@ struct SensorStates {
 /// scene acts as white noise below 1e-4 of flicker's own Allan variance at its length, what is slower than the scene is
 /// constant within it.
 /// A sensor without an error has no state for it; `accelerometer` left out of the file has none at all.
-/// @throws std::invalid_argument for options out of range, a calibration of 0 s or less, a negative
+/// @throws SetupError for options out of range, a calibration of 0 s or less, a negative
 /// powered_on_before, and more than kMaxErrorTerms states.
 [[nodiscard]] SensorStates sensor_states(const noise::SensorModel& sensor, const SensorStates::Options& options);
 

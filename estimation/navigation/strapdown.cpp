@@ -265,8 +265,7 @@ void check(const earth::Pose& state) {
 
 Strapdown::Strapdown(const earth::Pose& state, const Options& options) : options_(options) {
   if (options.order < 1 || options.order > kHighestOrder)
-    throw std::invalid_argument(
-        fmt::format("order {} of the strapdown must be from 1 to {}", options.order, kHighestOrder));
+    throw SetupError(fmt::format("order {} of the strapdown must be from 1 to {}", options.order, kHighestOrder));
   set_state(state);
 }
 

@@ -8,6 +8,7 @@
 
 #include <array>
 
+#include "errors.h"
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
@@ -65,15 +66,17 @@ class Strapdown {
     bool earth_rate_in_attitude = true;
   };
 
-  /// @throws std::invalid_argument for an order out of range, a number that is not finite, a quaternion whose
-  /// norm is off 1 by more than 1e-6, or a position nearer to Earth's centre than 1000 km.
+  /// @throws SetupError for an order out of range; std::invalid_argument for a velocity that is not finite or a
+  /// quaternion whose norm is off 1 by more than 1e-6; earth::OutsideDomain for a position nearer to Earth's centre than
+  /// 1000 km or not finite.
   explicit Strapdown(const earth::Pose& state, const Options& options);
   explicit Strapdown(const earth::Pose& state) : Strapdown(state, Options{}) {}
 
   /// Advances by one interval of dt seconds, which may differ from step to step. dt = 0 changes nothing.
   /// Allocates nothing.
-  /// @throws std::invalid_argument where dt is negative or not finite, an increment is not finite, and
-  /// where the position leaves the domain of earth::normal_gravitation; the state is then the one before.
+  /// @throws std::invalid_argument where dt is negative or not finite or an increment is not finite;
+  /// earth::OutsideDomain where the position leaves the domain of earth::normal_gravitation. The state is then the one
+  /// before.
   void step(const noise::ImuIncrement& imu, double dt);
 
   [[nodiscard]] const earth::Pose& state() const { return now_.state; }

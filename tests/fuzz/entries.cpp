@@ -158,7 +158,7 @@ void read_curve(std::string_view bytes) {
   if (bytes.front() & 1) options.unit = "deg/h";
   if (bytes.front() & 2) options.columns = {"2"};
   try {
-    const log::CurveTable table = log::read_curve(options);
+    const allan::DeviationTable table = log::read_curve(options);
     promise(!table.columns.empty(), "a table without columns");
     for (std::size_t i = 0; i < table.tau_s.size(); ++i) {
       promise(table.tau_s[i] > (i == 0 ? 0 : table.tau_s[i - 1]), "taus do not ascend");

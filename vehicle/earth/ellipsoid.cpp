@@ -77,8 +77,8 @@ Geodetic to_geodetic(const Eigen::Vector3d& p_eb_e) {
   const double out = std::hypot(p_eb_e.x(), p_eb_e.y());
   const double along = p_eb_e.z();
   if (!(std::hypot(out, along) <= kFarthest))
-    throw std::invalid_argument(fmt::format("position ({}, {}, {}) m must be within {} m of the centre", p_eb_e.x(),
-                                            p_eb_e.y(), p_eb_e.z(), kFarthest));
+    throw OutsideDomain(fmt::format("position ({}, {}, {}) m must be within {} m of the centre", p_eb_e.x(), p_eb_e.y(),
+                                    p_eb_e.z(), kFarthest));
   const Normal normal = normal_through(out, along);
   const double length = std::hypot(normal.out, normal.along);
   const double cos_latitude = normal.out / length;

@@ -154,7 +154,7 @@ class Queue {
  public:
   void push(double arrives, const Vector2d& command) {
     if (count_ == kSize)
-      throw std::invalid_argument(fmt::format("more than {} commands are delayed on their way to the nozzle", kSize));
+      throw SetupError(fmt::format("more than {} commands are delayed on their way to the nozzle", kSize));
     items_[(first_ + count_++) % kSize] = {arrives, command};
   }
   [[nodiscard]] double next() const {
@@ -283,7 +283,7 @@ struct Body::Impl {
 
   bool integrate(double to) try {
     return plant.vehicle.bending ? integrate_with<true>(to) : integrate_with<false>(to);
-  } catch (const std::invalid_argument&) {  // the place left the domain of gravitation
+  } catch (const earth::OutsideDomain&) {  // the place left the domain of gravitation
     return false;
   }
 
@@ -386,10 +386,9 @@ Body::Body(const Vehicle& vehicle, const World& world, const BodyState& start, c
   vehicle.check();
   check_state(start);
   if (!(integration.step > 0) || !std::isfinite(integration.step))
-    throw std::invalid_argument(fmt::format("longest step is {} s, but must be positive and finite", integration.step));
+    throw SetupError(fmt::format("longest step is {} s, but must be positive and finite", integration.step));
   if (!(integration.tolerance >= 0))
-    throw std::invalid_argument(
-        fmt::format("tolerance of a step is {}, but must be zero or more", integration.tolerance));
+    throw SetupError(fmt::format("tolerance of a step is {}, but must be zero or more", integration.tolerance));
   impl_ = std::make_unique<Impl>(vehicle, world, start, integration, faults);
 }
 Body::Body(Body&&) noexcept = default;

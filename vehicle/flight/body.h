@@ -107,8 +107,8 @@ struct Integration {
 /// quadrature error beside the integrator's own.
 class Body {
  public:
-  /// @throws std::invalid_argument where the vehicle does not pass its check, the state is not finite, the
-  /// step is not positive, or the tolerance is negative.
+  /// @throws SetupError where the vehicle does not pass its check, the step is not positive or the tolerance is
+  /// negative; std::invalid_argument where the state is not finite or its attitude no rotation.
   Body(const Vehicle& vehicle, const World& world, const BodyState& start, const Integration& integration = {},
        const Faults& faults = {});
   Body(Body&&) noexcept;
@@ -117,7 +117,7 @@ class Body {
 
   /// Flies on until `t` with one command, limited as the actuator has it. Allocates nothing. False where the
   /// state left what can be computed (numbers not finite, a step below 1e-12 s): it is then the one before.
-  /// @throws std::invalid_argument where t is before the present or more than 250 commands are delayed.
+  /// @throws std::invalid_argument where t is before the present, SetupError where more than 250 commands are delayed.
   [[nodiscard]] bool advance(const Command& command, double t);
 
   [[nodiscard]] const BodyState& state() const;

@@ -20,7 +20,7 @@ using Eigen::Vector3d;
 
 void check_positive(double value, const char* what, const char* unit) {
   if (!(value > 0) || !std::isfinite(value))
-    throw std::invalid_argument(fmt::format("{} is {} {}, but must be positive", what, value, unit));
+    throw SetupError(fmt::format("{} is {} {}, but must be positive", what, value, unit));
 }
 
 }  // namespace
@@ -35,14 +35,14 @@ AttitudeControl::AttitudeControl(const Vehicle& vehicle, const earth::Geodetic& 
   check_positive(options.period, "control period", "s");
   check_positive(options.least_thrust, "least thrust of the schedule", "of the mean");
   if (options.notches.size() > kNotches)
-    throw std::invalid_argument(
+    throw SetupError(
         fmt::format("{} notches were asked for, but at most {} are kept", options.notches.size(), kNotches));
   for (const Notch& notch : options.notches) {
     check_positive(notch.frequency.range().first, "frequency of a notch", "Hz");
     check_positive(notch.width, "width of a notch", "");
     if (notch.frequency.range().second >= 0.5 / options.period)
-      throw std::invalid_argument(fmt::format("a notch at {} Hz must be below half the control rate, {} Hz",
-                                              notch.frequency.range().second, 0.5 / options.period));
+      throw SetupError(fmt::format("a notch at {} Hz must be below half the control rate, {} Hz",
+                                   notch.frequency.range().second, 0.5 / options.period));
   }
   for (auto& pair : memory_) pair.fill(Vector2d::Zero());
 }

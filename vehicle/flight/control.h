@@ -90,7 +90,7 @@ class AttitudeControl {
  public:
   using Options = AttitudeControlOptions;
 
-  /// @throws std::invalid_argument for a vehicle that fails its check, a frequency, damping, period or
+  /// @throws SetupError for a vehicle that fails its check, a frequency, damping, period or
   /// least_thrust that is not positive, too many notches, or a notch above half the control rate.
   AttitudeControl(const Vehicle& vehicle, const earth::Geodetic& site, const Options& options);
 

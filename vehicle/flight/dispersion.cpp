@@ -74,14 +74,14 @@ void Dispersion::check(const Vehicle& vehicle) const {
   for (const Named& n : kAll) {
     const double sigma = this->*n.sigma;
     if (!(sigma >= 0) || !std::isfinite(sigma))
-      throw std::invalid_argument(fmt::format("dispersion of {} is {}, expected 0 or more", n.name, sigma));
+      throw SetupError(fmt::format("dispersion of {} is {}, expected 0 or more", n.name, sigma));
     if (n.relative && sigma * kFarthest >= 1)
-      throw std::invalid_argument(
+      throw SetupError(
           fmt::format("dispersion of {} is {}, expected below {:.3f}: draws reach {} sigma and must stay above 0",
                       n.name, sigma, 1 / kFarthest, kFarthest));
   }
   if ((1 - kFarthest * mass) * vehicle.lift_off_mass <= vehicle.propellant)
-    throw std::invalid_argument(
+    throw SetupError(
         fmt::format("dispersion of mass is {}: {} sigma below {} kg leave less than the propellant's {} kg", mass,
                     kFarthest, vehicle.lift_off_mass, vehicle.propellant));
 }

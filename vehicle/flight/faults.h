@@ -19,16 +19,18 @@ struct NavigatorFaults {
 };
 
 /// How many periods the delay is, rounded.
-/// @throws std::invalid_argument for an axis that there is not, a time that is not a number, a delay below 0 or
+/// @throws SetupError for an axis that there is not, a time that is not a number, a delay below 0 or
 /// above 1e6 periods.
 [[nodiscard]] std::size_t check(const NavigatorFaults& faults, double period);
 
-/// A navigator with faults; the one inside must outlive it. Without faults it is as the one inside. Allocates
-/// in the beginning only.
+namespace detail {
+
+/// What fly() puts between navigator and controller: a navigator with faults. The one inside must outlive it. Without
+/// faults it is as the one inside. Allocates in the beginning only.
 template <Navigator N>
 class Faulty {
  public:
-  /// @throws std::invalid_argument as check().
+  /// @throws SetupError as check().
   Faulty(N& inside, const NavigatorFaults& faults, double period)
       : inside_(inside), faults_(faults), late_(check(faults, period) + 1) {}
 
@@ -74,5 +76,7 @@ class Faulty {
   double t_ = 0;
   bool told_ = false;
 };
+
+}  // namespace detail
 
 }  // namespace gyrobudget::inline v0::flight

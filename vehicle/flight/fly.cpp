@@ -21,10 +21,10 @@ constexpr double kBelowPad = 0.5;  // [m]
 
 double checked_duration(const Flight& flight) {
   if (!(flight.period > 0) || !std::isfinite(flight.period))
-    throw std::invalid_argument(fmt::format("control period is {} s, but must be positive", flight.period));
-  const double duration = std::isnan(flight.duration) ? flight.vehicle.burn_time : flight.duration;
+    throw SetupError(fmt::format("control period is {} s, but must be positive", flight.period));
+  const double duration = asked_duration(flight);
   if (!(duration > 0) || !(duration / flight.period < 1e8))
-    throw std::invalid_argument(fmt::format("duration is {} s, but must be positive and below 1e8 periods", duration));
+    throw SetupError(fmt::format("duration is {} s, but must be positive and below 1e8 periods", duration));
   return duration;
 }
 
@@ -107,13 +107,14 @@ bool FlightInProgress::beyond_limits() {
 }
 
 void FlightInProgress::advance(const Command& command, const Seen& seen) {
+  if (!sound(seen) || !sound(command)) return end(Ended::not_finite);
   if (flight_.record_every > 0 && period_ % flight_.record_every == 0) {
     record(command, seen);
     result_.points.push_back(result_.end);
   }
   const double from = t();
   const double to = std::min(duration_, static_cast<double>(period_ + 1) * flight_.period);
-  if (!sound(seen) || !sound(command) || !body_.advance(command, to)) return end(Ended::not_finite);
+  if (!body_.advance(command, to)) return end(Ended::not_finite);
   command_ = command;
   interval_ = to - from;
   increment_ = body_.increment();
@@ -155,6 +156,12 @@ std::string_view to_string(Ended ended) {
   }
   return "not_finite";
 }
+
+double asked_duration(const Flight& flight) {
+  return std::isnan(flight.duration) ? flight.vehicle.burn_time : flight.duration;
+}
+
+bool ends_early(const Flight& flight, double flown) { return flown < asked_duration(flight) - flight.period; }
 
 earth::Pose pose_on_pad(const Flight& flight) {
   return Body(flight.vehicle, flight.world, detail::at_ignition(flight), {.method = Method::exact}, flight.faults)

@@ -31,6 +31,11 @@ struct Flight {
   bool keep_increments = false;                                           ///< of the exact IMU, one a period
 };
 
+/// How long a flight is to last: its duration, or where that is not a number to burnout [s].
+[[nodiscard]] double asked_duration(const Flight& flight);
+/// Whether a flight that lasted `flown` [s] ended more than a period before its time.
+[[nodiscard]] bool ends_early(const Flight& flight, double flown);
+
 /// One instant of a flight.
 struct FlightPoint {
   double t;
@@ -122,7 +127,7 @@ Seen look(const FlightInProgress& run, N& navigator) {
 ///   flight::PerfectNavigator navigator;
 ///   const flight::FlightRecord record = flight::fly(plan, control, navigator);
 ///
-/// @throws std::invalid_argument as Body does, and for a period or duration that is not positive.
+/// @throws SetupError as Body does, and for a period or duration that is not positive.
 template <Controller C, Navigator N>
 [[nodiscard]] FlightRecord fly(const Flight& flight, C& controller, N& navigator) {
   detail::FlightInProgress run(flight);

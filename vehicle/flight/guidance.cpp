@@ -25,14 +25,14 @@ TrajectoryControl::TrajectoryControl(const AttitudeControl& attitude, std::vecto
                                      const Options& options)
     : attitude_(attitude), waypoints_(std::move(waypoints)), options_(options) {
   if (waypoints_.size() < 2)
-    throw std::invalid_argument(
+    throw SetupError(
         fmt::format("a trajectory of {} waypoints cannot be followed: give at least 2", waypoints_.size()));
   for (std::size_t k = 1; k < waypoints_.size(); ++k)
     if (!(waypoints_[k].t > waypoints_[k - 1].t))
-      throw std::invalid_argument(
+      throw SetupError(
           fmt::format("times of waypoints must ascend, but {} s follows {} s", waypoints_[k].t, waypoints_[k - 1].t));
   if (!(options.frequency > 0) || !(options.damping > 0) || !(options.angle_limit > 0))
-    throw std::invalid_argument(
+    throw SetupError(
         fmt::format("guidance needs a frequency ({} rad/s), a damping ({}) and an angle ({} rad) that are positive",
                     options.frequency, options.damping, options.angle_limit));
 }

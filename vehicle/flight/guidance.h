@@ -36,7 +36,7 @@ class TrajectoryControl {
  public:
   using Options = GuidanceOptions;
 
-  /// @throws std::invalid_argument for fewer than two waypoints, times not ascending, a frequency, damping or
+  /// @throws SetupError for fewer than two waypoints, times not ascending, a frequency, damping or
   /// limit that is not positive.
   TrajectoryControl(const AttitudeControl& attitude, std::vector<Waypoint> waypoints, const Options& options);
 

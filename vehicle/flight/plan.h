@@ -22,19 +22,19 @@ struct Plan {
 
 /// With perfect navigation, without faults, by the program of attitude alone: the flight that guidance follows. Its points are as
 /// dense as trajectory() needs them: 20 Hz, or of a vehicle that bends every period.
-/// @throws std::invalid_argument as fly() and AttitudeControl do.
+/// @throws SetupError as fly() and AttitudeControl do.
 [[nodiscard]] FlightRecord fly_nominal(const Plan& plan);
 
 /// Flies `flown`, which may differ from the plan's flight, under the plan's control. Guidance, where the plan has
 /// it, follows `reference`, the waypoints of the nominal flight.
-/// @throws std::invalid_argument as fly(), AttitudeControl and TrajectoryControl do.
+/// @throws SetupError as fly(), AttitudeControl and TrajectoryControl do.
 template <Navigator N>
 [[nodiscard]] FlightRecord fly(const Plan& plan, const Flight& flown, std::span<const Waypoint> reference,
                                N& navigator) {
   AttitudeControlOptions options = plan.control;
   options.period = flown.period;
   AttitudeControl attitude(plan.flight.vehicle, plan.flight.world.site, options);
-  Faulty<N> told(navigator, plan.navigator_faults, flown.period);
+  detail::Faulty<N> told(navigator, plan.navigator_faults, flown.period);
   if (!plan.guidance) return fly(flown, attitude, told);
   TrajectoryControl control(attitude, {reference.begin(), reference.end()}, *plan.guidance);
   return fly(flown, control, told);

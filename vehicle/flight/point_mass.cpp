@@ -73,7 +73,7 @@ FlightRecord fly_point_mass(const Flight& flight, const AttitudeControl& program
   flight.vehicle.check();
   const double duration = std::isnan(flight.duration) ? flight.vehicle.burn_time : flight.duration;
   if (!(step > 0) || !(duration > 0) || !(duration / step < 1e8))
-    throw std::invalid_argument(
+    throw SetupError(
         fmt::format("step {} s and duration {} s must be positive, and fewer than 1e8 steps", step, duration));
   PointMass mass(flight, program);
   odeint::runge_kutta4<X, double, X, double, odeint::vector_space_algebra> stepper;

@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "check.h"
 
-#include <fmt/core.h>
+#include "gyrobudget/estimation/navigation/errors.h"
 
-#include <stdexcept>
+#include <fmt/core.h>
 
 namespace gyrobudget::inline v0::navigation::detail {
 
 void require(bool good, std::string_view what, double value, std::string_view expected) {
-  if (!good) throw std::invalid_argument(fmt::format("{} is {}, expected {}", what, value, expected));
+  if (!good) throw SetupError(fmt::format("{} is {}, expected {}", what, value, expected));
 }
 
 }  // namespace gyrobudget::inline v0::navigation::detail

@@ -6,7 +6,7 @@
 
 namespace gyrobudget::inline v0::navigation::detail {
 
-/// @throws std::invalid_argument "what is value, expected expected" unless `good`.
+/// @throws SetupError "what is value, expected expected" unless `good`.
 void require(bool good, std::string_view what, double value, std::string_view expected);
 
 }  // namespace gyrobudget::inline v0::navigation::detail

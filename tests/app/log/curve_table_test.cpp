@@ -14,8 +14,8 @@ namespace {
 
 class CurveTables : public testing::Test {
  protected:
-  CurveTable read(const std::string& text, std::optional<std::string> unit = {},
-                  std::vector<std::string> columns = {}) {
+  allan::DeviationTable read(const std::string& text, std::optional<std::string> unit = {},
+                             std::vector<std::string> columns = {}) {
     std::ofstream(path_) << text;
     return read_curve({path_.string(), std::move(unit), std::move(columns)});
   }
@@ -35,7 +35,7 @@ class CurveTables : public testing::Test {
 constexpr double kDegPerHour = 3.14159265358979323846 / 180 / 3600;
 
 TEST_F(CurveTables, UnitsComeFromTheHeader) {
-  const CurveTable table =
+  const allan::DeviationTable table =
       read("tau (ms),adev (deg/h),lower (deg/h),upper (deg/h),other (ug)\n10,2,1,3,5\n20,1,0.5,2,4\n");
   EXPECT_EQ(table.tau_s, (std::vector<double>{0.01, 0.02}));
   ASSERT_EQ(table.columns.size(), 2U);
@@ -45,7 +45,7 @@ TEST_F(CurveTables, UnitsComeFromTheHeader) {
 }
 
 TEST_F(CurveTables, UnitFromTheOption) {
-  const CurveTable table = read("tau_s,x,y\n1,2,3\n", "rad/s", {"y"});
+  const allan::DeviationTable table = read("tau_s,x,y\n1,2,3\n", "rad/s", {"y"});
   ASSERT_EQ(table.columns.size(), 1U);
   EXPECT_EQ(table.columns[0].name, "y");
   EXPECT_EQ(table.columns[0].deviation[0], 3);

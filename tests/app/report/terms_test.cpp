@@ -43,7 +43,7 @@ fit::Coefficient markov() {
 // The MEMS with a Gauss-Markov process for its alternative.
 report::LogResult chosen() {
   report::LogResult result = fixtures::mems();
-  report::Chosen choice;
+  calibration::Chosen choice;
   choice.selection.terms = {Term::white, Term::flicker, Term::rate_random_walk};
   choice.selection.weighed = {{{Term::white}, Term::rate_random_walk, 812.5, 2.6, true},
                               {{Term::white}, Term::quantization, 0, 1.9, false}};

@@ -1,0 +1,269 @@
+// SPDX-License-Identifier: MIT
+#include "calibration.h"
+
+#include "gyrobudget/noise/sensor.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <span>
+#include <utility>
+
+#include "words.h"
+
+namespace gyrobudget::inline v0::report {
+namespace {
+
+using calibration::AxisDatasheet;
+using calibration::Datasheet;
+using calibration::Findings;
+using calibration::TypeDatasheet;
+using noise::Term;
+
+// --- What a record holds beside noise -----------------------------------------------------------------------------
+
+// The record that findings are of.
+struct Of {
+  noise::Signal signal;
+  std::int64_t samples;
+  double dt;
+};
+
+std::string times(const std::vector<double>& seconds) {
+  constexpr std::size_t kNamed = 5;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(seconds.size(), kNamed); ++i)
+    text += fmt::format("{}{:.6g}", i > 0 ? ", " : "", seconds[i]);
+  return text + (seconds.size() > kNamed ? ", ... s" : " s");
+}
+
+std::string describe_outliers(const Findings& found, const Of& of) {
+  std::vector<double> at;
+  bool in_use = false;
+  for (const auto& outlier : found.outliers) {
+    at.push_back(static_cast<double>(outlier.index) * of.dt);
+    in_use |= outlier.index >= found.first && outlier.index < found.first + found.samples;
+  }
+  const auto& worst = *std::ranges::max_element(found.outliers, {}, &allan::Outlier::sigmas);
+  return fmt::format(
+      "{} of {} samples lie further from their surroundings than noise would put any (at {}), the worst at {:.6g} s by {} ({:.3g} sigma). {}",
+      found.outliers.size(), of.samples, times(at), static_cast<double>(worst.index) * of.dt,
+      noise::quantity_text(worst.distance, noise::datasheet_unit(of.signal), 3), worst.sigmas,
+      found.outliers_masked || !in_use
+          ? "They are masked: neither curve nor fit holds them."
+          : "They are in curve and fit: find what knocked, and leave the samples out with --mask outliers.");
+}
+
+std::string describe_steps(const Findings& found, const Of& of) {
+  std::string text;
+  for (const auto& step : found.steps) {
+    text += fmt::format("{}{} at {:.6g} s", text.empty() ? "" : ", ",
+                        noise::quantity_text(step.size, noise::datasheet_unit(of.signal), 3),
+                        static_cast<double>(step.index) * of.dt);
+  }
+  return fmt::format(
+      "The mean jumps by {}. {}", text,
+      found.steps_masked
+          ? "The longest part without a jump is used."
+          : "Curve and fit hold the jump, mostly as rate random walk: --mask steps uses the longest part without one.");
+}
+
+std::string describe_departure(const Findings& found, const Of& of) {
+  const allan::Departure& departure = *found.departure;
+  const auto size = noise::quantity_text(departure.size, noise::datasheet_unit(of.signal), 3);
+  const std::string chance = fmt::format("noise would do that with p = {:.1g}", departure.p_value);
+  if (departure.kind == allan::Departure::Kind::trend) {
+    return fmt::format(
+        "The record drifts by {} along a straight line ({}). Where the ramp is not fitted it counts as rate random walk: --terms N,B,K,R fits it.",
+        size, chance);
+  }
+  return fmt::format(
+      "The record begins with a warm-up of {} that fades with a time constant of about {:.3g} s ({}). {}", size,
+      departure.time_constant_s, chance,
+      found.warm_up_masked
+          ? "Its first five time constants are masked."
+          : "Curve and fit hold it, mostly as rate random walk: --mask warm-up leaves out five time constants.");
+}
+
+std::string describe_fainter(std::span<const allan::SpectralLine> lines) {
+  const auto [low, high] = std::ranges::minmax(lines, {}, &allan::SpectralLine::frequency_hz);
+  return fmt::format(
+      "{} fainter lines lie between {:.3g} and {:.3g} Hz (up to {:.0f} times the spectrum beside them). So many are rather a spectrum with structure, as of a sensor that moves: look at it with gyrobudget allan --psd welch --report.",
+      lines.size(), low.frequency_hz, high.frequency_hz,
+      std::ranges::max(lines, {}, &allan::SpectralLine::ratio).ratio);
+}
+
+std::vector<std::string> describe(const Findings& found, const Of& of) {
+  std::vector<std::string> text;
+  const bool part = found.samples < of.samples;
+  if (part) {
+    text.push_back(fmt::format("Curve and fit are of the samples from {:.6g} s to {:.6g} s; the others are masked.",
+                               static_cast<double>(found.first) * of.dt,
+                               static_cast<double>(found.first + found.samples) * of.dt));
+  }
+  if (!found.outliers.empty()) text.push_back(describe_outliers(found, of));
+  if (!found.steps.empty()) text.push_back(describe_steps(found, of));
+  if (found.departure) text.push_back(describe_departure(found, of));
+  // Lines are noise that no coefficient describes: vibration, mains, a fan, a control loop.
+  constexpr std::size_t kNamed = 3;  // strongest first
+  for (std::size_t i = 0; i < found.lines.size() && i < kNamed; ++i) {
+    const auto& line = found.lines[i];
+    text.push_back(fmt::format(
+        "A spectral line at {:.3g} Hz (amplitude about {}, {:.0f} times the spectrum beside it) is in the record but not in the model. It shifts the deviation at taus up to its period, {:.3g} s.",
+        line.frequency_hz, noise::quantity_text(line.amplitude, noise::datasheet_unit(of.signal), 3), line.ratio,
+        1 / line.frequency_hz));
+  }
+  if (found.lines.size() > kNamed) text.push_back(describe_fainter(std::span(found.lines).subspan(kNamed)));
+  return text;
+}
+
+// --- What follows from the fit ------------------------------------------------------------------------------------
+
+std::string hours(double seconds) {
+  constexpr double kHour = 3600;
+  if (seconds < 2 * 60) return fmt::format("{:.0f} s", seconds);
+  if (seconds < 2 * kHour) return fmt::format("{:.0f} min", seconds / 60);
+  if (seconds < 100 * kHour) return fmt::format("{:.1f} h", seconds / kHour);
+  return fmt::format("{:.0f} h", seconds / kHour);
+}
+
+std::string longer_text(const calibration::LongerRecord& longer) {
+  return fmt::format("{} is known to {:.0f} % here ({} of record); for 10 % record at least {}.",
+                     longer.term == Term::flicker ? "Bias instability" : "Rate random walk", 100 * longer.relative_std,
+                     hours(longer.duration_s),
+                     std::isfinite(longer.needed_s) ? hours(longer.needed_s) : "longer than anyone would");
+}
+
+std::string one_line_verdict(const fit::Result& fit) {
+  switch (fit.verdict) {
+    case fit::Verdict::described:
+      return fmt::format("described by the model from {:.4g} s on (p = {:.2g})", fit.tau_min_s, fit.p_value);
+    case fit::Verdict::described_within:
+      return fmt::format("described within {:.1f} % (worst at {:.4g} s; p = {:.2g})", 100 * fit.worst_misfit,
+                         fit.worst_misfit_tau_s, fit.p_value);
+    case fit::Verdict::not_described:
+      break;
+  }
+  return fmt::format("NOT described by the model (p = {:.2g}, off by {:.0f} % at {:.4g} s): do not use", fit.p_value,
+                     100 * fit.worst_misfit, fit.worst_misfit_tau_s);
+}
+
+AxisResult axis_result(const AxisDatasheet& axis, const Datasheet& sheet) {
+  return {.name = axis.name,
+          .signal = axis.signal,
+          .mean = axis.mean,
+          .points = axis.points,
+          .fit = axis.fit,
+          .chosen = axis.chosen,
+          .cross_checked = axis.cross_checked,
+          .findings = axis.findings,
+          .psd = {},
+          .dynamic = {},
+          .advice = advice(axis, sheet)};
+}
+
+}  // namespace
+
+std::vector<std::string> advice(const AxisDatasheet& axis, const Datasheet& sheet) {
+  const calibration::Facts& facts = axis.facts;
+  if (facts.all_equal)
+    return {fmt::format(
+        "Every sample of {} is equal: the log holds no noise to measure. The sensor is not connected, or its resolution hides its noise: log raw counts or at a finer range.",
+        axis.name)};
+  std::vector<std::string> texts;
+  if (facts.no_answer)
+    texts.push_back(fmt::format(
+        "None of angle random walk, bias instability and rate random walk is resolved{}",
+        facts.only_quantization ? ": what is seen is quantization. Record at a finer resolution, or longer." : "."));
+  if (facts.untested)
+    texts.emplace_back("The record is too short to test whether the model describes it: record longer.");
+  if (facts.misfit)
+    texts.emplace_back(
+        "Do not use these coefficients: the curve has a shape that no sum of the fitted terms has. Look at the residuals; motion of the support, temperature, periodic disturbances and vibration bounded in angle all do this. Repeat the record on a still base at constant temperature, or fit other terms (--terms), or a range of taus (--tau-min, --tau-max).");
+  if (axis.findings)
+    std::ranges::move(describe(*axis.findings, {axis.signal, sheet.samples, 1 / sheet.rate_hz}),
+                      std::back_inserter(texts));
+  if (facts.walk_unresolved)
+    texts.emplace_back(
+        "No rate random walk is seen within this record: it may show in a longer one. Quote the upper limit.");
+  for (const auto& longer : facts.longer) texts.push_back(longer_text(longer));
+  return texts;
+}
+
+LogResult calibration_result(const Datasheet& sheet, std::vector<std::string> notes, std::string command) {
+  LogResult result{.source = sheet.source,
+                   .command = std::move(command),
+                   .rate_hz = sheet.rate_hz,
+                   .samples = sheet.samples,
+                   .missing_samples = sheet.missing_samples,
+                   .notes = std::move(notes),
+                   .segments = {},
+                   .axes = {}};
+  for (const AxisDatasheet& axis : sheet.axes) result.axes.push_back(axis_result(axis, sheet));
+  return result;
+}
+
+RunsResult runs_result(const TypeDatasheet& sheet, std::vector<std::vector<std::string>> notes, std::string command) {
+  RunsResult result{.command = command, .runs = {}, .combined = sheet.axes};
+  for (std::size_t i = 0; i < sheet.records.size(); ++i)
+    result.runs.push_back(calibration_result(sheet.records[i], std::move(notes[i]), command));
+  return result;
+}
+
+std::string_view mend(calibration::Unusable::Reason reason) {
+  using enum calibration::Unusable::Reason;
+  switch (reason) {
+    case too_short:
+      return "a datasheet needs hours of record (gyrobudget plan tells how many)";
+    case too_few_taus:
+      return "fit fewer terms (--terms) or use a part of the log without gaps";
+    case out_of_scale:
+      return "give their unit, or bring them there with --scale";
+    case between_samples:
+      return "give the rate of the record behind the table (--rate)";
+    case other_axes:
+      return "records of one sensor type have the same columns, in units of the same kinds (choose them with --column)";
+    case other_rate:
+      break;
+  }
+  return "quantization and filters depend on the rate, so records of other rates are not combined";
+}
+
+std::string provenance(const Datasheet& sheet, std::string_view command) {
+  std::string text = fmt::format("Fitted by: {}\nRecord: {} samples at {} Hz, {} missing\n", command, sheet.samples,
+                                 sheet.rate_hz, sheet.missing_samples);
+  if (sheet.axes.size() > 1) text += "Each value is the root mean square over the axes of its triad.\n";
+  for (const auto& axis : sheet.axes) {
+    text += fmt::format("{}: {}\n", axis.name, one_line_verdict(axis.fit));
+    for (const auto& c : axis.fit.coefficients) {
+      if (!c.fitted || c.status == fit::Status::identified) continue;
+      const auto unit = noise::datasheet_unit(axis.signal, c.term);
+      text +=
+          fmt::format("  {} is not resolved: {} is the fitted value, at most {} (95 %); a cautious budget takes that\n",
+                      noise::key(axis.signal, c.term), noise::quantity_text(c.value, unit, 3),
+                      noise::quantity_text(c.upper, unit, 3));
+    }
+  }
+  return text;
+}
+
+std::string provenance(const TypeDatasheet& sheet, std::string_view command) {
+  std::string text = fmt::format("Fitted by: {}\nEach record by itself, then combined:\n", command);
+  for (const auto& run : sheet.records) {
+    text += fmt::format("  {}: {} samples at {} Hz, {} missing\n", printable(run.source), run.samples, run.rate_hz,
+                        run.missing_samples);
+  }
+  if (sheet.axes.size() > 1) text += "Each value is the root mean square over the axes of its triad.\n";
+  for (const auto& axis : sheet.axes) {
+    for (const auto& c : axis.coefficients) {
+      const auto t = combined_text(axis.signal, c);
+      text += fmt::format("{}: {} {}, {} (95 %), spread between records {} {}; {}\n", printable(axis.name),
+                          noise::key(axis.signal, c.term), t.value, t.interval, t.spread, t.unit, t.agreement);
+    }
+  }
+  return text + "Gauss-Markov processes and sinusoids are left out: they are not combined.\n";
+}
+
+}  // namespace gyrobudget::inline v0::report

@@ -1,0 +1,107 @@
+// SPDX-License-Identifier: MIT
+#include "screened.h"
+
+#include "gyrobudget/estimation/fit/judgement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace gyrobudget::inline v0::calibration::detail {
+namespace {
+
+constexpr double kSettled = 5;               // time constants of a warm-up: 0.7 % of it is left
+constexpr double kFillBesideOutliers = 0.8;  // of a cluster
+
+// A line that the model has is not one that it lacks.
+void drop_modelled_line(std::vector<allan::SpectralLine>& lines, const fit::Result& fit, double duration_s) {
+  const auto* line = fit::find(fit, noise::Term::sinusoid);
+  if (line == nullptr || !line->fitted || line->status != fit::Status::identified) return;
+  const double width = 4 / duration_s;  // resolution of the averaged spectrum is coarser than a bin
+  std::erase_if(lines,
+                [&](const auto& l) { return std::abs(l.frequency_hz - line->shape) < width + 0.02 * line->shape; });
+}
+
+}  // namespace
+
+Screened::Screened(std::span<const double> rate, double dt, double minimum_fill, const Masking& masking)
+    : rate_(rate), masking_(masking), dt_(dt), fill_(minimum_fill) {
+  look_for_outliers_and_steps();
+}
+
+std::span<const double> Screened::part_of(std::span<const double> whole) const {
+  return whole.subspan(static_cast<std::size_t>(findings_.first), static_cast<std::size_t>(findings_.samples));
+}
+
+std::span<const double> Screened::without_outliers() const {
+  return part_of(masked_.empty() ? rate_ : std::span<const double>(masked_));
+}
+
+void Screened::keep(std::int64_t first, std::int64_t count) {
+  findings_.first = first;
+  findings_.samples = count;
+  series_.emplace(findings_.outliers_masked ? without_outliers() : part_of(rate_), dt_, fill_);
+}
+
+void Screened::keep_longest_without_step() {
+  const std::int64_t end = findings_.first + findings_.samples;
+  std::int64_t begin = findings_.first, first = begin, count = 0;
+  for (std::size_t i = 0; i <= findings_.steps.size(); ++i) {
+    const std::int64_t next = i < findings_.steps.size() ? std::clamp(findings_.steps[i].index, begin, end) : end;
+    if (next - begin > count) first = begin, count = next - begin;
+    begin = next;
+  }
+  findings_.steps_masked = true;
+  keep(first, count);
+}
+
+void Screened::look_for_outliers_and_steps() {
+  const auto samples = static_cast<std::int64_t>(rate_.size());
+  findings_.outliers = allan::find_outliers(rate_);
+  findings_.outliers_masked = masking_.outliers && !findings_.outliers.empty();
+  if (!findings_.outliers.empty()) {
+    masked_.assign(rate_.begin(), rate_.end());
+    for (const auto& outlier : findings_.outliers)
+      masked_[static_cast<std::size_t>(outlier.index)] = std::numeric_limits<double>::quiet_NaN();
+  }
+  // Outliers, unlike gaps, can be as many as clusters may miss: these then must do with fewer samples.
+  if (findings_.outliers_masked && !(fill_ == 1)) fill_ = kFillBesideOutliers;
+  keep(0, samples);
+  // A knock moves means too: it is no step.
+  const bool knocks = !findings_.outliers.empty() && !findings_.outliers_masked;
+  findings_.steps =
+      knocks ? allan::find_steps(allan::Series(without_outliers(), dt_, fill_)) : allan::find_steps(*series_);
+  if (masking_.steps && !findings_.steps.empty()) keep_longest_without_step();
+}
+
+bool Screened::look_for_departure(std::span<const noise::Process> fitted) {
+  std::optional<allan::Series> clean;
+  if (!findings_.outliers.empty() && !findings_.outliers_masked) clean.emplace(without_outliers(), dt_, fill_);
+  auto departure = allan::find_departure(clean ? *clean : *series_, fitted);
+  if (!departure) return false;
+  if (departure->kind == allan::Departure::Kind::step) {
+    if (!findings_.steps.empty() && !findings_.steps_masked) return false;  // named already
+    findings_.steps.push_back({.index = findings_.first + departure->index,
+                               .size = departure->size,
+                               .sigmas = departure->sigmas,
+                               .span = findings_.samples / 128});
+    std::sort(findings_.steps.begin(), findings_.steps.end(),
+              [](const auto& a, const auto& b) { return a.index < b.index; });
+    if (masking_.steps) keep_longest_without_step();
+    return masking_.steps;
+  }
+  findings_.departure = departure;
+  if (!masking_.warm_up || departure->kind != allan::Departure::Kind::warm_up) return false;
+  const auto settling = static_cast<std::int64_t>(std::llround(kSettled * departure->time_constant_s / dt_));
+  if (2 * settling > findings_.samples) return false;
+  findings_.warm_up_masked = true;
+  keep(findings_.first + settling, findings_.samples - settling);
+  return true;
+}
+
+void Screened::look_for_lines(const fit::Result& fit) {
+  findings_.lines = allan::find_lines(without_outliers(), dt_);
+  drop_modelled_line(findings_.lines, fit, static_cast<double>(findings_.samples) * dt_);
+}
+
+}  // namespace gyrobudget::inline v0::calibration::detail

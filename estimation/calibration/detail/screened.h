@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: MIT
+#pragma once
+
+#include "gyrobudget/allan/series.h"
+#include "gyrobudget/estimation/calibration/findings.h"
+#include "gyrobudget/estimation/fit/fit.h"
+
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace gyrobudget::inline v0::calibration::detail {
+
+/// An axis as it goes into curve and fit: what is in it beside noise is found, and left out where that is asked for.
+/// Refers to the samples, which must outlive it.
+class Screened {
+ public:
+  Screened(std::span<const double> rate, double dt, double minimum_fill, const Masking& masking);
+
+  [[nodiscard]] const allan::Series& series() const { return *series_; }
+  [[nodiscard]] const Findings& findings() const { return findings_; }
+
+  /// Looks for a warm-up, a trend or a step beside the noise that was fitted.
+  /// @return whether a part of the record was masked for it, and curve and fit are to be made again.
+  [[nodiscard]] bool look_for_departure(std::span<const noise::Process> fitted);
+  /// Lines that the fit does not hold.
+  void look_for_lines(const fit::Result& fit);
+
+ private:
+  void look_for_outliers_and_steps();
+  void keep(std::int64_t first, std::int64_t count);
+  void keep_longest_without_step();
+  [[nodiscard]] std::span<const double> part_of(std::span<const double> whole) const;
+  [[nodiscard]] std::span<const double> without_outliers() const;
+
+  std::span<const double> rate_;
+  Masking masking_;
+  double dt_, fill_;
+  std::vector<double> masked_;  // the rates without outliers, where there are any
+  std::optional<allan::Series> series_;
+  Findings findings_;
+};
+
+}  // namespace gyrobudget::inline v0::calibration::detail

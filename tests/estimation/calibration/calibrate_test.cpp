@@ -1,0 +1,211 @@
+// SPDX-License-Identifier: MIT
+#include "gyrobudget/estimation/calibration/calibrate.h"
+
+#include "gyrobudget/estimation/calibration/sensor_model.h"
+#include "gyrobudget/estimation/calibration/several.h"
+
+#include <gtest/gtest.h>
+
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "../fit/sensors.h"
+#include "records.h"
+
+namespace gyrobudget::tests {
+namespace {
+
+using calibration::calibrate;
+using calibration::Datasheet;
+using calibration::Unusable;
+using noise::Term;
+
+allan::Record record_of(const std::string& name) {
+  auto list = ten_records();
+  return std::ranges::find(list, name, &NamedRecord::name)->record;
+}
+
+template <class Call>
+Unusable::Reason reason_of(Call&& call) {
+  try {
+    call();
+  } catch (const Unusable& error) {
+    return error.reason;
+  }
+  ADD_FAILURE() << "nothing was refused";
+  return Unusable::Reason::too_short;
+}
+
+// N of n samples of white noise has a relative standard deviation of about 1/sqrt(2 n) by likelihood; five of those, and
+// as much again for the share of the other terms in the shortest taus.
+double tolerance(std::int64_t samples) { return 10 / std::sqrt(2.0 * static_cast<double>(samples)); }
+
+TEST(Calibrate, FindsTheNoiseOfACleanRecord) {
+  const auto record = record_of("clean");
+  const Datasheet sheet = calibrate(record);
+  ASSERT_EQ(sheet.axes.size(), 1U);
+  const auto& axis = sheet.axes[0];
+  EXPECT_TRUE(axis.has_answer());
+  EXPECT_TRUE(sheet.is_complete());
+  EXPECT_FALSE(axis.findings->any());
+  EXPECT_EQ(axis.fit.fitted_terms, (std::vector{Term::white, Term::flicker, Term::rate_random_walk}));
+  EXPECT_NEAR(axis.fit[Term::white].value / mems().n, 1, tolerance(record.samples));
+}
+
+// What fit::fit alone does not see: a record of angle steps owes its short taus to quantization.
+TEST(Calibrate, AddsQuantizationWhereTheFirstTausShowIt) {
+  const auto sheet = calibrate(record_of("quantized"));
+  const auto& q = sheet.axes[0].fit[Term::quantization];
+  EXPECT_TRUE(q.fitted);
+  EXPECT_EQ(q.status, fit::Status::identified);
+  const double step = 2e-4;  // Q = step/sqrt(12); known to about 1 % from 36 000 samples
+  EXPECT_NEAR(q.value / (step / std::sqrt(12.0)), 1, 0.05);
+}
+
+TEST(Calibrate, MasksWhatIsAskedFor) {
+  const auto record = record_of("knocks");
+  const auto as_it_is = calibrate(record);
+  const auto masked = calibrate(record, {.mask = {.outliers = true}});
+  EXPECT_EQ(as_it_is.axes[0].findings->outliers.size(), 5U);
+  EXPECT_TRUE(as_it_is.axes[0].findings->outliers_spoil());
+  EXPECT_TRUE(masked.axes[0].findings->outliers_masked);
+  EXPECT_FALSE(masked.axes[0].findings->spoil());
+  EXPECT_GT(as_it_is.axes[0].fit[Term::white].value, 1.1 * mems().n);
+  EXPECT_NEAR(masked.axes[0].fit[Term::white].value / mems().n, 1, tolerance(record.samples));
+}
+
+TEST(Calibrate, NamesStepsWarmUpsAndLines) {
+  EXPECT_EQ(calibrate(record_of("step")).axes[0].findings->steps.size(), 1U);
+  const auto warm = calibrate(record_of("warm-up"), {.mask = {.warm_up = true}});
+  ASSERT_TRUE(warm.axes[0].findings->departure);
+  EXPECT_EQ(warm.axes[0].findings->departure->kind, allan::Departure::Kind::warm_up);
+  EXPECT_GT(warm.axes[0].findings->first, 0);
+  const auto line = calibrate(record_of("line"));
+  ASSERT_FALSE(line.axes[0].findings->lines.empty());
+  EXPECT_NEAR(line.axes[0].findings->lines.front().frequency_hz, 1.7, 0.01);
+}
+
+TEST(Calibrate, SaysThatASilentRecordHoldsNothing) {
+  const auto sheet = calibrate(record_of("silent"));
+  EXPECT_TRUE(sheet.axes[0].facts.all_equal);
+  EXPECT_FALSE(sheet.axes[0].has_answer());
+  EXPECT_FALSE(sheet.is_complete());
+}
+
+// A sinusoid is no random process: how long to record for B is asked of the others.
+TEST(Calibrate, AdvisesOnLengthBesideASinusoid) {
+  calibration::Options options;
+  options.terms = std::vector{Term::white, Term::flicker, Term::rate_random_walk, Term::sinusoid};
+  const auto sheet = calibrate(record_of("line"), options);
+  const auto& axis = sheet.axes[0];
+  EXPECT_EQ(axis.fit[Term::sinusoid].status, fit::Status::identified);
+  EXPECT_FALSE(axis.facts.longer.empty());
+  for (const auto& longer : axis.facts.longer) EXPECT_GT(longer.needed_s, longer.duration_s);
+}
+
+TEST(Calibrate, IsTheSameForAnyNumberOfThreads) {
+  const auto record = record_of("three axes");
+  const auto all = calibrate(record);
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  const auto alone = calibrate(record);
+  for (std::size_t i = 0; i < all.axes.size(); ++i) {
+    for (std::size_t k = 0; k < all.axes[i].fit.coefficients.size(); ++k) {
+      EXPECT_EQ(all.axes[i].fit.coefficients[k].value, alone.axes[i].fit.coefficients[k].value);
+      EXPECT_EQ(all.axes[i].fit.coefficients[k].upper, alone.axes[i].fit.coefficients[k].upper);
+    }
+  }
+}
+
+TEST(Calibrate, RefusesWhatNoDatasheetCanBeMadeOf) {
+  const auto short_one = allan::make_record({gyro_axis(mems_rates(calibration::kFewestSamples - 1, 1))}, kRecordRate);
+  EXPECT_EQ(reason_of([&] { (void)calibrate(short_one); }), Unusable::Reason::too_short);
+  auto holes = mems_rates(400, 1);
+  for (std::size_t i = 0; i < holes.size(); i += 3) holes[i] = std::numeric_limits<double>::quiet_NaN();
+  const auto gaps = allan::make_record({gyro_axis(holes)}, kRecordRate);
+  EXPECT_EQ(reason_of([&] { (void)calibrate(gaps); }), Unusable::Reason::too_few_taus);
+  auto huge = mems_rates(400, 1);
+  huge[7] = 10 * calibration::kLargestSample;
+  const auto scale = allan::make_record({gyro_axis(huge)}, kRecordRate);
+  EXPECT_EQ(reason_of([&] { (void)calibrate(scale); }), Unusable::Reason::out_of_scale);
+}
+
+TEST(Calibrate, ThrowsForRecordsThatAreNone) {
+  allan::Record record = record_of("clean");
+  record.rate_hz = 0;
+  EXPECT_THROW((void)calibrate(record), std::invalid_argument);
+  record.rate_hz = kRecordRate;
+  record.samples += 1;
+  EXPECT_THROW((void)calibrate(record), std::invalid_argument);
+  EXPECT_THROW((void)allan::make_record({gyro_axis({1, 2}), gyro_axis({1})}, 1), std::invalid_argument);
+  EXPECT_THROW((void)allan::make_record({}, -1), std::invalid_argument);
+}
+
+TEST(Record, CountsSamplesThatAnyAxisMisses) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  const auto record = allan::make_record({gyro_axis({1, kNaN, 3, 4}), gyro_axis({kNaN, kNaN, 3, 4}, "y")}, 1, "bench");
+  EXPECT_EQ(record.samples, 4);
+  EXPECT_EQ(record.missing_samples, 2);
+  EXPECT_EQ(record.source, "bench");
+}
+
+// The exact Allan deviation of white noise is N/sqrt(tau).
+TEST(CalibrateTable, FindsTheNoiseOfATable) {
+  allan::DeviationTable table{.source = "table", .tau_s = {}, .columns = {{.name = "x", .deviation = {}}}};
+  const double n = 1e-4;
+  for (double tau = 0.1; tau < 2000; tau *= 2) {
+    table.tau_s.push_back(tau);
+    table.columns[0].deviation.push_back(n / std::sqrt(tau));
+  }
+  const auto sheet = calibrate(table, kRecordRate, 36000);
+  EXPECT_NEAR(sheet.axes[0].fit[Term::white].value / n, 1, 1e-6);  // the fit's own convergence
+  EXPECT_FALSE(sheet.axes[0].findings);
+  table.tau_s[1] = 0.25;
+  EXPECT_EQ(reason_of([&] { (void)calibrate(table, kRecordRate, 36000); }), Unusable::Reason::between_samples);
+}
+
+TEST(CalibrateSeveral, CombinesRecordsOfOneTypeInTheOrderOfTheFirst) {
+  const auto first = record_of("three axes");
+  auto second = first;
+  std::swap(second.axes[0], second.axes[2]);
+  const std::vector records{first, second};
+  const auto type = calibration::calibrate(records);
+  ASSERT_EQ(type.axes.size(), 3U);
+  EXPECT_EQ(type.axes[0].name, "gyro_x");
+  EXPECT_EQ(type.records[1].axes[0].name, "gyro_x");
+  const auto white = std::ranges::find(type.axes[0].coefficients, Term::white, &fit::Combined::term);
+  ASSERT_NE(white, type.axes[0].coefficients.end());
+  // Twice the same record is that record, to rounding of squares and their root.
+  constexpr double kRounding = 1e-12;
+  EXPECT_NEAR(white->value / type.records[0].axes[0].fit[Term::white].value, 1, kRounding);
+  EXPECT_TRUE(type.is_complete());
+}
+
+TEST(CalibrateSeveral, RefusesOtherAxesAndRates) {
+  const auto first = calibrate(record_of("three axes"));
+  auto other = record_of("clean");
+  EXPECT_EQ(reason_of([&] { (void)calibration::matched(other, first); }), Unusable::Reason::other_axes);
+  auto faster = record_of("three axes");
+  faster.rate_hz *= 1 + 2 * calibration::kRateTolerance;
+  EXPECT_EQ(reason_of([&] { (void)calibration::matched(faster, first); }), Unusable::Reason::other_rate);
+  EXPECT_THROW((void)calibration::combine({}), std::invalid_argument);
+}
+
+// Spectra add up: the triad has the root mean square of its axes, here of grades 1 and 5.
+TEST(SensorModel, IsTheRootMeanSquareOfEachTriad) {
+  const auto sheet = calibrate(record_of("three axes"));
+  const auto model = calibration::sensor_model(sheet, "bench");
+  EXPECT_EQ(model.name, "bench");
+  const double x = sheet.axes[0].fit[Term::white].value, y = sheet.axes[1].fit[Term::white].value;
+  constexpr double kSixDigits = 5e-6;
+  EXPECT_NEAR(model.gyro.white / std::sqrt((x * x + y * y) / 2), 1, kSixDigits);
+  ASSERT_TRUE(model.accelerometer);
+  EXPECT_NEAR(model.accelerometer->white / sheet.axes[2].fit[Term::white].value, 1, kSixDigits);
+  EXPECT_FALSE(calibration::sensor_model(calibrate(record_of("silent")), "silent").accelerometer);
+}
+
+}  // namespace
+}  // namespace gyrobudget::tests
