@@ -42,7 +42,7 @@ class RecordGenerator {
   RecordGenerator(RecordGenerator&&) noexcept;
   RecordGenerator& operator=(RecordGenerator&&) noexcept;
 
-  [[nodiscard]] std::vector<double> operator()(StreamKey) const;
+  [[nodiscard]] std::vector<double> operator()(StreamKey key) const;
 
  private:
   struct Plan;

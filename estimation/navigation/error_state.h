@@ -140,7 +140,7 @@ class Lineariser {
   /// dt of themselves: 1e-6 of them at 10 ms. The motion of f within a step adds (w dt)^2/12 of what f does
   /// in it.
   /// @throws std::invalid_argument unless dt > 0 and finite.
-  [[nodiscard]] const Transition& operator()(const StepInput&);
+  [[nodiscard]] const Transition& operator()(const StepInput& step);
   static constexpr double kSecondOrder = 0.05;  ///< [s]
 
  private:
