@@ -26,6 +26,6 @@ struct AngleError {
 /// @param factors 1 <= m <= n, in any order.
 /// @throws std::invalid_argument for a factor out of range.
 /// Error 1e-12 relative to the largest phase. Cost: O(n) per factor and octave, 40 bytes a sample; one thread.
-[[nodiscard]] std::vector<AngleError> angle_error(const Series&, std::span<const std::int64_t> factors);
+[[nodiscard]] std::vector<AngleError> angle_error(const Series& record, std::span<const std::int64_t> factors);
 
 }  // namespace gyrobudget::inline v0::allan

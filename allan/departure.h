@@ -45,7 +45,7 @@ struct DepartureOptions {
 /// @return nothing where no departure is seen, processes are empty, the record is shorter than 512 samples, or a block
 /// has under half of its samples.
 /// @throws std::invalid_argument for a false alarm outside (0, 1) or an invalid process.
-[[nodiscard]] std::optional<Departure> find_departure(const Series&, std::span<const noise::Process> processes,
-                                                      const DepartureOptions& = {});
+[[nodiscard]] std::optional<Departure> find_departure(const Series& record, std::span<const noise::Process> processes,
+                                                      const DepartureOptions& options = {});
 
 }  // namespace gyrobudget::inline v0::allan

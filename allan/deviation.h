@@ -63,8 +63,9 @@ struct Curve {
 /// bytes per sample (12 with gaps) where a factor exceeds 4096. The result has the same bytes for any number of
 /// threads and on any x86-64.
 [[nodiscard]] Curve overlapped_variance(std::span<const double> rate, double dt, std::span<const std::int64_t> factors,
-                                        const DeviationOptions& = {});
+                                        const DeviationOptions& options = {});
 /// The same of a record made ready before, whose minimum fill holds.
-[[nodiscard]] Curve overlapped_variance(const Series&, std::span<const std::int64_t> factors, Form = Form::full);
+[[nodiscard]] Curve overlapped_variance(const Series& data, std::span<const std::int64_t> factors,
+                                        Form form = Form::full);
 
 }  // namespace gyrobudget::inline v0::allan

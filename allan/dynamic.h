@@ -42,10 +42,10 @@ struct DynamicSurface {
 /// @throws std::invalid_argument for a window shorter than 2 or longer than the record, a hop below 1, or a
 /// factor out of range. Cost: O(n) per factor; the result has windows x factors numbers. Same bytes at any
 /// number of threads.
-[[nodiscard]] DynamicSurface dynamic_variance(const Series&, std::span<const std::int64_t> factors,
-                                              const DynamicOptions& = {});
+[[nodiscard]] DynamicSurface dynamic_variance(const Series& record, std::span<const std::int64_t> factors,
+                                              const DynamicOptions& wanted = {});
 
 /// The window and hop that options stand for.
-[[nodiscard]] DynamicOptions resolved(const DynamicOptions&, std::int64_t samples);
+[[nodiscard]] DynamicOptions resolved(const DynamicOptions& options, std::int64_t samples);
 
 }  // namespace gyrobudget::inline v0::allan

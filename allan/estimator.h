@@ -34,8 +34,8 @@ inline constexpr Estimator kEstimators[] = {
     Estimator::ohdev, Estimator::totdev, Estimator::mtotdev, Estimator::ttotdev, Estimator::htotdev,
     Estimator::theo1, Estimator::theobr, Estimator::theoh,   Estimator::pdev};
 
-[[nodiscard]] std::string_view name(Estimator);
-[[nodiscard]] std::optional<Estimator> estimator_named(std::string_view);
+[[nodiscard]] std::string_view name(Estimator estimator);
+[[nodiscard]] std::optional<Estimator> estimator_named(std::string_view wanted);
 
 /// Averaging time tau [s] of a factor m: m dt, but 0.75 m dt for Theo1 and TheoBR.
 [[nodiscard]] constexpr double averaging_time(Estimator estimator, std::int64_t m, double dt) {
@@ -63,17 +63,17 @@ struct FactorRange {
 };
 /// For a record of n samples: 1 .. n/2 (Allan), (n+1)/3 (modified), n/3 (Hadamard), n-1 (total); even numbers
 /// 10 .. n for Theo1, 12 .. n for TheoBR; for TheoH 1 .. 3n/4, beyond n/5 multiples of 3 that have terms of Theo1.
-[[nodiscard]] FactorRange factor_range(Estimator, std::int64_t samples);
+[[nodiscard]] FactorRange factor_range(Estimator estimator, std::int64_t samples);
 
 /// Whether an estimator has terms at factor m: within the range, in its steps.
-[[nodiscard]] bool has_terms(Estimator, std::int64_t samples, std::int64_t m);
+[[nodiscard]] bool has_terms(Estimator estimator, std::int64_t samples, std::int64_t m);
 
 /// 1, 2, 4, ... within the range; for Theo1 the m of averaging times 0.75 m nearest to those: 10, 22, 42, 86,
 /// ...
-[[nodiscard]] std::vector<std::int64_t> octave_factors(Estimator, std::int64_t samples);
+[[nodiscard]] std::vector<std::int64_t> octave_factors(Estimator estimator, std::int64_t samples);
 /// What an estimator can do of a list of factors made for `tau = m dt`: those in range; for Theo1 and TheoBR 4m/3 to the
 /// nearest even number, for TheoH multiples of 3 beyond n/5. Ascending, without repeats.
-[[nodiscard]] std::vector<std::int64_t> usable_factors(Estimator, std::int64_t samples,
+[[nodiscard]] std::vector<std::int64_t> usable_factors(Estimator estimator, std::int64_t samples,
                                                        std::span<const std::int64_t> factors);
 
 }  // namespace gyrobudget::inline v0::allan

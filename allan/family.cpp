@@ -149,21 +149,22 @@ std::vector<TermSum> sum_terms(const Series& record, Estimator estimator, std::s
 
 }  // namespace
 
-std::int64_t stride_of(Estimator named, std::int64_t samples, std::int64_t factor, const EstimatorOptions& options) {
-  const auto [estimator, m] = basis_of(named, samples, factor);
-  if (estimator == Estimator::adev || estimator == Estimator::hdev) return m;
+std::int64_t stride_of(Estimator estimator, std::int64_t samples, std::int64_t m, const EstimatorOptions& options) {
+  const auto [basis, factor] = basis_of(estimator, samples, m);
+  if (basis == Estimator::adev || basis == Estimator::hdev) return factor;
   if (options.overlap > 0) {
-    const std::int64_t stride = m / options.overlap;
+    const std::int64_t stride = factor / options.overlap;
     return stride < options.least_stride ? 1 : std::max<std::int64_t>(1, stride);
   }
-  const std::int64_t steps = detail::steps_per_term(estimator, m);
+  const std::int64_t steps = detail::steps_per_term(basis, factor);
   if (steps == 1) return 1;
   constexpr double kMostSteps = 1 << 26;
-  // What costs nothing: a term of the totals averages over 6m places itself.
-  const std::int64_t least_overlap = estimator == Estimator::theo1 ? 16 : 4;
-  const double work = static_cast<double>(steps) * static_cast<double>(detail::family_positions(estimator, samples, m));
+  // What costs nothing: a term of the totals averages over 6 m places itself.
+  const std::int64_t least_overlap = basis == Estimator::theo1 ? 16 : 4;
+  const double work =
+      static_cast<double>(steps) * static_cast<double>(detail::family_positions(basis, samples, factor));
   const auto wanted = static_cast<std::int64_t>(std::ceil(work / kMostSteps));
-  return std::max<std::int64_t>(1, std::min(wanted, m / least_overlap));
+  return std::max<std::int64_t>(1, std::min(wanted, factor / least_overlap));
 }
 
 namespace {

@@ -63,11 +63,11 @@ struct EstimatorOptions {
 /// degrees of freedom; an overlap that is asked for is kept to. Point::stride says what was done. Memory 8
 /// bytes per sample (12 with gaps), and 8 more where gaps are bridged. Same bytes for any number of threads
 /// and on any x86-64.
-[[nodiscard]] Curve deviation(const Series&, Estimator, std::span<const std::int64_t> factors,
-                              const EstimatorOptions& = {});
+[[nodiscard]] Curve deviation(const Series& record, Estimator estimator, std::span<const std::int64_t> factors,
+                              const EstimatorOptions& options = {});
 /// The same of rates [signal] every dt [s].
-[[nodiscard]] Curve deviation(std::span<const double> rate, double dt, Estimator, std::span<const std::int64_t> factors,
-                              const EstimatorOptions& = {});
+[[nodiscard]] Curve deviation(std::span<const double> rate, double dt, Estimator estimator,
+                              std::span<const std::int64_t> factors, const EstimatorOptions& options = {});
 
 /// Rates of angle (phase) readings: n angles give n - 1 rates. Differences of neighbours keep every digit
 /// that matters.
@@ -76,6 +76,7 @@ struct EstimatorOptions {
 [[nodiscard]] std::vector<double> rates_of_increments(std::span<const double> increments, double dt);
 
 /// The stride that deviation() takes.
-[[nodiscard]] std::int64_t stride_of(Estimator, std::int64_t samples, std::int64_t m, const EstimatorOptions& = {});
+[[nodiscard]] std::int64_t stride_of(Estimator estimator, std::int64_t samples, std::int64_t m,
+                                     const EstimatorOptions& options = {});
 
 }  // namespace gyrobudget::inline v0::allan

@@ -41,7 +41,7 @@ struct Identified {
 /// Of more than 2^15 clusters 16 stretches of 2^11 neighbours, spread evenly over the record, are looked at: r1 is then
 /// known to 0.006 (one sigma), and no two exponents are nearer than 0.1.
 /// Cost: prefix sums of the record once, then O(min(n/m, 2^15)) for each factor.
-[[nodiscard]] std::vector<Identified> identify_noise(const Series&, std::span<const std::int64_t> factors);
+[[nodiscard]] std::vector<Identified> identify_noise(const Series& record, std::span<const std::int64_t> factors);
 /// The same of rates alone.
 [[nodiscard]] std::vector<Identified> identify_noise(std::span<const double> rate,
                                                      std::span<const std::int64_t> factors);

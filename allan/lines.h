@@ -30,6 +30,7 @@ struct LineOptions {
 /// @param rate  at least 1024 samples, else nothing is found; dt > 0 [s].
 /// @throws std::invalid_argument for dt that is not above zero.
 /// Source: Welch, IEEE Trans. Audio Electroacoust. 15 (1967) 70; window's noise bandwidth 1.5 bins.
-[[nodiscard]] std::vector<SpectralLine> find_lines(std::span<const double> rate, double dt, const LineOptions& = {});
+[[nodiscard]] std::vector<SpectralLine> find_lines(std::span<const double> rate, double dt,
+                                                   const LineOptions& options = {});
 
 }  // namespace gyrobudget::inline v0::allan

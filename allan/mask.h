@@ -47,7 +47,7 @@ class Mask {
   /// lost, at random or in gaps: below 1e-3 + 5 % of its distance from 1 (tested against all triples, all samples).
   ///
   /// @throws std::invalid_argument for m outside 1 .. n/2 or an invalid dt [s] or process.
-  [[nodiscard]] double expectation_ratio(const noise::Process&, std::int64_t m, double dt,
+  [[nodiscard]] double expectation_ratio(const noise::Process& process, std::int64_t m, double dt,
                                          Form form = Form::full) const;
 
  private:

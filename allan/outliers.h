@@ -31,6 +31,6 @@ struct OutlierOptions {
 /// @throws std::invalid_argument for a false alarm outside (0, 1).
 /// Cost: one pass; a sorted neighbourhood for about one sample in 300.
 /// Source: the Hampel identifier (L. Davies and U. Gather, J. Am. Stat. Assoc. 88 (1993) 782).
-[[nodiscard]] std::vector<Outlier> find_outliers(std::span<const double> rate, const OutlierOptions& = {});
+[[nodiscard]] std::vector<Outlier> find_outliers(std::span<const double> rate, const OutlierOptions& options = {});
 
 }  // namespace gyrobudget::inline v0::allan

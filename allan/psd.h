@@ -61,6 +61,6 @@ struct Spectrum {
 
 /// A spectrum for drawing: means over bins evenly spaced in log f, `per_decade` of them; a bin with one point
 /// keeps it. Degrees of freedom are those of as many points as lie a bandwidth apart.
-[[nodiscard]] Spectrum log_binned(const Spectrum&, int per_decade = 20);
+[[nodiscard]] Spectrum log_binned(const Spectrum& fine, int per_decade = 20);
 
 }  // namespace gyrobudget::inline v0::allan

@@ -258,27 +258,27 @@ std::vector<PointStatistics> each_point(const Curve& curve, double confidence, F
 
 }  // namespace
 
-double equivalent_dof(const Estimation& of, Mix mix) {
-  check(of);
+double equivalent_dof(const Estimation& estimation, Mix mix) {
+  check(estimation);
   const std::vector<noise::Process> scaled = normalized(mix);
   DenseDof dense;
-  return degrees_of_freedom(of, scaled, dense);
+  return degrees_of_freedom(estimation, scaled, dense);
 }
 
-double expectation_ratio(const Estimation& of, Mix mix) {
-  check(of);
-  if (detail::is_stationary(of.estimator)) return 1;
+double expectation_ratio(const Estimation& estimation, Mix mix) {
+  check(estimation);
+  if (detail::is_stationary(estimation.estimator)) return 1;
   const std::vector<noise::Process> scaled = normalized(mix);
-  switch (of.estimator) {
+  switch (estimation.estimator) {
     case Estimator::totdev:
-      return total_ratio(of, scaled);
+      return total_ratio(estimation, scaled);
     case Estimator::mtotdev:
     case Estimator::ttotdev:
-      return stretch_ratio(of, scaled, Estimator::mdev);
+      return stretch_ratio(estimation, scaled, Estimator::mdev);
     case Estimator::htotdev:
-      return of.m == 1 ? 1 : stretch_ratio(of, scaled, Estimator::ohdev);
+      return estimation.m == 1 ? 1 : stretch_ratio(estimation, scaled, Estimator::ohdev);
     case Estimator::theo1:
-      return theo1_ratio(of, scaled);
+      return theo1_ratio(estimation, scaled);
     default:
       return 1;
   }

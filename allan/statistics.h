@@ -43,7 +43,7 @@ struct Estimation {
 /// overlap is worth all: its degrees of freedom go as n/stride.
 /// @throws std::invalid_argument for a factor that the estimator has no terms for, a stride below 1, or no
 /// noise.
-[[nodiscard]] double equivalent_dof(const Estimation&, std::span<const noise::Process> mix);
+[[nodiscard]] double equivalent_dof(const Estimation& estimation, std::span<const noise::Process> mix);
 
 /// E[s] over the variance that the estimator is named for (total: Allan, modified total: modified Allan,
 /// Hadamard total: Hadamard, Theo1: Allan at 0.75 m dt); 1 for the others. Divide by it. Exact for totdev to
@@ -54,7 +54,7 @@ struct Estimation {
 /// published; mtotdev 0.995, 0.771, 0.717, 0.679 for quantization to random walk (published, from simulation:
 /// 0.94, 0.73, 0.70, 0.69); htotdev 0.995, 0.851, 0.771 for white to random walk, as published; Theo1 of
 /// white noise 1.
-[[nodiscard]] double expectation_ratio(const Estimation&, std::span<const noise::Process> mix);
+[[nodiscard]] double expectation_ratio(const Estimation& estimation, std::span<const noise::Process> mix);
 
 /// What is known of one point of a curve.
 struct PointStatistics {
@@ -66,15 +66,15 @@ struct PointStatistics {
 
 /// Of every point of a curve for a mix of processes, as `calibrate` fits one. NaN where no term counts.
 /// @throws std::invalid_argument as above.
-[[nodiscard]] std::vector<PointStatistics> statistics(const Curve&, std::span<const noise::Process> mix,
+[[nodiscard]] std::vector<PointStatistics> statistics(const Curve& curve, std::span<const noise::Process> mix,
                                                       double confidence = 0.95);
 /// The same for the noise that was identified at each point. Where it changes along the curve, bias and degrees of
 /// freedom go over from one noise's to the other's within two octaves either way (the mean over the points there,
 /// weights falling linearly in log tau), so that curves whose bias is divided out do not jump.
-[[nodiscard]] std::vector<PointStatistics> statistics(const Curve&, std::span<const Identified>,
+[[nodiscard]] std::vector<PointStatistics> statistics(const Curve& curve, std::span<const Identified> noises,
                                                       double confidence = 0.95);
 /// Noise at each point's averaging time (at n/2 beyond that), as held_noise has it.
-[[nodiscard]] std::vector<Identified> identify_noise(const Series&, const Curve&);
+[[nodiscard]] std::vector<Identified> identify_noise(const Series& record, const Curve& curve);
 
 /// The same from the overlapped Allan curve alone, where the samples are gone (streams): the power law at each octave from
 /// the slope over its two neighbours, as the Allan variance goes as tau^-2, -1, 0, 1 for quantization, white, flicker,
@@ -105,6 +105,6 @@ struct Segment {
 /// Weights in proportion to the degrees of freedom have the least variance, and degrees of freedom then add.
 /// @return ascending in tau; taus that no segment has a term for are left out.
 /// @throws std::invalid_argument for curves of different estimators or dt, or statistics of another size.
-[[nodiscard]] std::vector<PooledPoint> pool(std::span<const Segment>, double confidence = 0.95);
+[[nodiscard]] std::vector<PooledPoint> pool(std::span<const Segment> segments, double confidence = 0.95);
 
 }  // namespace gyrobudget::inline v0::allan

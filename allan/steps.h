@@ -32,6 +32,6 @@ struct StepOptions {
 ///
 /// @throws std::invalid_argument for a false alarm outside (0, 1).
 /// Records shorter than 2048 samples have none found. Cost: prefix sums once, then O(n / 8).
-[[nodiscard]] std::vector<Step> find_steps(const Series&, const StepOptions& = {});
+[[nodiscard]] std::vector<Step> find_steps(const Series& record, const StepOptions& options = {});
 
 }  // namespace gyrobudget::inline v0::allan

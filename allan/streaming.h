@@ -41,7 +41,7 @@ class StreamingDeviation {
  public:
   /// @throws std::invalid_argument for dt [s] that is not positive and finite, an overlap that is no power of
   /// two from 1 to 4096, a minimum fill outside (0, 1], or a negative first sample.
-  explicit StreamingDeviation(double dt, const StreamingOptions& = {});
+  explicit StreamingDeviation(double dt, const StreamingOptions& options = {});
 
   /// Takes in the next samples.
   void push(std::span<const double> rate);
@@ -50,7 +50,7 @@ class StreamingDeviation {
   /// the terms are the same, their sum differs by its rounding.
   /// @throws std::invalid_argument where `next` does not begin at this one's end, or has another dt, overlap
   /// or fill.
-  void append(const StreamingDeviation& next);
+  void append(const StreamingDeviation& following);
 
   /// Number of samples so far, missing ones included.
   [[nodiscard]] std::int64_t samples() const { return samples_; }

@@ -19,9 +19,9 @@ struct Taus {
 /// The averaging factors of this choice for a record of `samples`, in the range of the overlapped Allan variance; see
 /// factors.h.
 /// @throws std::invalid_argument for `logarithmic` with a count below 1.
-[[nodiscard]] std::vector<std::int64_t> factors_of(const Taus&, std::int64_t samples);
+[[nodiscard]] std::vector<std::int64_t> factors_of(const Taus& taus, std::int64_t samples);
 
 /// The same choice over the range in which `estimator` has a term, which can be longer or shorter than n/2.
-[[nodiscard]] std::vector<std::int64_t> factors_of(const Taus&, Estimator estimator, std::int64_t samples);
+[[nodiscard]] std::vector<std::int64_t> factors_of(const Taus& taus, Estimator estimator, std::int64_t samples);
 
 }  // namespace gyrobudget::inline v0::allan

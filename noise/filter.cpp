@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "filter.h"
 
+#include "gyrobudget/noise/detail/check.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -14,13 +16,13 @@
 #include "fft.h"
 
 namespace gyrobudget::inline v0::noise {
+
+using detail::require;
+using detail::require_interval;
+
 namespace {
 
 constexpr double square(double x) { return x * x; }
-
-void require(bool valid, const char* what, double value, const char* limit) {
-  if (!valid) throw std::invalid_argument(fmt::format("{} is {}; it must be {}", what, value, limit));
-}
 
 void require_coefficients(const std::vector<double>& c, const char* what) {
   if (c.empty()) throw std::invalid_argument(fmt::format("the {} of a filter has no coefficients", what));
@@ -135,7 +137,7 @@ FilteredNoise moving_average_flicker(double b, std::int64_t taps) {
 double psd(const FilteredNoise& noise, double frequency_hz, double dt) {
   require_valid(noise);
   constexpr double kNyquist = 0.5 * (1 + 4 * std::numeric_limits<double>::epsilon());  // f dt may round up
-  require(dt > 0 && std::isfinite(dt), "sample interval dt", dt, "positive and finite (s)");
+  require_interval(dt);
   require(frequency_hz > 0 && frequency_hz * dt <= kNyquist, "frequency", frequency_hz, "in (0, 1/(2 dt)] (Hz)");
   const auto inverse_z = std::polar(1.0, -2 * std::numbers::pi * frequency_hz * dt);
   const double gain = std::abs(polynomial(noise.numerator, inverse_z) / polynomial(noise.denominator, inverse_z));

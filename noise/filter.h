@@ -19,7 +19,7 @@ struct FilteredNoise {
 };
 
 /// @throws std::invalid_argument for coefficients that are empty or not finite, a_0 = 0 and sigma not finite.
-void require_valid(const FilteredNoise&);
+void require_valid(const FilteredNoise& noise);
 
 /// The first 1 + taps coefficients of (1 - z^-1)^power (Kasdin 1995): c_0 = 1, c_j = c_{j-1} (j - 1 - power) / j.
 /// @throws std::invalid_argument unless 0 <= taps <= 1e7 and |power| <= 2.
@@ -46,7 +46,7 @@ void require_valid(const FilteredNoise&);
 /// Two-sided power spectral density [signal^2/Hz] of the stationary noise, sigma^2 dt |b(z)/a(z)|^2 at
 /// z = exp(2 pi i f dt). Error below 1e-15 (taps) / |a(z)| of it; time O(taps).
 /// @throws std::invalid_argument for a frequency outside (0, 1/(2 dt)] and what require_valid refuses.
-[[nodiscard]] double psd(const FilteredNoise&, double frequency_hz, double dt);
+[[nodiscard]] double psd(const FilteredNoise& noise, double frequency_hz, double dt);
 
 /// Exact second moments of filtered noise, from its impulse response h. With H_j = h_0 + ... + h_j, none for
 /// j < 0, and g_j = H_j - 2 H_{j-m} + H_{j-2m}, the difference of neighbouring clusters of m is
@@ -67,7 +67,7 @@ class FilterMoments {
  public:
   /// @throws std::invalid_argument for what require_valid refuses and a filter that is not stable or remembers
   /// more than 1.2e7 samples.
-  explicit FilterMoments(const FilteredNoise&);
+  explicit FilterMoments(const FilteredNoise& noise);
 
   /// Of the stationary noise, unit [signal^2]. @throws std::invalid_argument for m < 1.
   [[nodiscard]] double allan_variance(std::int64_t m) const;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "generate.h"
 
+#include "gyrobudget/noise/detail/check.h"
 #include "gyrobudget/noise/detail/state_bank.h"
 #include "gyrobudget/noise/detail/streaming_filter.h"
 #include "gyrobudget/noise/detail/streams.h"
@@ -19,18 +20,18 @@
 #include "fft.h"
 
 namespace gyrobudget::inline v0::noise {
+
+using detail::require;
+using detail::require_interval;
+
 namespace {
 
 using std::numbers::pi;
 
 constexpr std::size_t kTile = 1024;  // samples worked on at a time
 
-void require(bool valid, const char* what, double value, const char* limit) {
-  if (!valid) throw std::invalid_argument(fmt::format("{} is {}; it must be {}", what, value, limit));
-}
-
 void require_generable(std::span<const Process> processes, double dt) {
-  require(dt > 0 && std::isfinite(dt), "sample interval dt", dt, "positive and finite (s)");
+  require_interval(dt);
   for (const Process& p : processes) {
     require(std::isfinite(coefficient(p)), "a noise coefficient", coefficient(p), "finite");
     (void)structure_function(p, 1, dt);  // refuses a correlation time that is none

@@ -42,7 +42,7 @@ class RecordGenerator {
   RecordGenerator(RecordGenerator&&) noexcept;
   RecordGenerator& operator=(RecordGenerator&&) noexcept;
 
-  [[nodiscard]] std::vector<double> operator()(StreamKey) const;
+  [[nodiscard]] std::vector<double> operator()(StreamKey key) const;
 
  private:
   struct Plan;
@@ -66,7 +66,7 @@ class RecordGenerator {
 ///     error              32 %   4 %   0.65 %  0.016 %  0.008 %
 ///
 /// @throws std::invalid_argument unless dt <= longest_tau <= 1e15 dt and 0.5 <= poles_per_decade <= 10.
-[[nodiscard]] std::vector<Process> flicker_approximation(const Flicker&, double dt, double longest_tau,
+[[nodiscard]] std::vector<Process> flicker_approximation(const Flicker& flicker, double dt, double longest_tau,
                                                          double poles_per_decade);
 
 /// Endless record in constant memory; all exact in distribution but flicker, which is flicker_approximation
@@ -79,11 +79,12 @@ class Generator {
     double longest_tau = 1e5;     ///< [s] end of the band of the 1/f approximation
     double poles_per_decade = 2;  ///< see flicker_approximation
   };
-  Generator(std::span<const Process> processes, double dt, const Options&);
+  Generator(std::span<const Process> processes, double dt, const Options& options);
   /// Filtered noise besides, at rest before sample 0, each from a stream of letter F. More than 128 taps run by
   /// Fourier transforms of blocks: 50 ns a sample at 1000 taps, 100 ns at 1e5.
   /// @throws std::invalid_argument also what psd refuses of a filter.
-  Generator(std::span<const Process> processes, std::span<const FilteredNoise> filters, double dt, const Options&);
+  Generator(std::span<const Process> processes, std::span<const FilteredNoise> filters, double dt,
+            const Options& options);
   ~Generator();
   Generator(Generator&&) noexcept;
   Generator& operator=(Generator&&) noexcept;

@@ -2,6 +2,7 @@
 #include "imu.h"
 
 #include "gyrobudget/noise/detail/axis_noise.h"
+#include "gyrobudget/noise/detail/check.h"
 #include "gyrobudget/noise/detail/response.h"
 #include "gyrobudget/noise/detail/streams.h"
 
@@ -17,6 +18,10 @@
 #include <vector>
 
 namespace gyrobudget::inline v0::noise {
+
+using detail::require;
+using detail::require_interval;
+
 namespace {
 
 constexpr std::size_t kAxes = 3;
@@ -24,10 +29,6 @@ constexpr std::size_t kAxes = 3;
 // Streams of the constants, by digits; letters are the noise's.
 constexpr char kTurnOnBias = '1', kScaleFactor = '2', kMisalignment = '3', kGSensitivity = '4', kG2Sensitivity = '5',
                kVibration = '6', kRemainder = '7';
-
-void require(bool valid, const char* what, double value, const char* limit) {
-  if (!valid) throw std::invalid_argument(fmt::format("{} is {}; it must be {}", what, value, limit));
-}
 
 void require_size(const char* what, double value) {
   require(value >= 0 && std::isfinite(value), what, value, "zero or positive, and finite");
@@ -261,7 +262,7 @@ struct Imu::State {
 };
 
 Imu::Imu(const SensorModel& model, double dt, ImuKey key, const Options& options) : state_(std::make_unique<State>()) {
-  require(dt > 0 && std::isfinite(dt), "sample interval dt", dt, "positive and finite (s)");
+  require_interval(dt);
   require_size("vibration level", options.vibration);
   require_size("duration", options.duration);
   constexpr std::uint64_t kStreams = 8;  // a run has six
@@ -281,8 +282,9 @@ Imu::~Imu() = default;
 Imu::Imu(Imu&&) noexcept = default;
 Imu& Imu::operator=(Imu&&) noexcept = default;
 
-ImuReading Imu::next(const ImuReading& truth) {
-  return {state_->gyro.next(truth.angle, truth.velocity), state_->accelerometer.next(truth.velocity, truth.velocity)};
+ImuIncrement Imu::next(const ImuIncrement& truth) {
+  return {.angle = state_->gyro.next(truth.angle, truth.velocity),
+          .velocity = state_->accelerometer.next(truth.velocity, truth.velocity)};
 }
 
 const ImuConstants& Imu::constants() const { return state_->constants; }

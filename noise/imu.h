@@ -7,18 +7,12 @@
 #include <initializer_list>
 #include <memory>
 
+#include "increment.h"
 #include "sensor.h"
 
 namespace gyrobudget::inline v0::noise {
 
-using Vector3 = std::array<double, 3>;   ///< by body axis x, y, z
 using Matrix3 = std::array<Vector3, 3>;  ///< element [i][j] acts on axis i by what is along j
-
-/// Integrals over a sample interval, of w_ib_b [rad] and of f_ib_b [m/s]: of the truth, or as measured.
-struct ImuReading {
-  Vector3 angle = {};
-  Vector3 velocity = {};
-};
 
 /// What an error model holds, one bit each, for switching on and off.
 enum class ErrorSource : unsigned {
@@ -62,7 +56,7 @@ class ErrorSources {
 };
 
 /// The model with nothing but these sources; its epoch stays.
-[[nodiscard]] ErrorModel only(const ErrorModel&, const ErrorSources&);
+[[nodiscard]] ErrorModel only(const ErrorModel& model, const ErrorSources& sources);
 
 /// Names the random numbers of one IMU in one run.
 struct ImuKey {
@@ -147,14 +141,14 @@ class Imu {
   /// (ramp: any sign) or not finite, an order of the low pass other than 1 and 2, a delay of more than 1e7
   /// samples, an epoch of more than 2^62 samples or one that ends in the calibration, run >= 2^45, and what
   /// flicker_approximation refuses.
-  Imu(const SensorModel&, double dt, ImuKey, const Options&);
+  Imu(const SensorModel& model, double dt, ImuKey key, const Options& options);
   Imu(const SensorModel& model, double dt, ImuKey key) : Imu(model, dt, key, Options()) {}
   ~Imu();
   Imu(Imu&&) noexcept;
   Imu& operator=(Imu&&) noexcept;
 
   /// What is measured over the next interval.
-  [[nodiscard]] ImuReading next(const ImuReading& truth);
+  [[nodiscard]] ImuIncrement next(const ImuIncrement& truth);
 
   [[nodiscard]] const ImuConstants& constants() const;
   /// All that varies slowly or not at all, as it was over the last sample (before the first: zero) [signal]:

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "imu_sensor.h"
 
+#include "gyrobudget/noise/detail/check.h"
+
 #include <fmt/core.h>
 
 #include <algorithm>
@@ -10,18 +12,14 @@
 #include <utility>
 
 namespace gyrobudget::inline v0::noise {
+
+using detail::require;
+using detail::require_interval;
+
 namespace {
 
 constexpr int kAxisBits = 46;  // of a stream, above those that users have here
 constexpr double kReferenceTemperature = 25;
-
-void require(bool valid, const char* what, double value, const char* limit) {
-  if (!valid) throw std::invalid_argument(fmt::format("{} is {}; it must be {}", what, value, limit));
-}
-
-void require_interval(double dt) {
-  require(dt > 0 && std::isfinite(dt), "sample interval dt", dt, "positive and finite (s)");
-}
 
 void require_finite(const ImuSensor& s) {
   const std::initializer_list<std::pair<const char*, const ImuSensor::Vector*>> vectors = {
@@ -60,16 +58,16 @@ Model ImuSensor::model(int axis, double dt) const {
           {{bias_instability[i], numerator, denominator}}};
 }
 
-ImuSensor::Vector read(const ImuSensor& s, const ImuInput& input, const ImuSensor::Vector& noise) {
+ImuSensor::Vector read(const ImuSensor& sensor, const ImuInput& input, const ImuSensor::Vector& noise) {
   const double warmth = input.temperature - kReferenceTemperature;
   ImuSensor::Vector reading{};
   for (std::size_t i = 0; i < reading.size(); ++i) {
-    double z =
-        s.constant_bias[i] + noise[i] + warmth * s.temperature_bias[i] + s.acceleration_bias[i] * input.acceleration[i];
-    for (std::size_t j = 0; j < reading.size(); ++j) z += s.axes_misalignment[i][j] / 100 * input.signal[j];
-    z *= 1 + warmth / 100 * s.temperature_scale_factor[i];
-    z = std::clamp(z, -s.measurement_range, s.measurement_range);
-    reading[i] = s.resolution > 0 ? std::round(z / s.resolution) * s.resolution : z;
+    double z = sensor.constant_bias[i] + noise[i] + warmth * sensor.temperature_bias[i] +
+               sensor.acceleration_bias[i] * input.acceleration[i];
+    for (std::size_t j = 0; j < reading.size(); ++j) z += sensor.axes_misalignment[i][j] / 100 * input.signal[j];
+    z *= 1 + warmth / 100 * sensor.temperature_scale_factor[i];
+    z = std::clamp(z, -sensor.measurement_range, sensor.measurement_range);
+    reading[i] = sensor.resolution > 0 ? std::round(z / sensor.resolution) * sensor.resolution : z;
   }
   return reading;
 }

@@ -79,14 +79,14 @@ struct ImuInput {
 };
 
 /// The deterministic part: what the triad reads where `noise` is what its axes add.
-[[nodiscard]] ImuSensor::Vector read(const ImuSensor&, const ImuInput&, const ImuSensor::Vector& noise);
+[[nodiscard]] ImuSensor::Vector read(const ImuSensor& sensor, const ImuInput& input, const ImuSensor::Vector& noise);
 
 /// Readings of a triad, endless and in constant memory. Axis i draws from stream key.stream | i << 46.
 class ImuGenerator {
  public:
   /// @throws std::invalid_argument for dt not positive and finite, values that are not finite (range: NaN or
   /// negative), a negative resolution, what require_valid refuses of the filter, key.stream >= 2^46.
-  ImuGenerator(ImuSensor, double dt, StreamKey);
+  ImuGenerator(ImuSensor sensor, double dt, StreamKey key);
 
   /// The reading at each of `inputs`; the bytes do not depend on how the record is cut into calls.
   /// @throws std::invalid_argument for spans of different lengths.

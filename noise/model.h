@@ -27,7 +27,7 @@ struct Model {
 class ModelMoments {
  public:
   /// @throws std::invalid_argument for dt not positive and finite and what FilterMoments refuses.
-  ModelMoments(Model, double dt);
+  ModelMoments(Model model, double dt);
 
   /// Two-sided power spectral density [signal^2/Hz] at a frequency in (0, 1/(2 dt)], of the stationary noise.
   [[nodiscard]] double psd(double frequency_hz) const;

@@ -21,9 +21,9 @@ struct StreamKey {
 /// Standard normal numbers first, first+1, ... of the stream, by the Box-Muller transform of two 52-bit
 /// uniforms. They reach +-8.57, beyond which the normal distribution has 1e-17 of its weight; error of the
 /// transform below 1e-15 of the number.
-void fill_normal(StreamKey, std::uint64_t first, std::span<double> out);
+void fill_normal(StreamKey key, std::uint64_t first, std::span<double> out);
 
 /// Uniform numbers first, first+1, ... of the stream: (k + 1/2) 2^-52, in (0, 1).
-void fill_uniform(StreamKey, std::uint64_t first, std::span<double> out);
+void fill_uniform(StreamKey key, std::uint64_t first, std::span<double> out);
 
 }  // namespace gyrobudget::inline v0::noise

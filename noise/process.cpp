@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "process.h"
 
+#include "gyrobudget/noise/detail/check.h"
+
 #include <fmt/core.h>
 
 #include <cmath>
@@ -9,19 +11,15 @@
 #include <stdexcept>
 
 namespace gyrobudget::inline v0::noise {
+
+using detail::require;
+using detail::require_interval;
+
 namespace {
 
 using std::numbers::pi;
 
 constexpr double square(double x) { return x * x; }
-
-void require(bool valid, const char* what, double value, const char* limit) {
-  if (!valid) throw std::invalid_argument(fmt::format("{} is {}; it must be {}", what, value, limit));
-}
-
-void require_interval(double dt) {
-  require(dt > 0 && std::isfinite(dt), "sample interval dt", dt, "positive and finite (s)");
-}
 
 // --- Special functions -------------------------------------------------------------------------------------
 // -------------------------------------------------------------------------------------------

@@ -59,15 +59,15 @@ struct Sinusoid {
 
 using Process = std::variant<Quantization, White, Flicker, RateRandomWalk, RateRamp, GaussMarkov, Sinusoid>;
 
-[[nodiscard]] Term term(const Process&);
+[[nodiscard]] Term term(const Process& process);
 /// The coefficient that scales the process (Q, N, B, K, R, sigma or A); all second moments go with its
 /// square.
-[[nodiscard]] double coefficient(const Process&);
+[[nodiscard]] double coefficient(const Process& process);
 /// The same process with another coefficient.
-[[nodiscard]] Process with_coefficient(Process, double);
+[[nodiscard]] Process with_coefficient(Process process, double value);
 /// The process of a term with unit coefficient (Gauss-Markov: correlation time 1 s; sinusoid: 1 Hz).
 /// @throws std::invalid_argument for a value that is no Term.
-[[nodiscard]] Process unit_process(Term);
+[[nodiscard]] Process unit_process(Term wanted);
 
 // Second moments of a process *as it is sampled every dt* [s], which is what the generators make and a record
 // holds:
@@ -92,18 +92,18 @@ using Process = std::variant<Quantization, White, Flicker, RateRandomWalk, RateR
 
 /// Two-sided power spectral density [signal^2/Hz] at a frequency in (0, 1/(2 dt)]. RateRamp: 0, a trend has
 /// no density. Sinusoid: 0, and infinity at exactly f0 or its alias.
-[[nodiscard]] double psd(const Process&, double frequency_hz, double dt);
+[[nodiscard]] double psd(const Process& process, double frequency_hz, double dt);
 
 /// Exact Allan variance [signal^2] at averaging factor m >= 1: the discrete forms, not the asymptotes. With
 /// h_n = 1 + 1/3 + ... + 1/(2n-1) flicker is B^2/(4 pi m^2) [(16 m^2 - 1) h_2m - 4 (4 m^2 - 1) h_m].
 /// RateRamp and Sinusoid, which are means, give the expectation of the estimator over a long record.
-[[nodiscard]] double allan_variance(const Process&, std::int64_t m, double dt);
+[[nodiscard]] double allan_variance(const Process& process, std::int64_t m, double dt);
 /// Of the sum of independent processes.
-[[nodiscard]] double allan_variance(std::span<const Process>, std::int64_t m, double dt);
+[[nodiscard]] double allan_variance(std::span<const Process> processes, std::int64_t m, double dt);
 
 /// D(h) = E[(y_{k+h} - y_k)^2] of the rate [signal^2] at lag h >= 0 samples; flicker (4 B^2 / pi) h_h.
 /// RateRamp is (R h dt)^2; Sinusoid is averaged over its phase.
-[[nodiscard]] double structure_function(const Process&, std::int64_t lag, double dt);
+[[nodiscard]] double structure_function(const Process& process, std::int64_t lag, double dt);
 
 /// Generalised covariance R(h) of the phase (angle) x_k = dt (y_1 + ... + y_k) at real lag h samples, an even
 /// function, defined up to an even quadratic: a combination of phases whose weights c annihilate polynomials
@@ -119,6 +119,6 @@ using Process = std::variant<Quantization, White, Flicker, RateRandomWalk, RateR
 ///
 /// At whole lags this is the sampled process exactly; between them it is the smooth continuation that
 /// quadrature over lags needs. Quantization has no such continuation: ask for it at whole lags only.
-[[nodiscard]] double phase_covariance(const Process&, double lag, double dt);
+[[nodiscard]] double phase_covariance(const Process& process, double lag, double dt);
 
 }  // namespace gyrobudget::inline v0::noise

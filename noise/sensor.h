@@ -19,15 +19,15 @@ enum class Signal { angular_rate, specific_force, dimensionless };
 
 /// The unit in which datasheets quote a term: "deg/sqrt(h)" for the white noise of a gyro, "m/s/sqrt(h)" of
 /// an accelerometer. Gauss-Markov and sinusoid: that of the signal.
-[[nodiscard]] std::string_view datasheet_unit(Signal, Term);
+[[nodiscard]] std::string_view datasheet_unit(Signal signal, Term term);
 /// Unit for the deviation curve and the mean: deg/h, ug or 1.
-[[nodiscard]] std::string_view datasheet_unit(Signal);
-[[nodiscard]] Dimension dimension_of(Signal);        ///< of the signal itself
-[[nodiscard]] Dimension dimension_of(Signal, Term);  ///< of a term's coefficient
+[[nodiscard]] std::string_view datasheet_unit(Signal signal);
+[[nodiscard]] Dimension dimension_of(Signal signal);             ///< of the signal itself
+[[nodiscard]] Dimension dimension_of(Signal signal, Term term);  ///< of a term's coefficient
 /// Name in files: arw, bias_instability, rrw, quantization, rate_ramp; vrw and accel_rw for accelerometers.
-[[nodiscard]] std::string_view key(Signal, Term);
+[[nodiscard]] std::string_view key(Signal signal, Term term);
 /// Name for people: "angle random walk", "bias instability".
-[[nodiscard]] std::string_view label(Signal, Term);
+[[nodiscard]] std::string_view label(Signal signal, Term term);
 
 /// What a datasheet gives once for all three axes, or once for each.
 class PerAxis {

@@ -499,12 +499,13 @@ double parse_quantity(std::string_view text, const Dimension& expected) {
   return si;
 }
 
-std::string example_units(const Dimension& d) {
+std::string example_units(const Dimension& dimension) {
   for (const Example& example : kExamples) {
-    if (example.dimension == d) return std::string(example.units);
+    if (example.dimension == dimension) return std::string(example.units);
   }
   std::string result;
-  for (const auto& [name, doubled] : {std::pair{"rad", d.angle}, {"m", d.length}, {"s", d.time}, {"kg", d.mass}}) {
+  for (const auto& [name, doubled] :
+       {std::pair{"rad", dimension.angle}, {"m", dimension.length}, {"s", dimension.time}, {"kg", dimension.mass}}) {
     if (doubled == 0) continue;
     result += fmt::format("{}{}^{}", result.empty() ? "" : " ", name, doubled / 2.0);
   }

@@ -75,7 +75,7 @@ inline constexpr Dimension kInertia{0, 4, 0, 2};
 [[nodiscard]] double parse_quantity(std::string_view text, const Dimension& expected);
 
 /// Units that people would use for a quantity, for messages: "deg/sqrt(h), deg/h/sqrt(Hz), rad/s/sqrt(Hz)".
-[[nodiscard]] std::string example_units(const Dimension&);
+[[nodiscard]] std::string example_units(const Dimension& dimension);
 
 /// Number with `digits` significant digits in the given unit, e.g. quantity_text(8.24e-9, "deg/h", 3) ==
 /// "0.00170 deg/h". The unit "1" is not printed. Zero is "0", not a number "nan".

@@ -4,6 +4,7 @@
 #include "gyrobudget/allan/estimator.h"
 #include "gyrobudget/app/files/trajectory_file.h"
 #include "gyrobudget/app/log/log.h"
+#include "gyrobudget/estimation/budget/components.h"
 #include "gyrobudget/estimation/calibration/calibrate.h"
 #include "gyrobudget/estimation/fit/fit.h"
 #include "gyrobudget/estimation/fit/requirement.h"
@@ -162,8 +163,8 @@ struct BudgetArguments {
   bool each_source = false;  ///< and so many of each source alone
   std::uint64_t seed = 1;
   struct Limit {
-    std::string text;       ///< as typed
-    std::string component;  ///< "crossrange"
+    std::string text;  ///< as typed
+    budget::Component component = budget::Component::rss;
     double metres = 0;
   };
   std::optional<Limit> limit;

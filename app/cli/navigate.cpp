@@ -8,26 +8,17 @@
 
 #include <fmt/format.h>
 
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "paths.h"
+#include "scenes.h"
 #include "terminal.h"
 #include "verbs.h"
 
 namespace gyrobudget::inline v0::cli {
 namespace {
-
-// What a scene asks that cannot be: its own error, not one of the command line.
-navigation::Navigation navigate(const std::string& scene, const report::NavigationResult& r) {
-  try {
-    return navigation::navigate(r.scenario, r.recording);
-  } catch (const std::invalid_argument& error) {
-    throw text::InputError(fmt::format("{}: {}", scene, error.what()));
-  }
-}
 
 // What the scene reads, which no output may replace.
 std::vector<std::string> inputs(const files::SceneFile& scene) {
@@ -70,7 +61,7 @@ int run(const NavigateArguments& a) {
   if (a.smooth) result.scenario.smooth = true;
   if (result.scenario.smooth)
     result.notes.emplace_back("solutions are smoothed: each uses all fixes, those after it too");
-  result.run = navigate(a.scene, result);
+  result.run = naming(a.scene, [&] { return navigation::navigate(result.scenario, result.recording); });
   print(a.common.json ? report::navigation_json(result) : report::navigation_text(result));
   write(a, result);
   if (result.run.status == navigation::Navigation::Status::navigated) return exit_done;

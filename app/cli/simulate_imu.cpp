@@ -8,6 +8,7 @@
 #include "gyrobudget/app/text/output.h"
 #include "gyrobudget/estimation/navigation/simulated_fixes.h"
 #include "gyrobudget/noise/imu.h"
+#include "gyrobudget/vehicle/earth/vector.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -67,26 +68,23 @@ log::LogHead log_head(const SimulateArguments& a, const noise::SensorModel& sens
 /// What an IMU at `r` from the trajectory's point [m, body axes] senses more, w' x r + w x (w x r), over an interval:
 /// the first in closed form, the second by Simpson's rule.
 Eigen::Vector3d of_lever_arm(const earth::Trajectory& trajectory, const Eigen::Vector3d& r, double from, double to) {
-  const auto rate = [&](double t) -> Eigen::Vector3d { return trajectory.at(t).w_ib_b; };
+  const auto rate = [&](double t) -> Eigen::Vector3d { return trajectory.at(t).sensed.w_ib_b; };
   const Eigen::Vector3d start = rate(from), middle = rate((from + to) / 2), end = rate(to);
   const auto inwards = [&](const Eigen::Vector3d& w) -> Eigen::Vector3d { return w.cross(w.cross(r)); };
   return (end - start).cross(r) + (to - from) / 6 * (inwards(start) + 4 * inwards(middle) + inwards(end));
 }
 
 /// What an ideal IMU delivers over `count` intervals from the one numbered `first` on.
-std::vector<noise::ImuReading> truth(const earth::Trajectory& trajectory, const Eigen::Vector3d& imu_at, double rate_hz,
-                                     std::uint64_t first, std::size_t count) {
-  std::vector<noise::ImuReading> result(count);
+std::vector<noise::ImuIncrement> truth(const earth::Trajectory& trajectory, const Eigen::Vector3d& imu_at,
+                                       double rate_hz, std::uint64_t first, std::size_t count) {
+  std::vector<noise::ImuIncrement> result(count);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     const auto time = [&](std::uint64_t k) {
       return std::min(static_cast<double>(k) / rate_hz, trajectory.duration());
     };
-    earth::ImuIncrement ideal = trajectory.increment(time(first + i), time(first + i + 1));
-    if (!imu_at.isZero(0)) ideal.velocity += of_lever_arm(trajectory, imu_at, time(first + i), time(first + i + 1));
-    for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      result[i].angle[static_cast<std::size_t>(axis)] = ideal.angle[axis];
-      result[i].velocity[static_cast<std::size_t>(axis)] = ideal.velocity[axis];
-    }
+    result[i] = trajectory.increment(time(first + i), time(first + i + 1));
+    if (!imu_at.isZero(0))
+      earth::vector(result[i].velocity) += of_lever_arm(trajectory, imu_at, time(first + i), time(first + i + 1));
   });
   return result;
 }
@@ -113,7 +111,7 @@ class Feed {
   void fill(std::span<const std::span<double>> columns) {
     const auto ideal = block(columns.front().size());
     for (std::size_t k = 0; k < ideal.size(); ++k) {
-      const noise::ImuReading y = imu_.next(ideal[k]);
+      const noise::ImuIncrement y = imu_.next(ideal[k]);
       for (std::size_t axis = 0; axis < 3; ++axis) {
         columns[axis][k] = factor_ * y.angle[axis];
         columns[axis + 3][k] = factor_ * y.velocity[axis];
@@ -122,7 +120,7 @@ class Feed {
   }
 
  private:
-  std::vector<noise::ImuReading> block(std::size_t count) {
+  std::vector<noise::ImuIncrement> block(std::size_t count) {
     auto result = truth(trajectory_, imu_at_, rate_hz_, at_, count);
     at_ += count;
     return result;

@@ -3,8 +3,10 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "arguments.h"
 
@@ -42,6 +44,22 @@ class Interruption {
   Interruption(const Interruption&) = delete;
   Interruption& operator=(const Interruption&) = delete;
   [[nodiscard]] const std::atomic<bool>& asked() const noexcept;
+};
+
+/// Work that is shown and may be stopped: what a study tells of its progress. It answers false once it is asked to stop.
+class Watch {
+ public:
+  /// @param of_what "records".
+  Watch(const Common& common, std::string of_what) : progress_(common, std::move(of_what)) {}
+  bool operator()(std::int64_t done, std::int64_t of) {
+    progress_.update(static_cast<double>(done), static_cast<double>(of));
+    return !interrupted();
+  }
+  [[nodiscard]] bool interrupted() const { return interruption_.asked(); }
+
+ private:
+  Progress progress_;
+  Interruption interruption_;
 };
 
 /// For the handler of signals: true where an Interruption takes this one. Async-signal-safe.

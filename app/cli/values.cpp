@@ -175,14 +175,16 @@ BudgetArguments::Limit limit(const std::string& text) {
     word.erase(word.find_last_not_of(' ') + 1);
     return word;
   };
-  constexpr std::array names{"east", "north", "up", "downrange", "crossrange", "horizontal", "rss"};
-  const std::string component = trimmed(parts[0]);
-  if (parts.size() != 2 || std::find(names.begin(), names.end(), component) == names.end())
+  std::vector<std::string_view> names;
+  for (const budget::Component component : budget::kComponents) names.push_back(to_string(component));
+  const std::string wanted = trimmed(parts[0]);
+  const auto* const component = std::ranges::find(budget::kComponents, wanted, budget::to_string);
+  if (parts.size() != 2 || component == budget::kComponents.end())
     throw std::invalid_argument(
         fmt::format("--limit '{}': write COMPONENT < LENGTH, e.g. 'crossrange < 10 m'; components are {}", text,
                     fmt::join(names, ", ")));
   const double metres = quantity("--limit", trimmed(parts[1]), noise::dimension::kLength);
-  return {text, component, positive("--limit", metres, text)};
+  return {text, *component, positive("--limit", metres, text)};
 }
 
 }  // namespace gyrobudget::inline v0::cli

@@ -43,7 +43,7 @@ struct Axes {
   earth::LocalFrame enu, launch;
 };
 
-void add_pose(Columns& c, const flight::Body::Pose& truth, const Axes& axes) {
+void add_pose(Columns& c, const earth::Pose& truth, const Axes& axes) {
   const earth::Geodetic place = earth::to_geodetic(truth.p_eb_e);
   const Matrix3d C_en = earth::C_e_ned(place.latitude, place.longitude);
   Quaterniond q_nb = Quaterniond(C_en).conjugate() * truth.q_eb;

@@ -5,6 +5,7 @@
 #include "gyrobudget/app/text/text.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/ellipsoid.h"
+#include "gyrobudget/vehicle/earth/vector.h"
 
 #include <fmt/format.h>
 
@@ -141,7 +142,8 @@ navigation::ImuSamples read_samples(const ImuSource& imu) {
   samples.stamps = stamps(file, table, imu, timed);
   constexpr std::size_t kFirstForce = 3;
   for (std::size_t row = 0; row < table.rows; ++row)
-    samples.values.push_back({turned(imu, table, kFirstForce, row), turned(imu, table, 0, row)});
+    samples.values.push_back({.angle = earth::array(turned(imu, table, 0, row)),
+                              .velocity = earth::array(turned(imu, table, kFirstForce, row))});
   return samples;
 }
 

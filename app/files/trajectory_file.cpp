@@ -174,10 +174,10 @@ log::LogHead truth_head(const TruthOptions& options) {
 
 /// The numbers of one row, SI, in the order of truth_head.
 std::vector<double> truth_row(const earth::TrajectoryPoint& point, AttitudeForm form) {
-  const earth::Geodetic place = earth::to_geodetic(point.p_eb_e);
+  const earth::Geodetic place = earth::to_geodetic(point.pose.p_eb_e);
   const Eigen::Matrix3d C_en = earth::C_e_ned(place.latitude, place.longitude);
-  const Eigen::Vector3d v_eb_n = C_en.transpose() * point.v_eb_e;
-  Quaterniond q_nb = Quaterniond(C_en).conjugate() * point.q_eb;
+  const Eigen::Vector3d v_eb_n = C_en.transpose() * point.pose.v_eb_e;
+  Quaterniond q_nb = Quaterniond(C_en).conjugate() * point.pose.q_eb;
   if (q_nb.w() < 0) q_nb.coeffs() = -q_nb.coeffs();
   std::vector<double> row{place.latitude, place.longitude, place.height, v_eb_n.x(), v_eb_n.y(), v_eb_n.z()};
   if (form == AttitudeForm::quaternion) {

@@ -3,6 +3,7 @@
 
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/ellipsoid.h"
+#include "gyrobudget/vehicle/earth/vector.h"
 #include "gyrobudget/vehicle/flight/point_mass.h"
 
 #include <cmath>
@@ -21,21 +22,21 @@ class WrongGyros {
   WrongGyros(const PaperSetting& setting, const WrongPitch& wrong)
       : strapdown_(start(pose_on_pad(setting.plan.flight), {0, wrong.angle, 0}), setting.strapdown),
         rate_(0, wrong.rate, 0) {}
-  void step(const earth::ImuIncrement& exact, double dt) {
+  void step(const noise::ImuIncrement& exact, double dt) {
     sensed_ = exact;
-    sensed_.angle += rate_ * dt;
+    earth::vector(sensed_.angle) += rate_ * dt;
     strapdown_.step(sensed_, dt);
   }
-  [[nodiscard]] const navigation::NavigationState& state() const { return strapdown_.state(); }
-  [[nodiscard]] const earth::ImuIncrement& sensed() const { return sensed_; }
+  [[nodiscard]] const earth::Pose& state() const { return strapdown_.state(); }
+  [[nodiscard]] const noise::ImuIncrement& sensed() const { return sensed_; }
 
  private:
-  static navigation::NavigationState start(const flight::Body::Pose& pose, const Vector3d& angle) {
-    return {pose.p_eb_e, pose.v_eb_e, pose.q_eb * earth::exp_rotation(angle)};
+  static earth::Pose start(const earth::Pose& pose, const Vector3d& angle) {
+    return {.p_eb_e = pose.p_eb_e, .v_eb_e = pose.v_eb_e, .q_eb = pose.q_eb * earth::exp_rotation(angle)};
   }
   navigation::Strapdown strapdown_;
   Vector3d rate_;
-  earth::ImuIncrement sensed_{Vector3d::Zero(), Vector3d::Zero()};
+  noise::ImuIncrement sensed_;
 };
 
 }  // namespace

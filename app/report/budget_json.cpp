@@ -11,28 +11,34 @@
 #include <utility>
 
 #include "budget.h"
-#include "budget_agreement.h"
+#include "budget_words.h"
 #include "page_parts.h"
 
 namespace gyrobudget::inline v0::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using budget::Component;
 using navigation::CoreMatrix;
 
 constexpr double kDegree = earth::kDegree;
 
 Json finite(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 
+double position_rss(const BudgetResult& r, const CoreMatrix& P) {
+  return r.study.axes.position_sigma(P, Component::rss);
+}
+
 Json position_json(const BudgetResult& r, const CoreMatrix& P) {
   Json out;
-  for (const auto* component : {"east", "north", "up", "downrange", "crossrange", "rss"})
-    out[component] = finite(position_sigma(r, P, component));
+  for (const Component component : budget::kComponents)
+    if (component != Component::horizontal)
+      out[std::string(to_string(component))] = finite(r.study.axes.position_sigma(P, component));
   return out;
 }
 
 Json errors_json(const BudgetResult& r, const CoreMatrix& P) {
-  const navigation::LocalSigmas s = navigation::local_sigmas(P, r.C_enu);
+  const navigation::LocalSigmas s = navigation::local_sigmas(P, r.study.axes.C_enu);
   const Eigen::Vector3d a = s.attitude / kDegree;
   return {{"position_m", position_json(r, P)},
           {"velocity_m_s",
@@ -41,13 +47,13 @@ Json errors_json(const BudgetResult& r, const CoreMatrix& P) {
 }
 
 Json sources_json(const BudgetResult& r) {
-  const std::vector<double> share = budget::shares(r.budget, r.at_index);
+  const std::vector<double> share = budget::shares(r.study.budget, r.study.at_index);
   Json list = Json::array();
-  for (std::size_t i = 0; i < r.budget.lines.size(); ++i) {
-    const auto& line = r.budget.lines[i];
+  for (std::size_t i = 0; i < r.study.budget.lines.size(); ++i) {
+    const auto& line = r.study.budget.lines[i];
     Json one{{"name", line.name}, {"share", share[i]}};
-    one.update(errors_json(r, line.covariance[r.at_index]));
-    one["exact_position_rss_m"] = r.exact ? finite(position_sigma(r, (*r.exact)[i], "rss")) : Json(nullptr);
+    one.update(errors_json(r, r.study.line(i)));
+    one["exact_position_rss_m"] = r.study.exact ? finite(position_rss(r, (*r.study.exact)[i])) : Json(nullptr);
     list.push_back(std::move(one));
   }
   return list;
@@ -55,44 +61,44 @@ Json sources_json(const BudgetResult& r) {
 
 Json growth_json(const BudgetResult& r) {
   Json total = Json::array(), sources = Json::object();
-  for (const CoreMatrix& P : r.budget.total) total.push_back(finite(position_sigma(r, P, "rss")));
-  for (const auto& line : r.budget.lines) {
+  for (const CoreMatrix& P : r.study.budget.total) total.push_back(finite(position_rss(r, P)));
+  for (const auto& line : r.study.budget.lines) {
     Json& list = sources[line.name] = Json::array();
-    for (const CoreMatrix& P : line.covariance) list.push_back(finite(position_sigma(r, P, "rss")));
+    for (const CoreMatrix& P : line.covariance) list.push_back(finite(position_rss(r, P)));
   }
-  return {{"t_s", r.budget.times}, {"total_position_rss_m", total}, {"sources", sources}};
+  return {{"t_s", r.study.budget.times}, {"total_position_rss_m", total}, {"sources", sources}};
 }
 
 Json left_out_json(const BudgetResult& r) {
   Json list = Json::array();
-  for (const auto& l : r.left_out)
-    list.push_back({{"name", l.name}, {"bound_position_m", finite(l.position)}, {"why", l.why}});
+  for (const auto& l : r.study.left_out)
+    list.push_back({{"name", l.name}, {"bound_position_m", finite(l.position)}, {"why", why_left_out(l)}});
   return list;
 }
 
 Json not_modelled_json(const BudgetResult& r) {
   Json list = Json::array();
-  for (const auto& l : r.not_modelled) list.push_back({{"what", l.what}, {"why", l.why}});
+  for (const auto& l : r.study.not_modelled) list.push_back({{"what", l.what}, {"why", l.why}});
   return list;
 }
 
 // Ratios of one quantity: 0 position, 1 velocity, 2 attitude.
-Json ratio_json(const Agreement& one, std::size_t quantity) {
+Json ratio_json(const budget::Agreement& one, std::size_t quantity) {
   Json out;
   for (std::size_t k = 0; k < 3; ++k) {
-    const Agreement::Axis& axis = one.axes[3 * quantity + k];
+    const budget::Agreement::Axis& axis = one.axes[3 * quantity + k];
     out[kAxisNames[k]] = axis.matters && axis.first_order ? finite(axis.ratio()) : Json(nullptr);
   }
   return out;
 }
 
 Json alone_json(const BudgetResult& r) {
-  if (r.monte_carlo->sources.empty()) return nullptr;
-  const auto agreements = source_agreements(r);
+  if (r.study.monte_carlo->sources.empty()) return nullptr;
+  const auto agreements = source_agreements(r.study);
   Json list = Json::array();
   for (std::size_t i = 0; i < agreements.size(); ++i) {
-    const auto& alone = r.monte_carlo->sources[i];
-    Json one{{"name", r.budget.lines[i].name}, {"runs", alone ? alone->runs : 0}};
+    const auto& alone = r.study.monte_carlo->sources[i];
+    Json one{{"name", r.study.budget.lines[i].name}, {"runs", alone ? alone->runs : 0}};
     if (alone) {
       one.update(errors_json(r, alone->covariance));
       for (std::size_t q = 0; q < kQuantities.size(); ++q)
@@ -104,36 +110,36 @@ Json alone_json(const BudgetResult& r) {
 }
 
 Json ratios_json(const BudgetResult& r) {
-  if (r.monte_carlo->sources.empty()) return nullptr;
-  const AllRatios all = all_ratios(r);
+  if (r.study.monte_carlo->sources.empty()) return nullptr;
+  const budget::AllRatios all = budget::all_ratios(r.study);
   return {{"compared", all.compared},
           {"outside", all.outside},
           {"together_low", all.together.lower},
           {"together_high", all.together.upper},
-          {"far", all.far}};
+          {"far", far_words(r.study, all)}};
 }
 
 Json nees_left_out_json(const BudgetResult& r) {
   Json list = Json::array();
-  for (const auto& direction : r.monte_carlo->nees.left_out)
+  for (const auto& direction : r.study.monte_carlo->nees.left_out)
     list.push_back(
         {{"direction", direction_text(direction)}, {"linear", direction.linear}, {"found", direction.found}});
   return list;
 }
 
 Json monte_carlo_json(const BudgetResult& r) {
-  if (!r.monte_carlo) return nullptr;
-  const auto& mc = *r.monte_carlo;
-  const CoreMatrix& linear = r.budget.total[r.at_index];
-  const Agreement total = total_agreement(r);
+  if (!r.study.monte_carlo) return nullptr;
+  const auto& mc = *r.study.monte_carlo;
+  const CoreMatrix& linear = r.study.total();
+  const budget::Agreement total = total_agreement(r.study);
   Json ratio = ratio_json(total, 0);
-  for (const auto* component : {"downrange", "crossrange"})
-    ratio[component] = finite(position_sigma(r, mc.covariance, component) / position_sigma(r, linear, component));
-  const auto band = navigation::sigma_ratio_band(mc.runs, kBandOfOne);
-  const auto nees = navigation::chi_square_mean_band(std::max(mc.nees.dof, 1), mc.runs, kBandOfOne);
+  for (const Component component : {Component::downrange, Component::crossrange})
+    ratio[std::string(to_string(component))] =
+        finite(r.study.axes.position_sigma(mc.covariance, component) / r.study.axes.position_sigma(linear, component));
+  const navigation::Band band = budget::ratio_band(r.study), nees = budget::nees_band(r.study);
   return {{"runs", mc.runs},
           {"seed", mc.seed},
-          {"position_rss_ratio", finite(position_sigma(r, mc.covariance, "rss") / position_sigma(r, linear, "rss"))},
+          {"position_rss_ratio", finite(position_rss(r, mc.covariance) / position_rss(r, linear))},
           {"position_ratio", ratio},
           {"velocity_ratio", ratio_json(total, 1)},
           {"attitude_ratio", ratio_json(total, 2)},
@@ -146,7 +152,7 @@ Json monte_carlo_json(const BudgetResult& r) {
           {"nees_left_out", nees_left_out_json(r)},
           {"saturated", mc.saturated.sum()},
           {"saturated_axes", {{"gyro", mc.saturated.gyro}, {"accelerometer", mc.saturated.accelerometer}}},
-          {"contradictions", contradictions(r)},
+          {"contradictions", contradiction_words(r.study)},
           {"sources", alone_json(r)},
           {"ratios", ratios_json(r)}};
 }
@@ -157,16 +163,17 @@ Json alignment_json(const std::optional<budget::AlignmentTime>& alignment) {
 }
 
 Json limit_json(const BudgetResult& r) {
-  if (!r.limit) return nullptr;
+  if (!r.study.limit) return nullptr;
   Json factors = Json::object();  // of a budget without sources too
-  for (std::size_t i = 0; i < r.budget.lines.size(); ++i) factors[r.budget.lines[i].name] = finite(r.limit->factors[i]);
-  return {{"text", r.limit->text},
-          {"component", r.limit->component},
-          {"limit_m", r.limit->limit},
-          {"found_m", finite(r.limit->found)},
-          {"met", r.limit->found <= r.limit->limit},
+  for (std::size_t i = 0; i < r.study.budget.lines.size(); ++i)
+    factors[r.study.budget.lines[i].name] = finite(r.study.limit->factors[i]);
+  return {{"text", r.limit},
+          {"component", to_string(r.study.limit->component)},
+          {"limit_m", r.study.limit->limit},
+          {"found_m", finite(r.study.limit->found)},
+          {"met", r.study.limit->met()},
           {"allowed_factor", factors},
-          {"alignment", alignment_json(r.limit->alignment)}};
+          {"alignment", alignment_json(r.study.limit->alignment)}};
 }
 
 Json result_json(const BudgetResult& r) {
@@ -176,19 +183,19 @@ Json result_json(const BudgetResult& r) {
           {"scene", r.scene},
           {"name", r.name},
           {"sensor", r.sensor.empty() ? Json(nullptr) : Json(r.sensor)},
-          {"at_s", r.at},
-          {"total", errors_json(r, r.budget.total[r.at_index])},
-          {"claimed", r.budget.claimed.empty() ? Json(nullptr) : errors_json(r, r.budget.claimed[r.at_index])},
+          {"at_s", r.study.at},
+          {"total", errors_json(r, r.study.total())},
+          {"claimed", r.study.budget.claimed.empty() ? Json(nullptr) : errors_json(r, r.study.claimed())},
           {"sources", sources_json(r)},
           {"left_out", left_out_json(r)},
-          {"tolerance", r.tolerance},
+          {"tolerance", r.study.tolerance},
           {"not_modelled", not_modelled_json(r)},
           {"growth", growth_json(r)},
-          {"steps", r.budget.steps},
-          {"flicker_states", r.flicker_states},
+          {"steps", r.study.budget.steps},
+          {"flicker_states", r.study.flicker_states},
           {"limit", limit_json(r)},
           {"monte_carlo", monte_carlo_json(r)},
-          {"notes", r.notes}};
+          {"notes", budget_notes(r)}};
 }
 
 Json results_json(const std::vector<BudgetResult>& results) {
@@ -205,19 +212,19 @@ Json drawing(const BudgetResult& r) {
   Json out = result_json(r);
   Json ellipses = Json::object();
   const auto add = [&](const std::string& name, const CoreMatrix& P) {
-    const Eigen::Matrix3d local =
-        r.C_enu.transpose() * P.block<3, 3>(navigation::kPosition, navigation::kPosition) * r.C_enu;
+    const Eigen::Matrix3d local = r.study.axes.C_enu.transpose() *
+                                  P.block<3, 3>(navigation::kPosition, navigation::kPosition) * r.study.axes.C_enu;
     ellipses[name] = {{"east_north", ellipse_json(local, 0, 1)}, {"east_up", ellipse_json(local, 0, 2)}};
   };
-  add("total", r.budget.total[r.at_index]);
-  for (const auto& line : r.budget.lines) add(line.name, line.covariance[r.at_index]);
+  add("total", r.study.total());
+  for (const auto& line : r.study.budget.lines) add(line.name, line.covariance[r.study.at_index]);
   out["ellipses"] = ellipses;
   Json cloud = Json::array();
-  if (r.monte_carlo)
-    for (const auto& p : r.monte_carlo->points) cloud.push_back({p[0], p[1], p[2]});
+  if (r.study.monte_carlo)
+    for (const auto& p : r.study.monte_carlo->points) cloud.push_back({p[0], p[1], p[2]});
   out["cloud"] = cloud;
   Json claimed = Json::array();
-  for (const CoreMatrix& P : r.budget.claimed) claimed.push_back(finite(position_sigma(r, P, "rss")));
+  for (const CoreMatrix& P : r.study.budget.claimed) claimed.push_back(finite(position_rss(r, P)));
   out["claimed_growth"] = claimed;
   return out;
 }

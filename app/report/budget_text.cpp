@@ -9,44 +9,51 @@
 #include <cmath>
 #include <iterator>
 #include <numeric>
-#include <stdexcept>
 #include <utility>
 
 #include "budget.h"
-#include "budget_agreement.h"
+#include "budget_words.h"
 #include "layout.h"
 #include "words.h"
 
 namespace gyrobudget::inline v0::report {
 namespace {
 
+using budget::Component;
+using budget::kBandOfOne;
 using navigation::CoreMatrix;
 
 constexpr double kDegree = earth::kDegree;
 
 std::string title(const BudgetResult& r) {
   const std::string name = r.name.empty() ? r.scene : r.name;
-  std::string out = fmt::format("{}\n  one sigma at {:.6g} s; {}; {} steps of covariance\n", printable(name), r.at,
-                                r.aided ? "aided, gains of the filter frozen" : "unaided strapdown",
-                                count_text(static_cast<std::int64_t>(r.budget.steps)));
-  if (r.flicker_states > 0) out += fmt::format("  1/f noise by {} states an axis\n", r.flicker_states);
-  if (r.pad > 0) out += fmt::format("  aligned by itself over {} on the pad before\n", duration_text(r.pad));
+  std::string out = fmt::format("{}\n  one sigma at {:.6g} s; {}; {} steps of covariance\n", printable(name),
+                                r.study.at, r.study.aided ? "aided, gains of the filter frozen" : "unaided strapdown",
+                                count_text(static_cast<std::int64_t>(r.study.budget.steps)));
+  if (r.study.flicker_states > 0) out += fmt::format("  1/f noise by {} states an axis\n", r.study.flicker_states);
+  if (r.study.pad > 0)
+    out += fmt::format("  aligned by itself over {} on the pad before\n", duration_text(r.study.pad));
   if (!r.sensor.empty()) out += fmt::format("  sensor: {}\n", printable(r.sensor));
   return out;
 }
 
 // Largest share first.
 std::vector<std::size_t> order(const BudgetResult& r, const std::vector<double>& share) {
-  std::vector<std::size_t> by_share(r.budget.lines.size());
+  std::vector<std::size_t> by_share(r.study.budget.lines.size());
   std::iota(by_share.begin(), by_share.end(), std::size_t{0});
   std::stable_sort(by_share.begin(), by_share.end(), [&](std::size_t a, std::size_t b) { return share[a] > share[b]; });
   return by_share;
 }
 
+double position_rss(const BudgetResult& r, const CoreMatrix& P) {
+  return r.study.axes.position_sigma(P, Component::rss);
+}
+
 // Position columns. In a launch to the east downrange and crossrange are east and north: they are not said twice.
-std::vector<std::string> components(const BudgetResult& r) {
-  if (r.C_launch.isApprox(r.C_enu, 1e-9)) return {"east", "north", "up", "rss"};
-  return {"east", "north", "up", "downrange", "crossrange", "rss"};
+std::vector<Component> components(const BudgetResult& r) {
+  using enum Component;
+  if (r.study.axes.C_launch.isApprox(r.study.axes.C_enu, 1e-9)) return {east, north, up, rss};
+  return {east, north, up, downrange, crossrange, rss};
 }
 
 // A source that may grow a thousandfold decides nothing.
@@ -56,9 +63,9 @@ std::string factor_text(double factor) {
 }
 
 std::vector<std::string> cells(const BudgetResult& r, std::string_view name, const CoreMatrix& P, std::string share) {
-  const navigation::LocalSigmas s = navigation::local_sigmas(P, r.C_enu);
+  const navigation::LocalSigmas s = navigation::local_sigmas(P, r.study.axes.C_enu);
   std::vector<std::string> row{fmt::format("  {}", name)};
-  for (const auto& component : components(r)) row.push_back(number(position_sigma(r, P, component), 3));
+  for (const Component component : components(r)) row.push_back(number(r.study.axes.position_sigma(P, component), 3));
   row.push_back(number(s.velocity.norm(), 3));
   row.push_back(number(s.attitude.norm() / kDegree, 3));
   row.push_back(std::move(share));
@@ -68,15 +75,15 @@ std::vector<std::string> cells(const BudgetResult& r, std::string_view name, con
 // What was asked beside the budget: for the line, or nothing for the sums.
 std::vector<std::string> extra_heads(const BudgetResult& r) {
   std::vector<std::string> heads;
-  if (r.exact) heads.emplace_back("exact");
-  if (r.limit) heads.emplace_back("may grow");
+  if (r.study.exact) heads.emplace_back("exact");
+  if (r.study.limit) heads.emplace_back("may grow");
   return heads;
 }
 
 std::vector<std::string> extra_cells(const BudgetResult& r, std::size_t line) {
   std::vector<std::string> row;
-  if (r.exact) row.push_back(number(position_sigma(r, (*r.exact)[line], "rss"), 3));
-  if (r.limit) row.push_back(factor_text(r.limit->factors[line]));
+  if (r.study.exact) row.push_back(number(position_rss(r, (*r.study.exact)[line]), 3));
+  if (r.study.limit) row.push_back(factor_text(r.study.limit->factors[line]));
   return row;
 }
 
@@ -92,15 +99,16 @@ void append(std::vector<std::string>& row, std::vector<std::string> more) {
 
 enum class Extras { beside, apart };
 std::string table(const BudgetResult& r, Extras extras) {
-  const std::vector<double> share = budget::shares(r.budget, r.at_index);
+  const std::vector<double> share = budget::shares(r.study.budget, r.study.at_index);
   std::vector<std::string> heads{"  source"};
-  for (const auto& component : components(r)) heads.push_back(component == "east" ? "east m" : component);
+  for (const Component component : components(r))
+    heads.emplace_back(component == Component::east ? "east m" : to_string(component));
   for (const auto* head : {"vel m/s", "att deg", "share"}) heads.emplace_back(head);
   if (extras == Extras::beside) append(heads, extra_heads(r));
   TextTable out = left_aligned(heads.size());
   out.row(heads);
   for (const std::size_t i : order(r, share)) {
-    auto row = cells(r, r.budget.lines[i].name, r.budget.lines[i].covariance[r.at_index], percent(share[i]));
+    auto row = cells(r, r.study.budget.lines[i].name, r.study.line(i), percent(share[i]));
     if (extras == Extras::beside) append(row, extra_cells(r, i));
     out.row(row);
   }
@@ -109,17 +117,17 @@ std::string table(const BudgetResult& r, Extras extras) {
     row.resize(heads.size());
     out.row(row);
   };
-  sum("total", r.budget.total[r.at_index]);
-  if (!r.budget.claimed.empty()) sum("claimed by the filter", r.budget.claimed[r.at_index]);
+  sum("total", r.study.total());
+  if (!r.study.budget.claimed.empty()) sum("claimed by the filter", r.study.claimed());
   return out.text();
 }
 
 std::string alignment_text(const BudgetResult& r) {
-  if (!r.limit->alignment) return {};
-  const budget::AlignmentTime& a = *r.limit->alignment;
+  if (!r.study.limit->alignment) return {};
+  const budget::AlignmentTime& a = *r.study.limit->alignment;
   const std::string from = printable(duration_text(budget::kShortestAlignment)),
                     to = printable(duration_text(budget::kLongestAlignment));
-  const std::string now = fmt::format("the scene's is {}", duration_text(r.pad));
+  const std::string now = fmt::format("the scene's is {}", duration_text(r.study.pad));
   if (!a.met)
     return wrapped(
         fmt::format(
@@ -137,10 +145,9 @@ std::string extras_table(const BudgetResult& r) {
   append(heads, extra_heads(r));
   TextTable out = left_aligned(heads.size());
   out.row(heads);
-  for (const std::size_t i : order(r, budget::shares(r.budget, r.at_index))) {
-    const auto& line = r.budget.lines[i];
-    std::vector<std::string> row{fmt::format("  {}", line.name),
-                                 number(position_sigma(r, line.covariance[r.at_index], "rss"), 3)};
+  for (const std::size_t i : order(r, budget::shares(r.study.budget, r.study.at_index))) {
+    const auto& line = r.study.budget.lines[i];
+    std::vector<std::string> row{fmt::format("  {}", line.name), number(position_rss(r, r.study.line(i)), 3)};
     append(row, extra_cells(r, i));
     out.row(row);
   }
@@ -156,9 +163,9 @@ std::string tables(const BudgetResult& r) {
 }
 
 std::string limit_text(const BudgetResult& r) {
-  if (!r.limit) return {};
-  return fmt::format("\n{}: {} m, {}\n", printable(r.limit->text), number(r.limit->found, 4),
-                     r.limit->found <= r.limit->limit ? "met" : "NOT MET") +
+  if (!r.study.limit) return {};
+  return fmt::format("\n{}: {} m, {}\n", printable(r.limit), number(r.study.limit->found, 4),
+                     r.study.limit->met() ? "met" : "NOT MET") +
          wrapped(
              "A source may grow by its factor, alone, before the limit is reached; x 0: the others exceed it already.",
              "  ", "  ") +
@@ -166,14 +173,15 @@ std::string limit_text(const BudgetResult& r) {
 }
 
 // "0.98", "1.07*" outside of its band, "<1%" of the total's variance, "2nd" where the second order may have more.
-std::string ratio_text(const Agreement& one, const Agreement::Axis& axis, const navigation::Band& band) {
+std::string ratio_text(const budget::Agreement& one, const budget::Agreement::Axis& axis,
+                       const navigation::Band& band) {
   if (!axis.matters) return "<1%";
   if (!axis.first_order) return "2nd";
   return fmt::format("{:.2f}{}", axis.ratio(), one.random && !band.holds(axis.ratio()) ? "*" : "");
 }
 
 std::string total_ratios(const BudgetResult& r, const navigation::Band& band) {
-  const Agreement total = total_agreement(r);
+  const budget::Agreement total = total_agreement(r.study);
   TextTable out = left_aligned(1 + kAxisNames.size());
   out.row({"  found over table", "east", "north", "up"});
   for (std::size_t q = 0; q < kQuantities.size(); ++q) {
@@ -185,8 +193,8 @@ std::string total_ratios(const BudgetResult& r, const navigation::Band& band) {
 }
 
 std::string nees_text(const BudgetResult& r) {
-  const auto& [mean, dof, left_out] = r.monte_carlo->nees;
-  const auto band = navigation::chi_square_mean_band(std::max(dof, 1), r.monte_carlo->runs, kBandOfOne);
+  const auto& [mean, dof, left_out] = r.study.monte_carlo->nees;
+  const navigation::Band band = budget::nees_band(r.study);
   std::string out = fmt::format("  NEES {} of {}, 99 % band {} to {}\n", number(mean, 3), dof, number(band.lower, 3),
                                 number(band.upper, 3));
   if (!left_out.empty())
@@ -214,20 +222,20 @@ std::string saturated_text(const budget::Saturated& saturated) {
 }
 
 std::string exact_ratio(const BudgetResult& r, std::size_t line) {
-  const double states = position_sigma(r, r.budget.lines[line].covariance[r.at_index], "rss");
-  return states > 0 ? fmt::format("{:.3f}", position_sigma(r, (*r.exact)[line], "rss") / states) : "-";
+  const double states = position_rss(r, r.study.line(line));
+  return states > 0 ? fmt::format("{:.3f}", position_rss(r, (*r.study.exact)[line]) / states) : "-";
 }
 
 // Covariance, exact integrals and flights of each source.
 std::string sources_text(const BudgetResult& r) {
-  if (r.monte_carlo->sources.empty()) return {};
-  const auto agreements = source_agreements(r);
-  const AllRatios all = all_ratios(r);
+  if (r.study.monte_carlo->sources.empty()) return {};
+  const auto agreements = source_agreements(r.study);
+  const budget::AllRatios all = budget::all_ratios(r.study);
   std::string out = fmt::format("\nEach source alone, {} runs of each: sigma found over that of its covariance\n",
-                                count_text(r.monte_carlo->runs));
-  TextTable table = left_aligned(2 + (r.exact ? 1 : 0) + navigation::kCoreStates);
+                                count_text(r.study.monte_carlo->runs));
+  TextTable table = left_aligned(2 + (r.study.exact ? 1 : 0) + navigation::kCoreStates);
   std::vector<std::string> groups{"", "table"}, heads{"  source", "rss m"};
-  if (r.exact) {
+  if (r.study.exact) {
     groups.emplace_back("exact");
     heads.emplace_back("ratio");
   }
@@ -238,27 +246,26 @@ std::string sources_text(const BudgetResult& r) {
   table.row(groups);
   table.row(heads);
   const auto add = [&](const std::string& name, const CoreMatrix& linear, const std::string& exact,
-                       const std::optional<Agreement>& one) {
-    std::vector<std::string> row{fmt::format("  {}", name), number(position_sigma(r, linear, "rss"), 3)};
-    if (r.exact) row.push_back(exact);
+                       const std::optional<budget::Agreement>& one) {
+    std::vector<std::string> row{fmt::format("  {}", name), number(position_rss(r, linear), 3)};
+    if (r.study.exact) row.push_back(exact);
     if (!one) row.emplace_back("not flown");
     for (std::size_t k = 0; one && k < one->axes.size(); ++k) row.push_back(ratio_text(*one, one->axes[k], all.band));
     row.resize(heads.size());
     table.row(row);
   };
-  for (const std::size_t i : order(r, budget::shares(r.budget, r.at_index))) {
-    const auto& line = r.budget.lines[i];
-    const CoreMatrix& P = line.covariance[r.at_index];
-    add(line.name, P, r.exact ? exact_ratio(r, i) : "", agreements[i]);
+  for (const std::size_t i : order(r, budget::shares(r.study.budget, r.study.at_index))) {
+    const auto& line = r.study.budget.lines[i];
+    add(line.name, r.study.line(i), r.study.exact ? exact_ratio(r, i) : "", agreements[i]);
   }
-  add("total", r.budget.total[r.at_index], "", total_agreement(r));
+  add("total", r.study.total(), "", total_agreement(r.study));
   out += table.text();
   out += wrapped(
       fmt::format(
           "{} ratios; 99 % of right ones lie in {} to {}: {} outside (*), {} by chance. All of them lie in {} to {} with 99 %: {}.",
           all.compared, number(all.band.lower, 3), number(all.band.upper, 3), all.outside,
           number(all.compared * (1 - kBandOfOne), 2), number(all.together.lower, 3), number(all.together.upper, 3),
-          all.far.empty() ? "they do" : fmt::format("but for {}", fmt::join(all.far, "; "))),
+          all.far.empty() ? "they do" : fmt::format("but for {}", fmt::join(far_words(r.study, all), "; "))),
       "  ", "  ");
   out += wrapped(
       "<1%: of the total's variance, by covariance and as found. 2nd: the covariance has less there than terms of second order may add.",
@@ -267,14 +274,14 @@ std::string sources_text(const BudgetResult& r) {
 }
 
 std::string monte_carlo_text(const BudgetResult& r) {
-  if (!r.monte_carlo) return {};
-  const auto& mc = *r.monte_carlo;
+  if (!r.study.monte_carlo) return {};
+  const auto& mc = *r.study.monte_carlo;
   std::string out = fmt::format("\nMonte Carlo, {} runs of the whole chain, seed {}\n", count_text(mc.runs), mc.seed);
-  const auto band = navigation::sigma_ratio_band(mc.runs, kBandOfOne);
+  const navigation::Band band = budget::ratio_band(r.study);
   out += total_ratios(r, band);
   out += fmt::format("  99 % of right ones lie in {} to {}\n", number(band.lower, 3), number(band.upper, 3));
   out += nees_text(r) + saturated_text(mc.saturated);
-  if (const auto list = contradictions(r); !list.empty()) {
+  if (const auto list = contradiction_words(r.study); !list.empty()) {
     out += "  The flights contradict the covariance, which does not hold:\n";
     for (const auto& one : list) out += wrapped(one, "  - ", "    ");
   }
@@ -283,17 +290,18 @@ std::string monte_carlo_text(const BudgetResult& r) {
 
 std::string left_out_text(const BudgetResult& r) {
   std::string out;
-  if (!r.left_out.empty()) {
-    out += fmt::format("\nLeft out, together below {} of each total\n", percent(r.tolerance));
-    for (const auto& l : r.left_out)
-      out += wrapped(fmt::format("{}: {} m, {}", l.name, number(l.position, 3), l.why), "  - ", "    ");
+  if (!r.study.left_out.empty()) {
+    out += fmt::format("\nLeft out, together below {} of each total\n", percent(r.study.tolerance));
+    for (const auto& l : r.study.left_out)
+      out += wrapped(fmt::format("{}: {} m, {}", l.name, number(l.position, 3), why_left_out(l)), "  - ", "    ");
   }
-  if (!r.not_modelled.empty()) {
+  if (!r.study.not_modelled.empty()) {
     out += "\nNot in the linear budget\n";
-    for (const auto& l : r.not_modelled) out += wrapped(fmt::format("{}: {}", l.what, l.why), "  - ", "    ");
+    for (const auto& l : r.study.not_modelled) out += wrapped(fmt::format("{}: {}", l.what, l.why), "  - ", "    ");
   }
-  if (!r.notes.empty()) out += "\nNotes\n";
-  for (const auto& note : r.notes) out += wrapped(printable(note), "  - ", "    ");
+  const std::vector<std::string> notes = budget_notes(r);
+  if (!notes.empty()) out += "\nNotes\n";
+  for (const auto& note : notes) out += wrapped(printable(note), "  - ", "    ");
   return out;
 }
 
@@ -304,36 +312,18 @@ std::string comparison(const std::vector<BudgetResult>& results) {
   TextTable table(columns);
   table.row({"  sensor", "position rss m", "velocity m/s", "attitude deg", "largest source"});
   for (const auto& r : results) {
-    const CoreMatrix& P = r.budget.total[r.at_index];
-    const auto s = navigation::local_sigmas(P, r.C_enu);
-    const auto share = budget::shares(r.budget, r.at_index);
+    const CoreMatrix& P = r.study.total();
+    const auto s = navigation::local_sigmas(P, r.study.axes.C_enu);
+    const auto share = budget::shares(r.study.budget, r.study.at_index);
     const auto largest = std::max_element(share.begin(), share.end()) - share.begin();
     table.row({fmt::format("  {}", printable(r.sensor.empty() ? "ideal" : r.sensor)), number(s.position.norm(), 3),
                number(s.velocity.norm(), 3), number(s.attitude.norm() / kDegree, 3),
-               share.empty() ? "-" : r.budget.lines[static_cast<std::size_t>(largest)].name});
+               share.empty() ? "-" : r.study.budget.lines[static_cast<std::size_t>(largest)].name});
   }
   return out + table.text();
 }
 
 }  // namespace
-
-Eigen::Matrix<double, 3, Eigen::Dynamic> component_axes(const BudgetResult& r, std::string_view component) {
-  if (component == "east") return r.C_enu.col(0);
-  if (component == "north") return r.C_enu.col(1);
-  if (component == "up") return r.C_enu.col(2);
-  if (component == "downrange") return r.C_launch.col(0);
-  if (component == "crossrange") return r.C_launch.col(1);
-  if (component == "horizontal") return r.C_enu.leftCols<2>();
-  if (component == "rss") return r.C_enu;
-  throw std::invalid_argument(fmt::format(
-      "no component '{}'; there are east, north, up, downrange, crossrange, horizontal and rss", component));
-}
-
-double position_sigma(const BudgetResult& r, const CoreMatrix& P, std::string_view component) {
-  const auto axes = component_axes(r, component);
-  const Eigen::Matrix3d position = P.block<3, 3>(navigation::kPosition, navigation::kPosition);
-  return std::sqrt(std::max(0.0, (axes.transpose() * position * axes).trace()));
-}
 
 std::string budget_text(const std::vector<BudgetResult>& results) {
   std::string out;

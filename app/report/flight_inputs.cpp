@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "flight_numbers.h"
+#include "flight_words.h"
 #include "words.h"
 
 namespace gyrobudget::inline v0::report {

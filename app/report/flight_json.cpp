@@ -2,6 +2,8 @@
 // Closed-loop flights for programs, and the data that flight.js draws.
 #include "gyrobudget/estimation/budget/error_budget.h"
 #include "gyrobudget/estimation/budget/scene.h"
+#include "gyrobudget/estimation/closed_loop/flight_frame.h"
+#include "gyrobudget/estimation/closed_loop/summary.h"
 #include "gyrobudget/noise/version.h"
 
 #include <nlohmann/json.hpp>
@@ -11,7 +13,7 @@
 #include <limits>
 #include <utility>
 
-#include "flight_numbers.h"
+#include "flight_words.h"
 #include "json_text.h"
 #include "page_parts.h"
 
@@ -19,7 +21,10 @@ namespace gyrobudget::inline v0::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using closed_loop::Difference;
+using closed_loop::FlightFrame;
 using closed_loop::Flights;
+using closed_loop::FromPad;
 using closed_loop::Outcome;
 using closed_loop::Study;
 using Eigen::Vector3d;
@@ -82,7 +87,7 @@ Json flights_json(const Flights& f, double azimuth) {
     return out;
   }
   const auto position = f.spread(&Outcome::position);
-  const Ellipse e = ellipse(position.covariance, azimuth);
+  const closed_loop::Ellipse e = closed_loop::ellipse(position.covariance, azimuth);
   out["position_m"] = launch(position.sigma());
   out["velocity_m_s"] = launch(f.spread(&Outcome::velocity).sigma());
   out["attitude_deg"] = launch(f.spread(&Outcome::attitude).sigma() / kDegree, "total");
@@ -150,13 +155,11 @@ Json navigation_error_json(const FlightFrame& frame, const Study& s) {
 
 Json margins_json(const closed_loop::MarginsAt& margins) {
   Json least = Json::array();
-  bool met = !margins.points.empty();
-  for (const LeastMargins& m : least_margins(margins)) {
-    met = met && m.met();
+  for (const closed_loop::LeastMargins& m : closed_loop::least_margins(margins)) {
     least.push_back({{"mode_factor", m.mode_factor},
-                     {"gain_up_db", finite(m.gain_up)},
-                     {"gain_down_db", finite(m.gain_down)},
-                     {"phase_deg", finite(m.phase)},
+                     {"gain_up_db", finite(m.gain_up_db)},
+                     {"gain_down_db", finite(m.gain_down_db)},
+                     {"phase_deg", finite(m.phase_deg)},
                      {"stable", m.stable}});
   }
   Json points;
@@ -165,21 +168,21 @@ Json margins_json(const closed_loop::MarginsAt& margins) {
   for (const flight::Margins& m : margins.points) {
     points["t_s"].push_back(m.t);
     points["mode_factor"].push_back(m.mode_factor);
-    points["gain_up_db"].push_back(finite(decibel(m.gain_up)));
-    points["gain_down_db"].push_back(finite(-decibel(m.gain_down)));
+    points["gain_up_db"].push_back(finite(closed_loop::decibel(m.gain_up)));
+    points["gain_down_db"].push_back(finite(-closed_loop::decibel(m.gain_down)));
     points["phase_deg"].push_back(finite(m.phase / kDegree));
     points["stable"].push_back(m.stable);
   }
   return {{"until_s", margins.until},
-          {"gain_demand_db", kGainDemand},
-          {"phase_demand_deg", kPhaseDemand},
-          {"met", met},
+          {"gain_demand_db", closed_loop::kGainDemandDb},
+          {"phase_demand_deg", closed_loop::kPhaseDemandDeg},
+          {"met", closed_loop::margins_met(margins)},
           {"least", least},
           {"points", points}};
 }
 
 Json limits_json(const FlightResult& r) {
-  const LimitsUsed u = limits_used(r, shown_record(r));
+  const closed_loop::LimitsUsed u = closed_loop::limits_used(r.plan.flight.vehicle, r.study.shown());
   return {{"dynamic_pressure_pa", u.pressure},
           {"dynamic_pressure_at_s", u.pressure_at},
           {"mach_at_it", u.mach},
@@ -299,8 +302,7 @@ Json inputs_json(const FlightResult& r) {
 
 Json notes_json(const FlightResult& r) {
   Json list = Json::array();
-  for (const auto* notes : {&r.study.notes, &r.notes})
-    for (const auto& note : *notes) list.push_back(note);
+  for (const auto& note : notes_of(r)) list.push_back(note);
   return list;
 }
 
@@ -377,7 +379,7 @@ Json nominal_trajectory_json(const FlightResult& r, const FlightFrame& frame, st
 std::string flight_json(std::span<const FlightResult> results) {
   constexpr auto kAllPoints = std::numeric_limits<std::size_t>::max() / 2;
   Json list = Json::array();
-  for (const auto& r : results) list.push_back(flight_document(r, FlightFrame(r), kAllPoints));
+  for (const auto& r : results) list.push_back(flight_document(r, FlightFrame(r.plan, r.study.nominal), kAllPoints));
   if (list.size() == 1) return dense_json(list[0]);
   return dense_json({{"schema", "gyrobudget.flights/1"}, {"version", kVersion}, {"flights", list}});
 }
@@ -387,7 +389,7 @@ std::string flight_data(std::span<const FlightResult> results) {
   const std::vector<std::string> names = flight_names(results);
   Json list = Json::array();
   for (std::size_t i = 0; i < results.size(); ++i) {
-    const FlightFrame frame(results[i]);
+    const FlightFrame frame(results[i].plan, results[i].study.nominal);
     Json one = flight_document(results[i], frame, kPoints);
     one["label"] = names[i];
     one["navigation_words"] = navigation_words(results[i].study);

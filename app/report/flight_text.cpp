@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Closed-loop flights for the terminal.
-#include "gyrobudget/estimation/navigation/consistency.h"
+#include "gyrobudget/estimation/closed_loop/flight_frame.h"
+#include "gyrobudget/estimation/closed_loop/summary.h"
 
 #include <fmt/format.h>
 
@@ -9,14 +10,16 @@
 #include <numeric>
 #include <utility>
 
-#include "flight_numbers.h"
+#include "flight_words.h"
 #include "layout.h"
 #include "words.h"
 
 namespace gyrobudget::inline v0::report {
 namespace {
 
+using closed_loop::FlightFrame;
 using closed_loop::Flights;
+using closed_loop::FromPad;
 using closed_loop::Outcome;
 using closed_loop::Study;
 using Eigen::Vector3d;
@@ -51,6 +54,8 @@ std::vector<Nominal> nominals(std::span<const FlightResult> results, const std::
   for (std::size_t i = 0; i < results.size(); ++i) list.push_back({&results[i], "nominal, " + names[i]});
   return list;
 }
+
+FlightFrame frame_of(const FlightResult& r) { return {r.plan, r.study.nominal}; }
 
 // --- Head ------------------------------------------------------------------------------------------------
 
@@ -107,10 +112,10 @@ std::string ends(std::span<const FlightResult> results, const std::vector<std::s
   TextTable table = numbers_table(
       {"flight", "t s", "height km", "downrange km", "crossrange m", "speed m/s", "distance km", "pitch deg", "ended"});
   for (const Nominal& n : nominals(results, names))
-    table.row(end_row(n.name, FlightFrame(*n.result), n.result->study.nominal));
+    table.row(end_row(n.name, frame_of(*n.result), n.result->study.nominal));
   for (std::size_t i = 0; i < results.size(); ++i) {
     if (const auto& flown = results[i].study.flown)
-      table.row(end_row(names[i], FlightFrame(results[i]), *flown));
+      table.row(end_row(names[i], frame_of(results[i]), *flown));
     else
       table.row({names[i], "-", "-", "-", "-", "-", "-", "-", "not flown"});
   }
@@ -137,7 +142,7 @@ std::string departures(std::span<const FlightResult> results, const std::vector<
   bool any = false;
   for (std::size_t i = 0; i < results.size(); ++i) {
     const auto& flown = results[i].study.flown;
-    const auto d = flown ? FlightFrame(results[i]).departure(flown->end) : std::nullopt;
+    const auto d = flown ? frame_of(results[i]).departure(flown->end) : std::nullopt;
     if (!d) continue;
     any = true;
     std::vector<std::string> row{names[i]};
@@ -169,8 +174,7 @@ std::string check_text(const Study& s) {
   const char* const axes[] = {"downrange", "crossrange", "up"};
   for (int i = 0; i < 3; ++i) {
     const double ratio = check->position_ratio[i];
-    const bool outside = ratio < check->low || ratio > check->high;
-    out += fmt::format(" {} {}{}", axes[i], number(ratio, 3), outside ? " (outside)" : "");
+    out += fmt::format(" {} {}{}", axes[i], number(ratio, 3), check->holds(ratio) ? "" : " (outside)");
   }
   return out + fmt::format("\n  99 % of right ones lie in {} to {}\n", number(check->low, 3), number(check->high, 3));
 }
@@ -207,7 +211,7 @@ std::string navigation_error(const FlightResult& r, const std::string& name) {
 std::vector<std::string> dispersion_row(const std::string& name, const FlightsOf& kind, double azimuth) {
   const Flights& f = *kind.flights;
   const auto position = f.spread(&Outcome::position);
-  const Ellipse e = ellipse(position.covariance, azimuth);
+  const closed_loop::Ellipse e = closed_loop::ellipse(position.covariance, azimuth);
   std::vector<std::string> row{name, std::string(kind.cause)};
   if (f.complete() < 2)
     row.insert(row.end(), 6, "-");
@@ -246,7 +250,7 @@ std::string limits(std::span<const FlightResult> results, const std::vector<std:
   TextTable table = numbers_table(
       {"flight", "highest q kPa", "at s", "Mach", "q x angle kPa deg", "nozzle deg", "of", "periods at a limit"});
   const auto row = [&](const std::string& name, const FlightResult& r, const flight::FlightRecord& record) {
-    const LimitsUsed u = limits_used(r, record);
+    const closed_loop::LimitsUsed u = closed_loop::limits_used(r.plan.flight.vehicle, record);
     table.row({name, number(u.pressure / kKilo, 4), fmt::format("{:.1f}", u.pressure_at), number(u.mach, 3),
                number(u.pressure_angle / kDegree / kKilo, 3), number(u.deflection / kDegree, 3),
                number(u.deflection_limit / kDegree, 3), percent(u.limited)});
@@ -258,22 +262,22 @@ std::string limits(std::span<const FlightResult> results, const std::vector<std:
 }
 
 std::string margins(const Study& s, const std::string& name) {
-  const auto least = least_margins(s.margins);
+  const auto least = closed_loop::least_margins(s.margins);
   if (least.empty()) return {};
   TextTable table =
       numbers_table({"bending mode", "gain up dB", "at s", "gain down dB", "at s", "phase deg", "at s", ""});
-  for (const LeastMargins& m : least) {
+  for (const closed_loop::LeastMargins& m : least) {
     const std::string mode = m.mode_factor == 1 ? "as planned" : fmt::format("{:+.0f} %", 100 * (m.mode_factor - 1));
     const auto at = [](double value, double t) { return std::isinf(value) ? "" : fmt::format("{:.0f}", t); };
-    table.row({least.size() == 1 ? "none" : mode, decibels(m.gain_up), at(m.gain_up, m.gain_up_at),
-               decibels(m.gain_down), at(m.gain_down, m.gain_down_at),
-               std::isinf(m.phase) ? "no limit" : fmt::format("{:.1f}", m.phase), at(m.phase, m.phase_at),
+    table.row({least.size() == 1 ? "none" : mode, decibels(m.gain_up_db), at(m.gain_up_db, m.gain_up_at),
+               decibels(m.gain_down_db), at(m.gain_down_db, m.gain_down_at),
+               std::isinf(m.phase_deg) ? "no limit" : fmt::format("{:.1f}", m.phase_deg), at(m.phase_deg, m.phase_at),
                !m.stable ? "UNSTABLE"
                : m.met() ? "met"
                          : "NOT MET"});
   }
   return fmt::format("\nLeast margins until {:.1f} s, where thrust fades; {:g} dB and {:g} deg are to be had: {}\n",
-                     s.margins.until, kGainDemand, kPhaseDemand, name) +
+                     s.margins.until, closed_loop::kGainDemandDb, closed_loop::kPhaseDemandDeg, name) +
          table.text();
 }
 

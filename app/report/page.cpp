@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "accuracy.h"
-#include "flight_numbers.h"
+#include "flight_words.h"
 #include "navigation.h"
 #include "page_parts.h"
 #include "paper.h"

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "alignment_time.h"
 
+#include "gyrobudget/estimation/navigation/errors.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -56,8 +58,8 @@ AlignmentTime alignment_time(const navigation::Scenario& scenario, const earth::
                              const BudgetQuestion& question, double at,
                              const Eigen::Matrix<double, 3, Eigen::Dynamic>& axes, double limit) {
   if (!std::holds_alternative<navigation::SelfAlignment>(scenario.alignment.attitude))
-    throw std::invalid_argument("the scene does not align itself: there is no duration to change");
-  if (!(limit > 0)) throw std::invalid_argument(fmt::format("limit is {} m, expected above 0 m", limit));
+    throw navigation::SetupError("the scene does not align itself: there is no duration to change");
+  if (!(limit > 0)) throw navigation::SetupError(fmt::format("limit is {} m, expected above 0 m", limit));
   Search search(scenario, trajectory, question, at, axes);
   AlignmentTime best{false, 0, std::numeric_limits<double>::infinity()};
   double before = 0;

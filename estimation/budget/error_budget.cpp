@@ -1,25 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "error_budget.h"
 
-#include "gyrobudget/vehicle/earth/attitude.h"
-#include "gyrobudget/vehicle/earth/ellipsoid.h"
-#include "gyrobudget/vehicle/earth/gravity.h"
+#include "gyrobudget/estimation/navigation/errors.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 
 namespace gyrobudget::inline v0::budget {
-namespace {
-
-using Eigen::Matrix3d;
-using Eigen::Vector3d;
-
-constexpr double kSameTime = 1e-9;  // [s]
-
-}  // namespace
 
 // --- The filter's gains -------------------------------------------------------------------------------------------
 
@@ -47,10 +36,10 @@ class GainRun {
  private:
   void now(double time) {
     const auto& fixes = timeline_.fixes();
-    while (result_.of_fix.size() < fixes.size() && fixes[result_.of_fix.size()].time <= time + kSameTime)
+    while (result_.of_fix.size() < fixes.size() && fixes[result_.of_fix.size()].time <= time + Timeline::kSameTime)
       use(fixes[result_.of_fix.size()]);
     const auto& report = timeline_.report();
-    if (result_.claimed.size() < report.size() && report[result_.claimed.size()] <= time + kSameTime)
+    if (result_.claimed.size() < report.size() && report[result_.claimed.size()] <= time + Timeline::kSameTime)
       result_.claimed.emplace_back(
           covariance_.matrix().topLeftCorner<navigation::kCoreStates, navigation::kCoreStates>());
   }
@@ -75,7 +64,7 @@ class GainRun {
 
 FrozenGains frozen_gains(const Timeline& timeline, const std::optional<Design>& design) {
   if (design) return GainRun(timeline, *design)();
-  if (!timeline.fixes().empty()) throw std::invalid_argument("the scene has fixes but no filter that would use them");
+  if (!timeline.fixes().empty()) throw navigation::SetupError("the scene has fixes but no filter that would use them");
   return {};
 }
 
@@ -184,7 +173,7 @@ class Passage {
     const navigation::Transition& transition = transition_of(step.input);
     if (start_) start_->propagate(transition, covariance_.matrix());
     covariance_.propagate(transition);
-    if (!start_ || step.to < -kSameTime) return;
+    if (!start_ || step.to < -Timeline::kSameTime) return;
     covariance_.add(start_->joining());
     start_.reset();
   }
@@ -295,20 +284,21 @@ class Propagation {
 
  private:
   void fixes_at(double time) {
-    for (; next_fix_ < timeline_.fixes().size() && timeline_.fixes()[next_fix_].time <= time + kSameTime; ++next_fix_)
+    for (; next_fix_ < timeline_.fixes().size() && timeline_.fixes()[next_fix_].time <= time + Timeline::kSameTime;
+         ++next_fix_)
       for (auto& passage : passages_) passage.update(timeline_, next_fix_, gains_.of_fix[next_fix_]);
   }
 
   void require_finite() const {
     if (budget_.total.back().allFinite()) return;
-    throw std::invalid_argument(fmt::format(
+    throw navigation::Diverged(fmt::format(
         "errors grow beyond all numbers within {} s, as the vertical channel does without a height (by e in 570 s): give the scene a height aid, or end it earlier",
         timeline_.end()));
   }
 
   void report_at(double time, const Timeline::Step& next) {
     const auto& report = timeline_.report();
-    if (next_report_ == report.size() || report[next_report_] > time + kSameTime) return;
+    if (next_report_ == report.size() || report[next_report_] > time + Timeline::kSameTime) return;
     budget_.times.push_back(report[next_report_++]);
     navigation::CoreMatrix total = navigation::CoreMatrix::Zero();
     for (std::size_t i = 0; i < passages_.size(); ++i) {

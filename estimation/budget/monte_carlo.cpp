@@ -24,10 +24,10 @@ struct Flown {
   std::vector<CoreVector> errors;  ///< at the times of interest; none where no heading was found
   bool aligned = true;
   Saturated saturated;
-  std::int64_t fixes = 0, refused = 0;
+  FixCount fixes;
 };
 
-CoreVector error(const navigation::NavigationState& truth, const navigation::NavigationState& estimate) {
+CoreVector error(const earth::Pose& truth, const earth::Pose& estimate) {
   CoreVector e;
   e << truth.p_eb_e - estimate.p_eb_e, truth.v_eb_e - estimate.v_eb_e,
       earth::log_rotation(truth.q_eb * estimate.q_eb.conjugate());
@@ -46,18 +46,17 @@ Flown fly(const SimulatedScene& scene, std::uint64_t run) {
     const std::size_t next = flown.errors.size();
     const bool asked = next < report.size() && scene.sample(report[next]) <= k;
     if (!asked && !navigator.fix_due()) return;
-    const navigation::Instant truth = timeline.at(scene.time(k));
+    const earth::Motion truth = timeline.at(scene.time(k));
     navigator.use_fixes(truth);
-    if (asked) flown.errors.push_back(error(truth.state, navigator.state()));
+    if (asked) flown.errors.push_back(error(truth.pose, navigator.state()));
   };
-  for (const earth::ImuIncrement& exact : scene.increments()) {
+  for (const noise::ImuIncrement& exact : scene.increments()) {
     at_sample();
     navigator.step(exact);
   }
   at_sample();
   flown.saturated = navigator.saturated();
   flown.fixes = navigator.fixes();
-  flown.refused = navigator.refused();
   return flown;
 }
 
@@ -80,6 +79,21 @@ std::uint64_t Saturated::sum() const {
   std::uint64_t all = 0;
   for (std::size_t i = 0; i < 3; ++i) all += gyro[i] + accelerometer[i];
   return all;
+}
+
+FixCount& FixCount::operator+=(const FixCount& more) {
+  given += more.given;
+  refused += more.refused;
+  return *this;
+}
+
+double FixCount::refused_share() const {
+  return given > 0 ? static_cast<double>(refused) / static_cast<double>(given) : 0;
+}
+
+bool FixCount::beyond_chance() const {
+  constexpr double kByChance = 1e-3;
+  return refused_share() > kByChance;
 }
 
 navigation::CoreMatrix MonteCarlo::covariance(std::size_t i) const {
@@ -128,7 +142,6 @@ MonteCarlo monte_carlo(const Timeline& timeline, const noise::SensorModel& senso
     const std::lock_guard lock(mutex);
     result.saturated += flown.saturated;
     result.fixes += flown.fixes;
-    result.refused += flown.refused;
     ++done;
     if (options.progress && !options.progress(done)) stopped = true;
   });

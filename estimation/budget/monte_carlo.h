@@ -23,6 +23,18 @@ struct Saturated {
   [[nodiscard]] std::uint64_t sum() const;
 };
 
+/// Fixes that filters were given, and how many of them their gates refused, which linear covariance knows nothing of.
+struct FixCount {
+  std::int64_t given = 0;
+  std::int64_t refused = 0;
+  FixCount& operator+=(const FixCount& more);
+  /// Of all that were given; 0 of none.
+  [[nodiscard]] double refused_share() const;
+  /// More than a thousandth, far above any gate's share of right fixes: something is wrong that the filters are not
+  /// designed for, and the covariance does not hold.
+  [[nodiscard]] bool beyond_chance() const;
+};
+
 /// The whole chain, not linearised, flown many times: a simulated IMU (noise::Imu, 1/f as it is) on the exact increments
 /// of the trajectory, a start that is wrong as it may be, fixes with their errors, strapdown and, where there is a
 /// design, the filter.
@@ -41,11 +53,11 @@ struct MonteCarlo {
     /// White noise is on the fixes of this aid alone, on none for -1; not given: on all.
     std::optional<int> noisy_aid;
     navigation::Filter::Options filter;
-    /// Errors of the world as budget_sources.h makes them (gravity_error, deflection_of_the_vertical): vectors fixed in
+    /// Errors of the world as sources.h makes them (gravity_error, deflection_of_the_vertical): vectors fixed in
     /// other axes than the body's, each of a size drawn once a run.
     std::vector<Source> world;
     /// After each run, from one thread at a time: runs done so far; false stops.
-    std::function<bool(int)> progress;
+    std::function<bool(int done)> progress;
   };
   /// What is wrong with aids beyond white noise: terms of Carrier::aid.
   struct AidErrors {
@@ -60,8 +72,7 @@ struct MonteCarlo {
   /// [run][time] truth minus estimate of position [m], velocity [m/s] and attitude (rotation vector [rad]), axes of e.
   std::vector<std::vector<Eigen::Matrix<double, navigation::kCoreStates, 1>>> errors;
   Saturated saturated;  ///< all runs
-  /// Fixes of all runs, and how many of them the filter's gate refused, which linear covariance knows nothing of.
-  std::int64_t fixes = 0, refused = 0;
+  FixCount fixes;       ///< of all runs
 
   /// Second moment about zero of the errors at times[i], axes of e: sum e e^T/runs.
   /// @throws std::invalid_argument where there are no runs, and std::out_of_range for an i beyond `times`.
@@ -94,10 +105,11 @@ struct MonteCarlo {
 /// Fixes, times of interest and the end are moved to the nearest end of an IMU sample, with the truth of that instant;
 /// an end of the trajectory between two, to the last (less than an interval away).
 /// Time: 1 to 3 us a sample and run, mostly the filter's covariance (Filter::Options::covariance_interval).
-/// @throws std::invalid_argument for runs < 1, an interval that is not positive or longer than the trajectory, and
+/// @throws navigation::SetupError for runs < 1, an interval that is not positive or longer than the trajectory, and
 /// what Imu, Filter and Covariance refuse.
-[[nodiscard]] MonteCarlo monte_carlo(const Timeline&, const noise::SensorModel&, const InitialErrors&,
-                                     const Eigen::Matrix3d& C_el, const std::optional<Design>&,
-                                     const MonteCarlo::AidErrors&, const MonteCarlo::Options&);
+[[nodiscard]] MonteCarlo monte_carlo(const Timeline& timeline, const noise::SensorModel& sensor,
+                                     const InitialErrors& initial, const Eigen::Matrix3d& C_el,
+                                     const std::optional<Design>& design, const MonteCarlo::AidErrors& aids,
+                                     const MonteCarlo::Options& options);
 
 }  // namespace gyrobudget::inline v0::budget

@@ -2,6 +2,7 @@
 #include "scene.h"
 
 #include "gyrobudget/estimation/navigation/alignment.h"
+#include "gyrobudget/estimation/navigation/errors.h"
 #include "gyrobudget/vehicle/earth/frames.h"
 #include "gyrobudget/vehicle/earth/gravity.h"
 
@@ -38,7 +39,7 @@ double fastest_turn(const earth::Trajectory& trajectory) {
   constexpr int kInstants = 1000;
   double fastest = 0;
   for (int i = 0; i <= kInstants; ++i)
-    fastest = std::max(fastest, trajectory.at(trajectory.duration() * i / kInstants).w_ib_b.norm());
+    fastest = std::max(fastest, trajectory.at(trajectory.duration() * i / kInstants).sensed.w_ib_b.norm());
   return fastest;
 }
 
@@ -56,9 +57,9 @@ class Builder {
     if (const auto* self = self_alignment(scenario)) pad_ = self->duration;
     length_ = pad_ + trajectory.duration();
     if (!(length_ <= kLongestScene))
-      throw std::invalid_argument(
+      throw navigation::SetupError(
           fmt::format("a scene of {:g} s, expected at most {:g} s, a year", length_, kLongestScene));
-    const earth::Geodetic site = scenario.site ? *scenario.site : earth::to_geodetic(trajectory.at(0).p_eb_e);
+    const earth::Geodetic site = scenario.site ? *scenario.site : earth::to_geodetic(trajectory.at(0).pose.p_eb_e);
     C_enu_ = earth::LocalFrame::east_north_up(site).C_el();
     C_launch_ = earth::LocalFrame::launch_plane(site, scenario.azimuth).C_el();
   }
@@ -68,7 +69,7 @@ class Builder {
     plan_fixes();
     initial_errors();
     BudgetScene scene{.timeline = timeline(), .C_enu = C_enu_, .C_launch = C_launch_, .initial = true_start_};
-    if (!warning_.empty()) scene.warnings.push_back(warning_);
+    scene.no_heading = no_heading_;
     check_range(scene, scenario_.sensor.gyro.range, navigation::Carrier::gyro);
     if (scenario_.sensor.accelerometer)
       check_range(scene, scenario_.sensor.accelerometer->range, navigation::Carrier::accelerometer);
@@ -121,7 +122,7 @@ class Builder {
       const navigation::Aid& aid = scenario_.aids.at(from->aid);
       check(aid);
       if (pad_ == 0 && !holds(aid, 0))
-        throw std::invalid_argument(fmt::format(
+        throw navigation::SetupError(fmt::format(
             "{}: the start is taken from it, and at 0 s it gives no fix: mend its valid span or outages, or give the start",
             aid.name));
       if (aid.used) starts_.push_back({-pad_, fix(aid, static_cast<int>(from->aid), 0)});
@@ -159,21 +160,21 @@ class Builder {
                              navigation::AttitudeFix>
   fix(const navigation::Aid& aid, int number, double t) const {
     const earth::TrajectoryPoint truth = trajectory_.at(t);
-    const Matrix3d C = truth.q_eb.toRotationMatrix();
-    const earth::Geodetic at = earth::to_geodetic(truth.p_eb_e);
+    const Matrix3d C = truth.pose.q_eb.toRotationMatrix();
+    const earth::Geodetic at = earth::to_geodetic(truth.pose.p_eb_e);
     const Matrix3d axes = earth::C_e_enu(at.latitude, at.longitude);
-    const Vector3d w_eb_b = truth.w_ib_b - C.transpose() * Vector3d(0, 0, earth::wgs84::kEarthRate);
+    const Vector3d w_eb_b = truth.sensed.w_ib_b - C.transpose() * Vector3d(0, 0, earth::wgs84::kEarthRate);
     switch (aid.kind) {
       case navigation::Aid::Kind::position:
-        return navigation::PositionFix{truth.p_eb_e + C * aid.lever_arm, aid.sigma, axes, aid.lever_arm, number};
+        return navigation::PositionFix{truth.pose.p_eb_e + C * aid.lever_arm, aid.sigma, axes, aid.lever_arm, number};
       case navigation::Aid::Kind::height:
         return navigation::HeightFix{at.height, aid.sigma[0], number};
       case navigation::Aid::Kind::attitude:
-        return navigation::AttitudeFix{truth.q_eb, aid.sigma, number};
+        return navigation::AttitudeFix{truth.pose.q_eb, aid.sigma, number};
       default:
-        if (aid.kind == navigation::Aid::Kind::rest) check_rest(aid, truth.v_eb_e.norm(), t);
-        return navigation::VelocityFix{truth.v_eb_e + C * w_eb_b.cross(aid.lever_arm), aid.sigma, axes, aid.lever_arm,
-                                       number};
+        if (aid.kind == navigation::Aid::Kind::rest) check_rest(aid, truth.pose.v_eb_e.norm(), t);
+        return navigation::VelocityFix{truth.pose.v_eb_e + C * w_eb_b.cross(aid.lever_arm), aid.sigma, axes,
+                                       aid.lever_arm, number};
     }
   }
 
@@ -181,7 +182,7 @@ class Builder {
   static void check_rest(const navigation::Aid& aid, double speed, double t) {
     constexpr double kSigmas = 5;
     if (speed > kSigmas * aid.sigma.maxCoeff())
-      throw std::invalid_argument(fmt::format(
+      throw navigation::SetupError(fmt::format(
           "{}: at {:g} s, where it says rest, the trajectory moves with {:.3g} m/s; end it before, as in until: 8 s",
           aid.name, t, speed));
   }
@@ -207,17 +208,18 @@ class Builder {
   // sensors cause.
   void coarse(const navigation::SelfAlignment& self) {
     const earth::TrajectoryPoint start = trajectory_.at(0);
-    const Matrix3d C_be = start.q_eb.toRotationMatrix().transpose();
-    const earth::Geodetic at = earth::to_geodetic(start.p_eb_e);
+    const Matrix3d C_be = start.pose.q_eb.toRotationMatrix().transpose();
+    const earth::Geodetic at = earth::to_geodetic(start.pose.p_eb_e);
     navigation::AlignmentOptions options;
     options.sensor = scenario_.sensor;
     options.interval = question_.imu_interval;
     options.latitude = at.latitude;
     const Matrix3d C_en = earth::C_e_ned(at.latitude, at.longitude);
     if (self.heading)
-      options.heading = navigation::heading_of(Eigen::Quaterniond(C_en).conjugate() * start.q_eb, initial_.heading);
+      options.heading =
+          navigation::heading_of(Eigen::Quaterniond(C_en).conjugate() * start.pose.q_eb, initial_.heading);
     const navigation::Alignment found =
-        navigation::align(navigation::StaticMeans{-(C_be * earth::normal_gravity(start.p_eb_e)),
+        navigation::align(navigation::StaticMeans{-(C_be * earth::normal_gravity(start.pose.p_eb_e)),
                                                   C_be * Vector3d(0, 0, earth::wgs84::kEarthRate), self.duration},
                           options);
     const Vector3d sigma = found.sigma();
@@ -231,7 +233,7 @@ class Builder {
     if (self.heading) return;
     initial_.heading = trusted_less(sigma.z());
     true_start_.heading = found.heading_observable ? 0 : initial_.heading;
-    if (!found.heading_observable) warning_ = found.message;
+    if (!found.heading_observable) no_heading_ = found.message;
   }
 
   template <typename Given>
@@ -262,9 +264,7 @@ class Builder {
         peak = std::max(peak, u);
       }
       if (peak < *range) continue;
-      scene.warnings.push_back(fmt::format(
-          "{} {} is cut off from {:.4g} s on: it senses up to {:.3g} {} where its range is {:.3g}; the covariance knows nothing of that and does not hold, look at Monte Carlo",
-          gyro ? "gyro" : "accelerometer", "xyz"[axis], from, peak, gyro ? "rad/s" : "m/s^2", *range));
+      scene.out_of_range.push_back({carrier, static_cast<int>(axis), from, peak, *range});
     }
   }
 
@@ -405,7 +405,7 @@ class Builder {
   InitialErrors initial_;     ///< that a filter is told
   InitialErrors true_start_;  ///< that no sensor and no aid causes
   std::optional<AlignmentGain> alignment_;
-  std::string warning_;
+  std::string no_heading_;
 };
 
 // Traces of position, velocity and attitude.
@@ -434,7 +434,7 @@ BudgetScene budget_scene(const navigation::Scenario& scenario, const earth::Traj
 std::vector<Negligible> leave_out(BudgetScene& scene, const FrozenGains& gains, std::span<const double> times,
                                   double tolerance) {
   if (!(tolerance >= 0 && tolerance < 1))
-    throw std::invalid_argument(fmt::format("tolerance is {}, expected 0 to below 1", tolerance));
+    throw navigation::SetupError(fmt::format("tolerance is {}, expected 0 to below 1", tolerance));
   const std::size_t n = scene.sources.size();
   const auto columns = static_cast<Eigen::Index>(3 * times.size());
   Eigen::MatrixXd variance(static_cast<Eigen::Index>(n), columns);  // of each source in every total
@@ -467,9 +467,7 @@ std::vector<Negligible> leave_out(BudgetScene& scene, const FrozenGains& gains, 
     double position = 0;
     for (std::size_t t = 0; t < times.size(); ++t)
       position = std::max(position, std::sqrt(row[static_cast<Eigen::Index>(3 * t)]));
-    left_out.push_back({scene.sources[s].name, position,
-                        row.isZero(0) ? "has no effect in this scene"
-                                      : fmt::format("{:.2g} of the total's variance at most", largest_share(s))});
+    left_out.push_back({scene.sources[s].name, position, row.isZero(0) ? 0 : largest_share(s)});
   }
   std::size_t next = 0;
   std::erase_if(scene.sources, [&](const Source&) { return gone[next++]; });

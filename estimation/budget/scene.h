@@ -15,6 +15,16 @@
 
 namespace gyrobudget::inline v0::budget {
 
+/// An axis of a sensor that senses more than its range along the trajectory, and is cut off there: linear covariance knows
+/// nothing of that and does not hold.
+struct OutOfRange {
+  navigation::Carrier carrier = navigation::Carrier::gyro;
+  int axis = 0;      ///< of the body, 0 to 2
+  double from = 0;   ///< when it first is [s]
+  double peak = 0;   ///< what it would sense, at most [rad/s, m/s^2]
+  double range = 0;  ///< [rad/s, m/s^2]
+};
+
 /// A scene made ready for budget, adjoint and Monte Carlo.
 ///
 /// - Unaided and with its start given: strapdown alone.
@@ -40,7 +50,8 @@ struct BudgetScene {
   MonteCarlo::AidErrors aids;
   bool self_alignment = false;
   std::optional<double> heading_sigma;  ///< of a heading that the alignment is given [rad]
-  std::vector<std::string> warnings;    ///< heading not observable, samples that will be out of a sensor's range
+  std::string no_heading;  ///< what the alignment says where it finds none; empty: it finds one, or needs none
+  std::vector<OutOfRange> out_of_range;                     ///< gyros first
   std::vector<navigation::SensorStates::LeftOut> left_out;  ///< by linear covariance and why
 };
 
@@ -58,32 +69,34 @@ struct BudgetQuestion {
 };
 
 /// What a scene asks by itself: its world, and whether its strapdown knows of Earth's rate.
-[[nodiscard]] BudgetQuestion question_of(const navigation::Scenario&, double imu_interval);
+[[nodiscard]] BudgetQuestion question_of(const navigation::Scenario& scenario, double imu_interval);
 
-/// @throws std::invalid_argument for what Timeline, sensor_states and check(Aid) refuse, a rest where the trajectory
+/// @throws navigation::SetupError for what Timeline, sensor_states and check(Aid) refuse, a rest where the trajectory
 /// moves, a start from an aid that has no fix at 0 s, and more than a year.
-[[nodiscard]] BudgetScene budget_scene(const navigation::Scenario&, const earth::Trajectory&, const BudgetQuestion&);
+[[nodiscard]] BudgetScene budget_scene(const navigation::Scenario& scenario, const earth::Trajectory& trajectory,
+                                       const BudgetQuestion& question);
 
 /// A source that may be left out before the long computation, and what that changes.
 struct Negligible {
   std::string name;
   double position = 0;  ///< root sum square of its error at the times asked for, at most [m]
-  std::string why;
+  /// Its largest part in the variance of any total at these times; 0: it has no effect in this scene.
+  double share = 0;
 };
 /// Takes out the smallest sources as long as all of them together change no total of position, velocity or attitude at
 /// `times` by more than `tolerance` of it. By the adjoint, exact at these times, gains frozen. Sources that have no
 /// response are always taken out; none is where one grows beyond all numbers. Times must be times of interest of the timeline.
-/// @throws std::invalid_argument unless 0 <= tolerance < 1.
-[[nodiscard]] std::vector<Negligible> leave_out(BudgetScene&, const FrozenGains&, std::span<const double> times,
-                                                double tolerance);
+/// @throws navigation::SetupError unless 0 <= tolerance < 1.
+[[nodiscard]] std::vector<Negligible> leave_out(BudgetScene& scene, const FrozenGains& gains,
+                                                std::span<const double> times, double tolerance);
 
 /// dR/dp p/R of the total's position rss R at times[i] by each source's size p: its share of the variance.
-[[nodiscard]] std::vector<double> shares(const Budget&, std::size_t i);
+[[nodiscard]] std::vector<double> shares(const Budget& budget, std::size_t i);
 
 /// By how much a source may be larger or smaller (a factor of its size) so that the root sum square of position over the
 /// axes in `axes` (columns) at times[i] is `limit` [m]; infinite where it plays no part, 0 where the others alone
 /// exceed the limit.
-[[nodiscard]] double allowed_factor(const Budget&, std::size_t i, std::string_view source,
+[[nodiscard]] double allowed_factor(const Budget& budget, std::size_t i, std::string_view source,
                                     const Eigen::Matrix<double, 3, Eigen::Dynamic>& axes, double limit);
 
 }  // namespace gyrobudget::inline v0::budget

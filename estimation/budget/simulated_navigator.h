@@ -19,54 +19,60 @@
 
 namespace gyrobudget::inline v0::budget {
 
-/// What all simulated navigators of a scene share. Time runs in samples of options.imu_interval from the
-/// scene's start on, which is on the pad where it has one.
+/// What all simulated navigators of a scene share. Time runs in samples of options.imu_interval from the scene's start
+/// on, which is on the pad where it has one. It keeps what it is given; copies are cheap and share one that never changes.
 class SimulatedScene {
  public:
-  /// The arguments are those of monte_carlo() and must outlive it.
-  /// @throws std::invalid_argument as monte_carlo().
-  SimulatedScene(const Timeline&, const noise::SensorModel&, const InitialErrors&, const Eigen::Matrix3d& C_el,
-                 const std::optional<Design>&, const MonteCarlo::AidErrors&, const MonteCarlo::Options&);
+  /// The arguments are those of monte_carlo().
+  /// @throws navigation::SetupError as monte_carlo().
+  SimulatedScene(Timeline timeline, noise::SensorModel sensor, const InitialErrors& initial,
+                 const Eigen::Matrix3d& C_el, std::optional<Design> design, MonteCarlo::AidErrors aids,
+                 MonteCarlo::Options options);
 
-  [[nodiscard]] const Timeline& timeline() const { return timeline_; }
+  [[nodiscard]] const Timeline& timeline() const { return parts_->timeline; }
   /// Samples on the pad, at rest.
   [[nodiscard]] std::size_t pad_samples() const { return sample(0); }
-  /// The sample whose end is nearest to a time of the scene, counted from 1; 0 is the start.
+  /// The sample whose end is nearest to a time of the scene [s], counted from 1; 0 is the start.
   [[nodiscard]] std::size_t sample(double time) const;
-  /// When a sample ends.
+  /// When a sample ends [s].
   [[nodiscard]] double time(std::size_t sample) const;
   /// What the exact IMU sums up on the timeline, sample by sample from the scene's start.
-  [[nodiscard]] const std::vector<earth::ImuIncrement>& increments() const { return increments_; }
+  [[nodiscard]] const std::vector<noise::ImuIncrement>& increments() const { return parts_->increments; }
 
  private:
   friend class SimulatedNavigator;
-  void add_world(const Source&);
-
-  const Timeline& timeline_;
-  const noise::SensorModel& sensor_;
-  const InitialErrors& initial_;
-  const Eigen::Matrix3d& C_el_;
-  const std::optional<Design>& design_;
-  const MonteCarlo::AidErrors& aids_;
-  const MonteCarlo::Options& options_;
-  std::vector<earth::ImuIncrement> increments_;
-  Eigen::MatrixXd aid_root_;  ///< of the aids' initial covariance
+  /// A part of the start that is taken from a fix.
   struct Taken {
     navigation::StartFromFix from;
     Eigen::MatrixXd root;  ///< of its white noise
     int aid = 0;
   };
-  std::vector<Taken> taken_;  ///< parts of the start
   struct Vectors {
     navigation::Carrier carrier;
     std::vector<Eigen::Vector3d> unit;  ///< what a unit adds to the increment of each sample
   };
-  std::vector<Vectors> world_;
+  struct Parts {
+    Timeline timeline;
+    noise::SensorModel sensor;
+    InitialErrors initial;
+    Eigen::Matrix3d C_el;
+    std::optional<Design> design;
+    MonteCarlo::AidErrors aids;
+    MonteCarlo::Options options;
+    std::vector<noise::ImuIncrement> increments;
+    Eigen::MatrixXd aid_root;  ///< of the aids' initial covariance
+    std::vector<Taken> taken;
+    std::vector<Vectors> world;
+
+    void add_world(const Source& source);
+  };
+  std::shared_ptr<const Parts> parts_;
 };
 
 /// One run of it: what the IMU senses goes, with errors, into the strapdown or the filter. The truth may be
 /// that of the timeline or another one near it, as in closed loop: only times of fixes, and what errors of the
-/// world do to the IMU, are the timeline's. Deterministic in (seed, run).
+/// world do to the IMU, are the timeline's. Deterministic in (seed, run). step() and use_fixes() throw what
+/// navigation::Filter and navigation::Strapdown do.
 ///
 ///     SimulatedNavigator navigator(scene, run);
 ///     while (more) {
@@ -76,26 +82,23 @@ class SimulatedScene {
 class SimulatedNavigator {
  public:
   /// At the scene's start, coarsely aligned where that is the scene's way.
-  /// @throws std::invalid_argument as Imu, Filter and Strapdown do.
-  SimulatedNavigator(const SimulatedScene&, std::uint64_t run);
+  /// @throws what noise::Imu, navigation::Filter and navigation::Strapdown do.
+  SimulatedNavigator(SimulatedScene scene, std::uint64_t run);
 
   /// False where the alignment on the pad found no heading: it then starts as the initial errors have it.
   [[nodiscard]] bool aligned() const { return aligned_; }
   /// One sample of the exact IMU; an alignment has measured those on the pad already.
-  void step(const earth::ImuIncrement& exact);
+  void step(const noise::ImuIncrement& exact);
   /// At rest to time 0, with the fixes up to there.
   void pass_pad();
   [[nodiscard]] bool fix_due() const;
   /// Takes the fixes that are due, at that truth.
-  void use_fixes(const navigation::Instant& truth);
+  void use_fixes(const earth::Motion& truth);
 
-  [[nodiscard]] const navigation::NavigationState& state() const {
-    return filter_ ? filter_->state() : strapdown_->state();
-  }
-  [[nodiscard]] std::int64_t fixes() const { return fixes_; }      ///< so far, those that the filter refused too
-  [[nodiscard]] std::int64_t refused() const { return refused_; }  ///< by the filter's gate
+  [[nodiscard]] const earth::Pose& state() const { return filter_ ? filter_->state() : strapdown_->state(); }
+  [[nodiscard]] const FixCount& fixes() const { return fixes_; }  ///< so far
   [[nodiscard]] const std::optional<navigation::Filter>& filter() const { return filter_; }
-  [[nodiscard]] const earth::ImuIncrement& sensed() const { return sensed_; }  ///< last
+  [[nodiscard]] const noise::ImuIncrement& sensed() const { return sensed_; }  ///< last
   [[nodiscard]] std::size_t samples() const { return samples_; }               ///< so far
   [[nodiscard]] Saturated saturated() const;
 
@@ -113,26 +116,27 @@ class SimulatedNavigator {
     std::uint64_t drawn_ = 0;
   };
 
-  [[nodiscard]] earth::ImuIncrement measure_imu(const earth::ImuIncrement& exact, std::size_t sample);
+  [[nodiscard]] noise::ImuIncrement measure_imu(const noise::ImuIncrement& truth, std::size_t sample);
   /// White noise is on its fixes.
-  [[nodiscard]] bool noisy(int aid) const { return scene_.options_.noisy_aid.value_or(aid) == aid; }
-  [[nodiscard]] navigation::NavigationState wrong_start();
-  void take_start(navigation::NavigationState&);
+  [[nodiscard]] bool noisy(int aid) const { return parts().options.noisy_aid.value_or(aid) == aid; }
+  [[nodiscard]] const SimulatedScene::Parts& parts() const { return *scene_.parts_; }
+  [[nodiscard]] earth::Pose wrong_start();
+  void take_start(earth::Pose& state);
   [[nodiscard]] std::optional<Eigen::Quaterniond> coarse_alignment();
-  void use(const navigation::PlannedFix&, const navigation::Instant& truth);
+  void use(const navigation::PlannedFix& planned, const earth::Motion& truth);
   void move_aids();
 
-  const SimulatedScene& scene_;
+  SimulatedScene scene_;
   Normals start_, aids_;
   noise::Imu imu_;
   std::optional<navigation::Filter> filter_;
   std::optional<navigation::Strapdown> strapdown_;
   Eigen::VectorXd aid_terms_;
   std::vector<double> world_;             ///< sizes of the scene's vectors
-  std::vector<earth::ImuIncrement> pad_;  ///< as measured, where it served the alignment
-  earth::ImuIncrement sensed_{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  std::vector<noise::ImuIncrement> pad_;  ///< as measured, where it served the alignment
+  noise::ImuIncrement sensed_;
   std::size_t samples_ = 0, next_fix_ = 0;
-  std::int64_t fixes_ = 0, refused_ = 0;
+  FixCount fixes_;
   bool aligned_ = true;
 };
 

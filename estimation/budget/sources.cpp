@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "sources.h"
 
+#include "gyrobudget/estimation/navigation/errors.h"
 #include "gyrobudget/vehicle/earth/gravity.h"
 
 #include <fmt/format.h>
@@ -95,7 +96,7 @@ Vector3d up(const navigation::StepInput& input) {
 
 void require_size(double sigma, std::string_view what) {
   if (!(sigma >= 0) || !std::isfinite(sigma))
-    throw std::invalid_argument(fmt::format("{} is {}, expected 0 or more and finite", what, sigma));
+    throw navigation::SetupError(fmt::format("{} is {}, expected 0 or more and finite", what, sigma));
 }
 
 }  // namespace

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: MIT
 #include "timeline.h"
 
+#include "gyrobudget/estimation/navigation/detail/check.h"
+#include "gyrobudget/estimation/navigation/errors.h"
 #include "gyrobudget/vehicle/earth/ellipsoid.h"
 #include "gyrobudget/vehicle/earth/gravity.h"
+#include "gyrobudget/vehicle/earth/vector.h"
 
 #include <fmt/format.h>
 
@@ -15,15 +18,11 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
+using navigation::detail::require;
 
 const Vector3d kEarthRate{0, 0, earth::wgs84::kEarthRate};
-constexpr double kSameTime = 1e-9;  // [s]
 constexpr double kAtRest = 1e-3;    // [m/s]
 constexpr double kMostSteps = 1e6;  // 600 bytes each in the adjoint
-
-void require(bool good, std::string_view what, double value, std::string_view expected) {
-  if (!good) throw std::invalid_argument(fmt::format("{} is {}, expected {}", what, value, expected));
-}
 
 }  // namespace
 
@@ -32,8 +31,8 @@ Timeline::Timeline(earth::Trajectory trajectory, std::vector<navigation::Planned
   require(options.step > 0 && std::isfinite(options.step), "covariance step [s]", options.step, "above 0");
   require(options.pad >= 0 && std::isfinite(options.pad), "time on the pad [s]", options.pad, "0 or more");
   if (pad_ > 0)
-    require(trajectory_.at(0).v_eb_e.norm() <= kAtRest, "speed at the start [m/s], after a time on the pad",
-            trajectory_.at(0).v_eb_e.norm(), fmt::format("at most {}", kAtRest));
+    require(trajectory_.at(0).pose.v_eb_e.norm() <= kAtRest, "speed at the start [m/s], after a time on the pad",
+            trajectory_.at(0).pose.v_eb_e.norm(), fmt::format("at most {}", kAtRest));
   const auto inside = [&](double t) { return t >= start() && t <= end(); };
   for (const double t : report_) require(inside(t), "time of interest [s]", t, "within the scene");
   for (const auto& fix : fixes_) require(inside(fix.time), "time of a fix [s]", fix.time, "within the scene");
@@ -72,30 +71,30 @@ Timeline::Step Timeline::make_step(double from, double to) const {
   step.input.dt = to - from;
   const double middle = std::max(0.0, (from + to) / 2);
   const earth::TrajectoryPoint point = trajectory_.at(middle);
-  step.input.p_eb_e = point.p_eb_e;
-  step.input.C_eb = point.q_eb.toRotationMatrix();
+  step.input.p_eb_e = point.pose.p_eb_e;
+  step.input.C_eb = point.pose.q_eb.toRotationMatrix();
   if (to <= 0) {  // at rest, whatever the trajectory's first instant does
     step.input.w_ib_b = step.input.C_eb.transpose() * kEarthRate;
-    step.input.f_ib_b = -(step.input.C_eb.transpose() * earth::normal_gravity(point.p_eb_e));
+    step.input.f_ib_b = -(step.input.C_eb.transpose() * earth::normal_gravity(point.pose.p_eb_e));
   } else {
-    const earth::ImuIncrement imu = trajectory_.increment(from, to);
-    step.input.w_ib_b = imu.angle / (to - from);
-    step.input.f_ib_b = imu.velocity / (to - from);
+    const noise::ImuIncrement imu = trajectory_.increment(from, to);
+    step.input.w_ib_b = earth::vector(imu.angle) / (to - from);
+    step.input.f_ib_b = earth::vector(imu.velocity) / (to - from);
   }
   return step;
 }
 
-navigation::Instant Timeline::at(double time) const {
-  const earth::TrajectoryPoint point = trajectory_.at(std::max(0.0, time));
-  navigation::Instant instant{{point.p_eb_e, point.v_eb_e, point.q_eb}, Vector3d::Zero(), Vector3d::Zero()};
+earth::Motion Timeline::at(double time) const {
+  const auto [t, pose, sensed] = trajectory_.at(std::max(0.0, time));
+  earth::Motion motion{.pose = pose};
   if (time < 0 || (time == 0 && pad_ > 0)) {
-    instant.state.v_eb_e.setZero();
-    return instant;
+    motion.pose.v_eb_e.setZero();
+    return motion;
   }
-  const Matrix3d C = point.q_eb.toRotationMatrix();
-  instant.w_eb_b = point.w_ib_b - C.transpose() * kEarthRate;
-  instant.a_eb_e = C * point.f_ib_b + earth::normal_gravity(point.p_eb_e) - 2 * kEarthRate.cross(point.v_eb_e);
-  return instant;
+  const Matrix3d C = pose.q_eb.toRotationMatrix();
+  motion.w_eb_b = sensed.w_ib_b - C.transpose() * kEarthRate;
+  motion.a_eb_e = C * sensed.f_ib_b + earth::normal_gravity(pose.p_eb_e) - 2 * kEarthRate.cross(pose.v_eb_e);
+  return motion;
 }
 
 }  // namespace gyrobudget::inline v0::budget

@@ -13,6 +13,8 @@ namespace gyrobudget::inline v0::budget {
 /// What is flown, in steps on which the error model is linearised.
 class Timeline {
  public:
+  static constexpr double kSameTime = 1e-9;  ///< [s] between fixes, reports and steps that are at one time
+
   struct Options {
     double step = 0.1;           ///< longest step [s]
     double pad = 0;              ///< rest at the trajectory's first point before its start [s]
@@ -25,9 +27,9 @@ class Timeline {
 
   /// Steps end at every fix and time of interest, and at breaks of the trajectory that are half a step or more behind
   /// the end before.
-  /// @throws std::invalid_argument for a step or pad out of range, a step below 1e-6 of the scene, times outside the
+  /// @throws navigation::SetupError for a step or pad out of range, a step below 1e-6 of the scene, times outside the
   /// scene, a pad before a trajectory that starts faster than 1 mm/s.
-  Timeline(earth::Trajectory, std::vector<navigation::PlannedFix> fixes, const Options&);
+  Timeline(earth::Trajectory trajectory, std::vector<navigation::PlannedFix> fixes, const Options& options);
 
   [[nodiscard]] const earth::Trajectory& trajectory() const { return trajectory_; }
   [[nodiscard]] double start() const { return -pad_; }
@@ -35,10 +37,11 @@ class Timeline {
   [[nodiscard]] const std::vector<Step>& steps() const { return steps_; }
   [[nodiscard]] const std::vector<navigation::PlannedFix>& fixes() const { return fixes_; }  ///< by time
   [[nodiscard]] const std::vector<double>& report() const { return report_; }                ///< ascending
-  [[nodiscard]] navigation::Instant at(double time) const;
+  /// The true motion at a time of the scene [s]: at rest up to 0 where there is a pad.
+  [[nodiscard]] earth::Motion at(double time) const;
 
  private:
-  void cut(const Options&);
+  void cut(const Options& options);
   [[nodiscard]] Step make_step(double from, double to) const;
 
   earth::Trajectory trajectory_;

@@ -2,6 +2,7 @@
 #include "study.h"
 
 #include "gyrobudget/estimation/budget/scene_runs.h"
+#include "gyrobudget/estimation/navigation/errors.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/frames.h"
 
@@ -13,7 +14,7 @@
 #include <atomic>
 #include <cmath>
 #include <mutex>
-#include <stdexcept>
+#include <optional>
 #include <utility>
 
 #include "inertial_navigator.h"
@@ -36,6 +37,13 @@ flight::Plan whole_periods(flight::Plan plan) {
   const double duration = std::isnan(f.duration) ? f.vehicle.burn_time : f.duration;
   constexpr double kRounding = 1e-9;
   if (f.period > 0 && duration >= f.period) f.duration = f.period * std::floor(duration / f.period * (1 + kRounding));
+  return plan;
+}
+
+flight::Plan recorded(flight::Plan plan, std::optional<double> rate) {
+  constexpr double kMostPeriods = 1e6;
+  flight::Flight& f = plan.flight;
+  if (rate) f.record_every = static_cast<int>(std::clamp(std::round(1 / (*rate * f.period)), 1.0, kMostPeriods));
   return plan;
 }
 
@@ -65,7 +73,7 @@ MarginsAt margins_along(const flight::Plan& plan, const FlightRecord& nominal) {
 
 // Truth less estimate, axes of e.
 template <class State>
-Eigen::Matrix<double, kCoreStates, 1> error(const flight::Body::Pose& truth, const State& estimate) {
+Eigen::Matrix<double, kCoreStates, 1> error(const earth::Pose& truth, const State& estimate) {
   Eigen::Matrix<double, kCoreStates, 1> e;
   e << truth.p_eb_e - estimate.p_eb_e, truth.v_eb_e - estimate.v_eb_e,
       earth::log_rotation(truth.q_eb * estimate.q_eb.conjugate());
@@ -76,7 +84,7 @@ Eigen::Matrix<double, kCoreStates, 1> error(const flight::Body::Pose& truth, con
 class Flyer {
  public:
   Flyer(const flight::Plan& plan, const flight::Dispersion& dispersion, const FlightRecord& nominal,
-        const budget::SimulatedScene* scene, const Matrix3d& C_launch, std::uint64_t seed)
+        const budget::SimulatedScene& scene, const Matrix3d& C_launch, std::uint64_t seed)
       : plan_(plan),
         dispersion_(dispersion),
         nominal_(nominal),
@@ -87,7 +95,7 @@ class Flyer {
 
   // With the sensors of a run; none where they found no heading on the pad.
   [[nodiscard]] std::optional<FlightRecord> with_sensors(const flight::Flight& flown, std::uint64_t run) const {
-    InertialNavigator navigator(*scene_, run);
+    InertialNavigator navigator(scene_, run);
     if (!navigator.inside().aligned()) return std::nullopt;
     return fly(plan_, flown, reference_, navigator);
   }
@@ -97,14 +105,13 @@ class Flyer {
     flown.duration = plan_.flight.duration;
     flown.record_every = 0;
     if (sensors) {
-      InertialNavigator navigator(*scene_, run);
+      InertialNavigator navigator(scene_, run);
       if (!navigator.inside().aligned()) return Outcome{.aligned = false};
       const FlightRecord record = fly(plan_, flown, reference_, navigator);
       Outcome o = outcome_of(record);
       // Not what the controller was told, which may be late.
       if (o.counts()) o.navigation = error(record.end.truth, navigator.state());
       o.fixes = navigator.inside().fixes();
-      o.refused = navigator.inside().refused();
       return o;
     }
     flight::PerfectNavigator navigator;
@@ -130,7 +137,7 @@ class Flyer {
   const flight::Dispersion& dispersion_;
   const FlightRecord& nominal_;
   std::vector<flight::Waypoint> reference_;
-  const budget::SimulatedScene* scene_;
+  const budget::SimulatedScene& scene_;
   const Matrix3d& C_launch_;
   std::uint64_t seed_;
 };
@@ -141,7 +148,7 @@ struct Kind {
 };
 
 // All kinds of one run, run after run, so that what was stopped early has as many of each.
-void fly_many(Study& study, const Flyer& flyer, const std::vector<Kind>& kinds, const Study::Options& options) {
+void fly_many(Study& study, const Flyer& flyer, const std::vector<Kind>& kinds, const Options& options) {
   const auto kinds_count = static_cast<int>(kinds.size());
   const int flights = options.runs * kinds_count;
   for (const Kind& kind : kinds) kind.flights->outcomes.resize(static_cast<std::size_t>(options.runs));
@@ -193,24 +200,35 @@ CoreMatrix Flights::navigation_error() const {
   return sum / std::max(complete(), 1);
 }
 
+budget::FixCount Flights::fixes() const {
+  budget::FixCount sum;
+  for (const Outcome& o : outcomes) sum += o.fixes;
+  return sum;
+}
+
+bool Study::not_compared() const { return asked > 0 && !too_short() && nominal.ended != flight::Ended::complete; }
+
+bool Study::flew_to_the_end() const {
+  return nominal.ended == flight::Ended::complete && flown && flown->ended == flight::Ended::complete;
+}
+
 Study study(const flight::Plan& asked, const flight::Dispersion& dispersion, const navigation::Scenario& scenario,
-            const Study::Options& options) {
-  if (options.runs < 0) throw std::invalid_argument(fmt::format("{} runs, expected none or more", options.runs));
-  const flight::Plan plan = whole_periods(asked);
+            const Options& options) {
+  if (options.runs < 0) throw navigation::SetupError(fmt::format("{} runs, expected none or more", options.runs));
+  const flight::Plan plan = recorded(whole_periods(asked), options.record_rate);
   Study result;
   result.seed = options.seed;
+  result.asked = options.runs;
   result.azimuth = plan.control.azimuth;
   result.C_enu = earth::LocalFrame::east_north_up(plan.flight.world.site).C_el();
   result.C_launch = earth::LocalFrame::launch_plane(plan.flight.world.site, plan.control.azimuth).C_el();
   result.nominal = fly_nominal(plan);
   if (options.margins) result.margins = margins_along(plan, result.nominal);
-  if (!flight::makes_a_trajectory(result.nominal)) {
-    result.notes.push_back(fmt::format("the flight is too short to navigate: it {}", result.nominal.account));
-    return result;
-  }
+  if (!flight::makes_a_trajectory(result.nominal)) return result;
   const auto scene =
       budget::budget_scene(scenario, trajectory(result.nominal), budget::question_of(scenario, plan.flight.period));
-  result.notes.insert(result.notes.end(), scene.warnings.begin(), scene.warnings.end());
+  result.no_heading = scene.no_heading;
+  result.out_of_range = scene.out_of_range;
   result.left_out = scene.left_out;
   result.aided = scene.design.has_value();
   result.pad = -scene.timeline.start();
@@ -221,14 +239,9 @@ Study study(const flight::Plan& asked, const flight::Dispersion& dispersion, con
   simulated = whole_scene(scene, scenario, simulated);
   const budget::SimulatedScene simulation(scene.timeline, scenario.sensor, scene.initial, scene.C_enu, scene.design,
                                           scene.aids, simulated);
-  const Flyer flyer(plan, dispersion, result.nominal, &simulation, result.C_launch, options.seed);
+  const Flyer flyer(plan, dispersion, result.nominal, simulation, result.C_launch, options.seed);
   result.flown = flyer.with_sensors(plan.flight, 0);
-  if (options.runs == 0) return result;
-  if (result.nominal.ended != flight::Ended::complete) {
-    result.notes.push_back(
-        fmt::format("no flights were compared, as the nominal one itself {}", result.nominal.account));
-    return result;
-  }
+  if (options.runs == 0 || result.nominal.ended != flight::Ended::complete) return result;
   std::vector<Kind> kinds;
   const bool sensors = varies(scenario.sensor, scene), vehicle = !dispersion.none();
   if (sensors) kinds.push_back({&result.sensors, true, false});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "tilt.h"
 
+#include "gyrobudget/vehicle/earth/vector.h"
 #include "gyrobudget/vehicle/flight/vehicle.h"
 
 #include <algorithm>
@@ -46,7 +47,8 @@ TiltResponse::TiltResponse(const flight::Plan& plan) : nominal_(flown(plan)), st
     Point point{.C = p.truth.q_eb.toRotationMatrix(), .v = p.truth.v_eb_e, .f = Vector3d::Zero()};
     const auto first = std::min(i * kEvery, nominal_.increments.size());
     const auto last = std::min(first + kEvery, nominal_.increments.size());
-    for (std::size_t k = first; k < last; ++k) point.f += point.C * nominal_.increments[k].velocity / step_;
+    for (std::size_t k = first; k < last; ++k)
+      point.f += point.C * earth::vector(nominal_.increments[k].velocity) / step_;
     const double speed = std::max(p.flow.speed, kLeastSpeed);
     const double force = p.flow.dynamic_pressure / speed * vehicle.reference_area * vehicle.normal_force_slope;
     const double least = plan.control.least_thrust * vehicle.mean_thrust();

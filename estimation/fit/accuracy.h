@@ -75,6 +75,6 @@ struct AccuracyOptions {
 ///   are simulated all the same.
 /// @throws std::invalid_argument for an empty truth or list of methods, fewer than 16 samples or 1 record, and what fit
 ///   and noise::RecordGenerator refuse.
-[[nodiscard]] Accuracy measure_accuracy(const std::vector<noise::Process>& truth, const AccuracyOptions& = {});
+[[nodiscard]] Accuracy measure_accuracy(const std::vector<noise::Process>& truth, const AccuracyOptions& options = {});
 
 }  // namespace gyrobudget::inline v0::fit

@@ -29,7 +29,7 @@ enum class Method {
 inline constexpr std::array kMethods{Method::gls,   Method::edf,    Method::loglog,
                                      Method::slope, Method::visual, Method::whittle};
 /// "gls", "edf", "loglog", "slope", "visual" or "whittle".
-[[nodiscard]] std::string_view name(Method);
+[[nodiscard]] std::string_view name(Method method);
 
 /// What a record says of one coefficient.
 enum class Status {
@@ -161,7 +161,7 @@ struct Data {
 /// of gaps) the term is not fitted. `slope` and `visual` read N, B and K whatever the terms.
 /// @throws std::invalid_argument for what the overloads below and fit_likelihood refuse, and for a record that has
 /// neither samples nor curve, or no samples where the method needs them.
-[[nodiscard]] Result fit(const Data&, const Options& = {});
+[[nodiscard]] Result fit(const Data& record, const Options& asked = {});
 
 /// Fits noise coefficients to an Allan variance curve.
 ///
@@ -198,8 +198,9 @@ struct Data {
 ///                    Method::whittle, which needs samples.
 /// Sources: theory of generalised least squares; IEEE Std 952-2020 annex C for the model; the interval construction
 /// and its measured coverage are this project's own (tests/fit, fit_study).
-[[nodiscard]] Result fit(const allan::Curve& curve, const allan::CurveCovariance& covariance, const Options& = {});
+[[nodiscard]] Result fit(const allan::Curve& curve, const allan::CurveCovariance& covariance,
+                         const Options& options = {});
 /// The same for a single curve, making the covariance on the way.
-[[nodiscard]] Result fit(const allan::Curve& curve, const Options& = {});
+[[nodiscard]] Result fit(const allan::Curve& curve, const Options& options = {});
 
 }  // namespace gyrobudget::inline v0::fit

@@ -60,6 +60,6 @@ struct Check {
 
 /// Every number that each requirement is about. A requirement that is about none, because its method was not measured
 /// or its coefficient was not fitted, gives one check that is not met, with a NaN value.
-[[nodiscard]] std::vector<Check> check(const std::vector<Requirement>&, const Accuracy&);
+[[nodiscard]] std::vector<Check> check(const std::vector<Requirement>& requirements, const Accuracy& accuracy);
 
 }  // namespace gyrobudget::inline v0::fit

@@ -71,6 +71,6 @@ struct Selection {
 /// Deterministic for a seed at any thread count. Cost: about 0.5 s a step on two cores, whatever the length.
 /// @throws std::invalid_argument for dt, a repeated candidate or white noise among them, a rate outside (0, 0.5], or
 /// fewer than 50 replicas.
-[[nodiscard]] Selection choose_terms(std::span<const double> rate, double dt, const SelectionOptions& = {});
+[[nodiscard]] Selection choose_terms(std::span<const double> rate, double dt, const SelectionOptions& options = {});
 
 }  // namespace gyrobudget::inline v0::fit

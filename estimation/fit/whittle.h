@@ -39,7 +39,7 @@ namespace gyrobudget::inline v0::fit {
 /// @param rate samples [signal], NaN or infinite where missing. @param dt sample interval [s].
 /// @throws std::invalid_argument for a repeated or missing term, dt, a correlation time or a frequency out of range.
 /// Source: P. Whittle 1953; the transform of differences and its end corrections are this project's (theory in dst.h).
-[[nodiscard]] Result fit_likelihood(std::span<const double> rate, double dt, const Options& = {});
+[[nodiscard]] Result fit_likelihood(std::span<const double> rate, double dt, const Options& options = {});
 
 /// Whether two fits of one record tell the same of one coefficient.
 struct Agreement {

@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 
 double variance(double sigma) {
   if (!(sigma > 0) || !std::isfinite(sigma))
-    throw std::invalid_argument(fmt::format("sigma of an aid is {}, expected above 0 and finite", sigma));
+    throw SetupError(fmt::format("sigma of an aid is {}, expected above 0 and finite", sigma));
   return sigma * sigma;
 }
 
@@ -64,12 +64,12 @@ void each_term(const Estimate& estimate, int aid, Function f) {
 }  // namespace
 
 Measurement measure(const PositionFix& fix, const Estimate& estimate) {
-  const Matrix3d C = estimate.state.q_eb.toRotationMatrix();
+  const Matrix3d C = estimate.motion.pose.q_eb.toRotationMatrix();
   const Vector3d arm = C * fix.lever_arm;
-  Rows rows(estimate, fix.axes, fix.p_eb_e - estimate.state.p_eb_e - arm, fix.sigma);
+  Rows rows(estimate, fix.axes, fix.p_eb_e - estimate.motion.pose.p_eb_e - arm, fix.sigma);
   rows.block(kPosition, Matrix3d::Identity());
   rows.block(kAttitude, -earth::skew(arm));
-  const Vector3d v_antenna = estimate.state.v_eb_e + C * estimate.w_eb_b.cross(fix.lever_arm);
+  const Vector3d v_antenna = estimate.motion.pose.v_eb_e + C * estimate.motion.w_eb_b.cross(fix.lever_arm);
   each_term(estimate, fix.aid, [&](std::size_t k, const ErrorTerm& term) {
     const Vector3d column = term.effect == Effect::lever_arm ? Vector3d(C.col(term.axis))
                             : term.effect == Effect::bias    ? Vector3d(fix.axes.col(term.axis))
@@ -80,9 +80,9 @@ Measurement measure(const PositionFix& fix, const Estimate& estimate) {
 }
 
 Measurement measure(const VelocityFix& fix, const Estimate& estimate) {
-  const Matrix3d C = estimate.state.q_eb.toRotationMatrix();
-  const Vector3d swing = C * estimate.w_eb_b.cross(fix.lever_arm);
-  Rows rows(estimate, fix.axes, fix.v_eb_e - estimate.state.v_eb_e - swing, fix.sigma);
+  const Matrix3d C = estimate.motion.pose.q_eb.toRotationMatrix();
+  const Vector3d swing = C * estimate.motion.w_eb_b.cross(fix.lever_arm);
+  Rows rows(estimate, fix.axes, fix.v_eb_e - estimate.motion.pose.v_eb_e - swing, fix.sigma);
   rows.block(kVelocity, Matrix3d::Identity());
   rows.block(kAttitude, -earth::skew(swing));
   const auto& terms = estimate.model->terms;
@@ -91,16 +91,16 @@ Measurement measure(const VelocityFix& fix, const Estimate& estimate) {
       rows.term(k, C * fix.lever_arm.cross(Vector3d::Unit(terms[k].axis)), 0);
   each_term(estimate, fix.aid, [&](std::size_t k, const ErrorTerm& term) {
     const Vector3d column = term.effect == Effect::lever_arm
-                                ? Vector3d(C * estimate.w_eb_b.cross(Vector3d::Unit(term.axis)))
+                                ? Vector3d(C * estimate.motion.w_eb_b.cross(Vector3d::Unit(term.axis)))
                             : term.effect == Effect::bias ? Vector3d(fix.axes.col(term.axis))
-                                                          : estimate.a_eb_e;
+                                                          : estimate.motion.a_eb_e;
     rows.term(k, column, estimate.terms[k]);
   });
   return rows.result();
 }
 
 Measurement measure(const HeightFix& fix, const Estimate& estimate) {
-  const earth::Geodetic at = earth::to_geodetic(estimate.state.p_eb_e);
+  const earth::Geodetic at = earth::to_geodetic(estimate.motion.pose.p_eb_e);
   const Vector3d up = earth::up_e(at.latitude, at.longitude);
   Measurement result;
   result.rows = 1;
@@ -111,7 +111,7 @@ Measurement measure(const HeightFix& fix, const Estimate& estimate) {
   row.h.segment<3>(kPosition) = up;
   each_term(estimate, fix.aid, [&](std::size_t k, const ErrorTerm& term) {
     if (term.effect == Effect::lever_arm || (term.effect == Effect::bias && term.axis != 0)) return;
-    const double column = term.effect == Effect::bias ? 1 : up.dot(estimate.state.v_eb_e);
+    const double column = term.effect == Effect::bias ? 1 : up.dot(estimate.motion.pose.v_eb_e);
     row.h[kCoreStates + static_cast<int>(k)] = column;
     result.residual[0] -= column * estimate.terms[k];
   });
@@ -119,13 +119,14 @@ Measurement measure(const HeightFix& fix, const Estimate& estimate) {
 }
 
 Measurement measure(const AttitudeFix& fix, const Estimate& estimate) {
-  const Matrix3d C = estimate.state.q_eb.toRotationMatrix();
-  const Vector3d residual = earth::log_rotation(fix.q_eb * estimate.state.q_eb.conjugate());
+  const Matrix3d C = estimate.motion.pose.q_eb.toRotationMatrix();
+  const Vector3d residual = earth::log_rotation(fix.q_eb * estimate.motion.pose.q_eb.conjugate());
   Rows rows(estimate, C, residual, fix.sigma);
   rows.block(kAttitude, Matrix3d::Identity());
   each_term(estimate, fix.aid, [&](std::size_t k, const ErrorTerm& term) {
     if (term.effect == Effect::lever_arm) return;
-    const Vector3d column = term.effect == Effect::bias ? Vector3d(C.col(term.axis)) : Vector3d(C * estimate.w_eb_b);
+    const Vector3d column =
+        term.effect == Effect::bias ? Vector3d(C.col(term.axis)) : Vector3d(C * estimate.motion.w_eb_b);
     rows.term(k, column, estimate.terms[k]);
   });
   return rows.result();

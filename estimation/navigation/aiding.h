@@ -6,6 +6,7 @@
 #include "gyrobudget/vehicle/earth/ellipsoid.h"
 
 #include "covariance.h"
+#include "errors.h"
 #include "strapdown.h"
 #include <Eigen/Geometry>
 
@@ -20,9 +21,7 @@ struct Measurement {
 
 /// The estimate that a measurement is compared with.
 struct Estimate {
-  NavigationState state;
-  Eigen::Vector3d w_eb_b = Eigen::Vector3d::Zero();  ///< [rad/s]
-  Eigen::Vector3d a_eb_e = Eigen::Vector3d::Zero();  ///< dv_eb_e/dt [m/s^2]
+  earth::Motion motion;
   const ErrorStateModel* model = nullptr;
   const double* terms = nullptr;  ///< estimates of model->terms
 };
@@ -65,10 +64,10 @@ struct AttitudeFix {
   int aid = -1;
 };
 
-/// @throws std::invalid_argument for a sigma that is not positive and finite.
-[[nodiscard]] Measurement measure(const PositionFix&, const Estimate&);
-[[nodiscard]] Measurement measure(const VelocityFix&, const Estimate&);
-[[nodiscard]] Measurement measure(const HeightFix&, const Estimate&);
-[[nodiscard]] Measurement measure(const AttitudeFix&, const Estimate&);
+/// @throws SetupError for a sigma that is not positive and finite.
+[[nodiscard]] Measurement measure(const PositionFix& fix, const Estimate& estimate);
+[[nodiscard]] Measurement measure(const VelocityFix& fix, const Estimate& estimate);
+[[nodiscard]] Measurement measure(const HeightFix& fix, const Estimate& estimate);
+[[nodiscard]] Measurement measure(const AttitudeFix& fix, const Estimate& estimate);
 
 }  // namespace gyrobudget::inline v0::navigation

@@ -2,6 +2,7 @@
 #include "alignment.h"
 
 #include "gyrobudget/estimation/navigation/detail/gauss_markov.h"
+#include "gyrobudget/vehicle/earth/vector.h"
 
 #include <fmt/core.h>
 
@@ -131,22 +132,21 @@ Matrix3d mapped(const Matrix3d& J, const Vector3d& variance) { return J * varian
 
 void check(const AlignmentOptions& options) {
   if (options.latitude && !(std::abs(*options.latitude) <= pi / 2))
-    throw std::invalid_argument(
+    throw SetupError(
         fmt::format("latitude {} degrees of the alignment must be within 90", *options.latitude / kDegree));
   if (!(options.heading_limit > 0) || !std::isfinite(options.heading_limit))
-    throw std::invalid_argument(
-        fmt::format("limit {} rad of the heading must be positive, finite", options.heading_limit));
+    throw SetupError(fmt::format("limit {} rad of the heading must be positive, finite", options.heading_limit));
   if (!(options.interval > 0) || !std::isfinite(options.interval))
-    throw std::invalid_argument(fmt::format("interval {} s of the IMU must be positive", options.interval));
+    throw SetupError(fmt::format("interval {} s of the IMU must be positive", options.interval));
   check(epoch_of(options.sensor.gyro), "gyro");
   if (options.sensor.accelerometer) check(epoch_of(*options.sensor.accelerometer), "accelerometer");
   if (!options.heading) return;
   const GivenHeading& heading = *options.heading;
   if (!std::isfinite(heading.azimuth) || !(heading.sigma >= 0) || !std::isfinite(heading.sigma))
-    throw std::invalid_argument(
+    throw SetupError(
         fmt::format("heading {} +- {} rad must be finite, its sigma not negative", heading.azimuth, heading.sigma));
   if (!heading.axis.allFinite() || !(heading.axis.norm() > 0))
-    throw std::invalid_argument("axis of the heading must be finite and not zero");
+    throw SetupError("axis of the heading must be finite and not zero");
 }
 
 void check(const StaticMeans& means) {
@@ -317,12 +317,12 @@ class Aligner {
   Matrix3d C_lb_;  ///< l: east, north, up
 };
 
-StaticMeans means_of(std::span<const earth::ImuIncrement> imu, double dt) {
+StaticMeans means_of(std::span<const noise::ImuIncrement> imu, double dt) {
   const double T = dt * static_cast<double>(imu.size());
   StaticMeans means{Vector3d::Zero(), Vector3d::Zero(), T};
-  for (const earth::ImuIncrement& increment : imu) {
-    means.f_ib_b += increment.velocity;
-    means.w_ib_b += increment.angle;
+  for (const noise::ImuIncrement& increment : imu) {
+    means.f_ib_b += earth::vector(increment.velocity);
+    means.w_ib_b += earth::vector(increment.angle);
   }
   means.f_ib_b /= T;
   means.w_ib_b /= T;
@@ -338,9 +338,9 @@ GivenHeading heading_of(const Eigen::Quaterniond& q_nb, double sigma) {
   return {std::atan2(C_nb(1, axis), C_nb(0, axis)), sigma, Vector3d::Unit(axis)};
 }
 
-Alignment align(std::span<const earth::ImuIncrement> imu, double dt, const AlignmentOptions& options) {
+Alignment align(std::span<const noise::ImuIncrement> imu, double dt, const AlignmentOptions& options) {
   if (imu.size() < 2 * kParts)
-    throw std::invalid_argument(fmt::format("{} increments are too few to align: {} at least", imu.size(), 2 * kParts));
+    throw SetupError(fmt::format("{} increments are too few to align: {} at least", imu.size(), 2 * kParts));
   if (!(dt > 0) || !std::isfinite(dt))
     throw std::invalid_argument(fmt::format("interval {} s of the increments must be positive", dt));
   std::array<StaticMeans, kParts> parts;

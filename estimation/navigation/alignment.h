@@ -12,6 +12,7 @@
 #include <span>
 #include <string>
 
+#include "errors.h"
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
@@ -99,11 +100,11 @@ struct Alignment {
 /// Coarse alignment in closed form, from increments of `dt` seconds each. Sway may be any that leaves the
 /// mean: means are taken over the whole record. Linear in the errors: good where sigmas are below 10 degrees.
 /// At a pitch of 90 degrees, as on a launch pad, nothing changes.
-/// @throws std::invalid_argument for fewer than 12 increments, dt not positive, numbers that are not finite
-/// or a mean specific force of zero; a latitude beyond 90 degrees; a limit or sigma out of range; a
-/// heading's axis of zero; an interval of the IMU or an epoch of the sensor out of range.
-[[nodiscard]] Alignment align(std::span<const earth::ImuIncrement>, double dt, const AlignmentOptions&);
+/// @throws SetupError for fewer than 12 increments, a latitude beyond 90 degrees, a limit or sigma out of range, a
+/// heading's axis of zero, an interval of the IMU or an epoch of the sensor out of range; std::invalid_argument for dt not
+/// positive, numbers that are not finite and a mean specific force of zero.
+[[nodiscard]] Alignment align(std::span<const noise::ImuIncrement> imu, double dt, const AlignmentOptions& options);
 /// The same from means alone: what the body did in the meantime is not seen.
-[[nodiscard]] Alignment align(const StaticMeans&, const AlignmentOptions&);
+[[nodiscard]] Alignment align(const StaticMeans& means, const AlignmentOptions& options);
 
 }  // namespace gyrobudget::inline v0::navigation

@@ -36,7 +36,7 @@ class FirstOrderNees {
   /// Those that do not count.
   [[nodiscard]] const std::vector<Direction>& left_out() const { return left_out_; }
   /// Component of an error along one of them.
-  [[nodiscard]] double along(const Direction&, const Eigen::Ref<const Eigen::VectorXd>& error) const;
+  [[nodiscard]] double along(const Direction& direction, const Eigen::Ref<const Eigen::VectorXd>& error) const;
 
  private:
   Eigen::VectorXd scale_;  ///< one over each sigma; 1 where that is 0

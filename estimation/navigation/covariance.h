@@ -48,7 +48,7 @@ class Covariance {
  public:
   /// @throws std::invalid_argument where P is not square of `model` size, not symmetric to 1e-9 of its
   /// diagonal, not finite, or not positive semi-definite to rounding.
-  Covariance(const StateMatrix& P, Form);
+  Covariance(const StateMatrix& P, Form form);
 
   /// Never automatic: joseph until it was left.
   [[nodiscard]] Form form() const { return form_; }
@@ -56,7 +56,7 @@ class Covariance {
 
   /// P <- Phi P Phi^T + G diag(q) G^T. Allocates nothing.
   /// @throws std::invalid_argument where the sizes differ.
-  void propagate(const Transition&);
+  void propagate(const Transition& step);
 
   /// P h, so that innovations i and k covary by h_i . (P h_k). @throws as update for a wrong size.
   [[nodiscard]] StateVector times(const StateVector& h) const;
@@ -65,12 +65,12 @@ class Covariance {
   /// P <- (I - k h^T) P (I - k h^T)^T + r k k^T. Returns k [state per unit of the measurement]. `considered` is empty
   /// or one flag a state. Allocates nothing.
   /// @throws std::invalid_argument for a row of another size or not finite and a variance that is not above 0.
-  StateVector update(const MeasurementRow&, std::span<const bool> considered = {});
+  StateVector update(const MeasurementRow& row, std::span<const bool> considered = {});
 
   /// The update by one row with any gain k, (I - k h) P (I - k h)^T + r k k^T, r may be 0. Allocates nothing.
   /// @throws std::invalid_argument in square-root form, one that automatic chose included, and for sizes that
   /// differ.
-  void update_with(const MeasurementRow&, const StateVector& gain);
+  void update_with(const MeasurementRow& row, const StateVector& gain);
 
   /// P + more, symmetric, from one who knows that the sum is a covariance but for rounding.
   /// @throws as update_with.
@@ -82,13 +82,13 @@ class Covariance {
   [[nodiscard]] double variance(int i) const;
 
  private:
-  void propagate_factors(const Transition&);
-  void transform_column(const Transition&, int k);
-  StateVector update_dense(const MeasurementRow&, std::span<const bool> considered);
-  void joseph(const MeasurementRow&, StateVector& g, const StateVector& gain);
+  void propagate_factors(const Transition& step);
+  void transform_column(const Transition& step, int k);
+  StateVector update_dense(const MeasurementRow& row, std::span<const bool> considered);
+  void joseph(const MeasurementRow& row, StateVector& g, const StateVector& gain);
   void symmetrise();
   void leave_for_square_root();
-  StateVector update_factors(const MeasurementRow&, std::span<const bool> considered);
+  StateVector update_factors(const MeasurementRow& row, std::span<const bool> considered);
 
   Form form_;
   bool automatic_;

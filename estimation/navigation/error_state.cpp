@@ -48,7 +48,7 @@ double unshared_variance(double a, double spill) {
 }
 
 void require(bool good, const ErrorTerm& term, std::string_view what, double value, std::string_view expected) {
-  if (!good) throw std::invalid_argument(fmt::format("{}: {} is {}, expected {}", name(term), what, value, expected));
+  if (!good) throw SetupError(fmt::format("{}: {} is {}, expected {}", name(term), what, value, expected));
 }
 
 void check_term(const ErrorTerm& term) {
@@ -64,7 +64,7 @@ void check_term(const ErrorTerm& term) {
                          term.effect == Effect::g_sensitivity || term.effect == Effect::g2_sensitivity;
   const bool of_gyro = term.effect == Effect::g_sensitivity;
   const bool good = term.carrier == Carrier::aid ? !of_sensor : !of_aid && (!of_gyro || term.carrier == Carrier::gyro);
-  if (!good) throw std::invalid_argument(fmt::format("{}: there is no such error", name(term)));
+  if (!good) throw SetupError(fmt::format("{}: there is no such error", name(term)));
 }
 
 // Change of what a sensor reads in its axis by a unit of the term.
@@ -89,14 +89,12 @@ double sensitivity(const ErrorTerm& term, const Vector3d& w_ib_b, const Vector3d
 void ErrorStateModel::check() const {
   const auto check_white = [](const Vector3d& n, std::string_view what) {
     if (!(n.array() >= 0).all() || !n.allFinite())
-      throw std::invalid_argument(
-          fmt::format("{} is ({}, {}, {}), expected 0 or more and finite", what, n[0], n[1], n[2]));
+      throw SetupError(fmt::format("{} is ({}, {}, {}), expected 0 or more and finite", what, n[0], n[1], n[2]));
   };
   check_white(gyro_white, "white noise of the gyro [rad/sqrt(s)]");
   check_white(accelerometer_white, "white noise of the accelerometer [m/s/sqrt(s)]");
   if (terms.size() > kMaxErrorTerms)
-    throw std::invalid_argument(
-        fmt::format("{} error terms, the filter holds at most {}", terms.size(), kMaxErrorTerms));
+    throw SetupError(fmt::format("{} error terms, the filter holds at most {}", terms.size(), kMaxErrorTerms));
   for (const auto& term : terms) check_term(term);
 }
 

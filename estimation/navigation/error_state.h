@@ -19,6 +19,7 @@
 #include <string>
 #include <vector>
 
+#include "errors.h"
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
@@ -68,9 +69,9 @@ struct ErrorTerm {
 };
 
 /// exp(-dt/Tc): what is left of a term after dt.
-[[nodiscard]] double decay(const ErrorTerm&, double dt);
+[[nodiscard]] double decay(const ErrorTerm& term, double dt);
 /// Mean of exp(-t/Tc) over 0 to dt: what acts of a term over a step, by its value at the start.
-[[nodiscard]] double mean_decay(const ErrorTerm&, double dt);
+[[nodiscard]] double mean_decay(const ErrorTerm& term, double dt);
 
 /// White noise of the sensors and the states beyond the core.
 struct ErrorStateModel {
@@ -79,13 +80,13 @@ struct ErrorStateModel {
   std::vector<ErrorTerm> terms;
 
   [[nodiscard]] int states() const { return kCoreStates + static_cast<int>(terms.size()); }
-  /// @throws std::invalid_argument for numbers that are not finite or out of range, more than kMaxErrorTerms
+  /// @throws SetupError for numbers that are not finite or out of range, more than kMaxErrorTerms
   /// terms, a misalignment on its own axis, an effect that its carrier does not have.
   void check() const;
 };
 
 /// "gyro bias x", "accelerometer misalignment y<-z", "aid 0 lever arm x".
-[[nodiscard]] std::string name(const ErrorTerm&);
+[[nodiscard]] std::string name(const ErrorTerm& term);
 
 /// One step of the linear model,
 ///   x+ = Phi x + noise,  Phi = [core, coupling; 0, diag(decay)],  noise covariance Q = G diag(q) G^T,
@@ -128,8 +129,8 @@ struct StepInput {
 /// Makes the transitions of one model. What depends on dt alone is kept from step to step.
 class Lineariser {
  public:
-  /// @throws std::invalid_argument for what ErrorStateModel::check refuses.
-  explicit Lineariser(ErrorStateModel);
+  /// @throws SetupError for what ErrorStateModel::check refuses.
+  explicit Lineariser(ErrorStateModel model);
 
   [[nodiscard]] const ErrorStateModel& model() const { return model_; }
   [[nodiscard]] int states() const { return model_.states(); }
@@ -139,7 +140,7 @@ class Lineariser {
   /// dt of themselves: 1e-6 of them at 10 ms. The motion of f within a step adds (w dt)^2/12 of what f does
   /// in it.
   /// @throws std::invalid_argument unless dt > 0 and finite.
-  [[nodiscard]] const Transition& operator()(const StepInput&);
+  [[nodiscard]] const Transition& operator()(const StepInput& step);
   static constexpr double kSecondOrder = 0.05;  ///< [s]
 
  private:

@@ -4,6 +4,7 @@
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/ellipsoid.h"
 #include "gyrobudget/vehicle/earth/gravity.h"
+#include "gyrobudget/vehicle/earth/vector.h"
 
 #include <boost/math/distributions/chi_squared.hpp>
 #include <fmt/format.h>
@@ -18,6 +19,8 @@
 namespace gyrobudget::inline v0::navigation {
 namespace {
 
+using earth::array;
+using earth::vector;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
@@ -33,21 +36,19 @@ void check(const Filter::Options& options, int states, const StateMatrix& P0) {
     throw std::invalid_argument(fmt::format("initial covariance of {} x {}, expected {} x {} for the model's states",
                                             P0.rows(), P0.cols(), states, states));
   if (!(options.gate_false_alarm >= 0 && options.gate_false_alarm < 1))
-    throw std::invalid_argument(
-        fmt::format("gate's false alarm is {}, expected 0 to below 1", options.gate_false_alarm));
+    throw SetupError(fmt::format("gate's false alarm is {}, expected 0 to below 1", options.gate_false_alarm));
   if (!(options.covariance_interval >= 0) || !std::isfinite(options.covariance_interval))
-    throw std::invalid_argument(
-        fmt::format("covariance interval is {} s, expected 0 or more", options.covariance_interval));
+    throw SetupError(fmt::format("covariance interval is {} s, expected 0 or more", options.covariance_interval));
 }
 
 bool multiplies(const ErrorTerm& term) { return term.carrier != Carrier::aid && term.effect != Effect::bias; }
 
 }  // namespace
 
-Filter::Filter(const NavigationState& start, ErrorStateModel model, const StateMatrix& P0)
+Filter::Filter(const earth::Pose& start, ErrorStateModel model, const StateMatrix& P0)
     : Filter(start, std::move(model), P0, Options{}) {}
 
-Filter::Filter(const NavigationState& start, ErrorStateModel model, const StateMatrix& P0, const Options& options)
+Filter::Filter(const earth::Pose& start, ErrorStateModel model, const StateMatrix& P0, const Options& options)
     : options_(options),
       lineariser_(std::move(model)),
       covariance_(P0, options.form),
@@ -75,23 +76,26 @@ void Filter::set_step(double dt) {
 
 // Less what the terms add. Those that multiply do so with the true signal: one repetition takes the error of
 // using the measured one from the square of a term to its cube.
-earth::ImuIncrement Filter::corrected(const earth::ImuIncrement& imu, double dt) const {
+noise::ImuIncrement Filter::corrected(const noise::ImuIncrement& imu, double dt) const {
   if (terms_.size() == 0) return imu;
   const StateVector mean = terms_.cwiseProduct(mean_decay_);
-  const Vector3d w = imu.angle / dt, f = imu.velocity / dt;
+  const Vector3d w = vector(imu.angle) / dt, f = vector(imu.velocity) / dt;
   SensorCorrection errors = sensor_errors(model().terms, mean.data(), w, f);
   if (scaled_) errors = sensor_errors(model().terms, mean.data(), w - errors.gyro, f - errors.accelerometer);
-  return {imu.velocity - dt * errors.accelerometer, imu.angle - dt * errors.gyro};
+  return {.angle = array(vector(imu.angle) - dt * errors.gyro),
+          .velocity = array(vector(imu.velocity) - dt * errors.accelerometer)};
 }
 
-void Filter::propagate(const earth::ImuIncrement& measured, double dt) {
+void Filter::propagate(const noise::ImuIncrement& measured, double dt) {
   if (dt == 0) return;
   if (!(dt > 0) || !std::isfinite(dt))
     throw std::invalid_argument(fmt::format("step of {} s at {} s: time must run forwards and be finite", dt, time_));
-  if (!measured.angle.allFinite() || !measured.velocity.allFinite())
+  if (!vector(measured.angle).allFinite() || !vector(measured.velocity).allFinite())
     throw std::invalid_argument(fmt::format("IMU increment at {} s is not finite", time_));
   set_step(dt);
-  const earth::ImuIncrement imu = corrected(measured, dt);
+  const noise::ImuIncrement imu = corrected(measured, dt);
+  if (!vector(imu.angle).allFinite() || !vector(imu.velocity).allFinite())
+    throw Diverged(fmt::format("what is estimated of the IMU's errors at {} s leaves no finite increment", time_));
   const Eigen::Quaterniond before = strapdown_.state().q_eb;
   if (pending_.dt == 0) {
     pending_.q_start = before;
@@ -103,8 +107,8 @@ void Filter::propagate(const earth::ImuIncrement& measured, double dt) {
 
   pending_.dt += dt;
   pending_.velocity_e += dt * strapdown_.last_specific_force_e();
-  pending_.angle_b += imu.angle;
-  w_eb_b_ = imu.angle / dt - strapdown_.state().q_eb.conjugate() * kEarthRate;
+  pending_.angle_b += vector(imu.angle);
+  w_eb_b_ = vector(imu.angle) / dt - strapdown_.state().q_eb.conjugate() * kEarthRate;
   // Half a step early rather than half a step late, where steps do not divide the interval.
   if (pending_.dt + dt / 2 >= options_.covariance_interval) catch_up();
 }
@@ -129,11 +133,12 @@ void Filter::catch_up() {
 
 Estimate Filter::estimate() const {
   Estimate estimate;
-  estimate.state = strapdown_.state();
-  estimate.w_eb_b = w_eb_b_;
+  earth::Motion& motion = estimate.motion;
+  motion.pose = strapdown_.state();
+  motion.w_eb_b = w_eb_b_;
   if (time_ > 0)
-    estimate.a_eb_e = strapdown_.last_specific_force_e() + earth::normal_gravity(estimate.state.p_eb_e) -
-                      2 * kEarthRate.cross(estimate.state.v_eb_e);
+    motion.a_eb_e = strapdown_.last_specific_force_e() + earth::normal_gravity(motion.pose.p_eb_e) -
+                    2 * kEarthRate.cross(motion.pose.v_eb_e);
   estimate.model = &model();
   estimate.terms = terms_.data();
   return estimate;
@@ -191,7 +196,7 @@ void Filter::record(FilterHistory* record) {
     throw std::invalid_argument(
         fmt::format("record of {} states for a filter of {}", record->states(), covariance_.size()));
   if (record != nullptr && std::find(considered_.begin(), considered_.end(), true) != considered_.end())
-    throw std::invalid_argument("a filter with considered states cannot be smoothed: its gains are not optimal");
+    throw SetupError("a filter with considered states cannot be smoothed: its gains are not optimal");
   catch_up();
   record_ = record;
 }
@@ -203,10 +208,12 @@ void Filter::keep_epoch() {
 }
 
 void Filter::correct(const StateVector& x) {
-  NavigationState state = strapdown_.state();
+  earth::Pose state = strapdown_.state();
   state.p_eb_e += x.segment<3>(kPosition);
   state.v_eb_e += x.segment<3>(kVelocity);
   state.q_eb = (earth::exp_rotation(x.segment<3>(kAttitude)) * state.q_eb).normalized();
+  if (!state.v_eb_e.allFinite() || !state.q_eb.coeffs().allFinite() || !x.allFinite())
+    throw Diverged(fmt::format("the correction at {} s is not finite", time_));
   strapdown_.set_state(state);
   terms_ += x.tail(terms_.size());
 }

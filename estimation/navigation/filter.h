@@ -6,6 +6,7 @@
 #include "aiding.h"
 #include "covariance.h"
 #include "error_state.h"
+#include "errors.h"
 #include "smoother.h"
 #include "strapdown.h"
 
@@ -50,21 +51,22 @@ class Filter {
   };
 
   /// Terms start at zero; P0 is that of error_state.h in its order.
-  /// @throws std::invalid_argument for what ErrorStateModel::check and Covariance refuse, P0 of another size, a
-  /// gate outside 0 to 1 or a negative interval.
-  Filter(const NavigationState& start, ErrorStateModel model, const StateMatrix& P0, const Options& options);
-  Filter(const NavigationState& start, ErrorStateModel model, const StateMatrix& P0);
+  /// @throws SetupError for what ErrorStateModel::check refuses, a gate outside 0 to 1 and a negative interval;
+  /// std::invalid_argument for what Covariance refuses and P0 of another size.
+  Filter(const earth::Pose& start, ErrorStateModel model, const StateMatrix& P0, const Options& options);
+  Filter(const earth::Pose& start, ErrorStateModel model, const StateMatrix& P0);
 
   /// One IMU interval. dt = 0 changes nothing.
-  /// @throws std::invalid_argument for dt < 0 (time runs backwards), dt or increments not finite.
-  void propagate(const earth::ImuIncrement&, double dt);
+  /// @throws std::invalid_argument for dt < 0 (time runs backwards), dt or increments not finite; Diverged and
+  /// earth::OutsideDomain where the estimate leaves what can be computed: the filter is of no use any more then.
+  void propagate(const noise::ImuIncrement& measured, double dt);
 
   /// All rows of a measurement, or none: those beyond the gate and those not finite are reported and left
-  /// out.
-  Innovation update(const Measurement&);
+  /// out. @throws Diverged and earth::OutsideDomain as propagate.
+  Innovation update(const Measurement& measurement);
 
   [[nodiscard]] double time() const { return time_; }  ///< since the start [s]
-  [[nodiscard]] const NavigationState& state() const { return strapdown_.state(); }
+  [[nodiscard]] const earth::Pose& state() const { return strapdown_.state(); }
   [[nodiscard]] const ErrorStateModel& model() const { return lineariser_.model(); }
   /// Estimate of model().terms[k].
   [[nodiscard]] double term(int k) const { return terms_[k]; }
@@ -73,7 +75,7 @@ class Filter {
 
   /// From now on tells `record` what it does, for smooth(); nullptr ends that. The record must outlive it,
   /// and a copy of the filter tells the same record until it is given its own. Recording allocates.
-  /// @throws std::invalid_argument for a record of other size, and for a model with considered states: their
+  /// @throws std::invalid_argument for a record of other size, SetupError for a model with considered states: their
   /// gains are not optimal, which smoothing supposes.
   void record(FilterHistory* record);
   /// Keeps the present as an epoch of the record. @throws std::logic_error without one.
@@ -91,9 +93,9 @@ class Filter {
     Eigen::Quaterniond q_start = Eigen::Quaterniond::Identity();
     Eigen::Vector3d p_start = Eigen::Vector3d::Zero();
   };
-  [[nodiscard]] earth::ImuIncrement corrected(const earth::ImuIncrement&, double dt) const;
+  [[nodiscard]] noise::ImuIncrement corrected(const noise::ImuIncrement& imu, double dt) const;
   void set_step(double dt);
-  void expect(const Measurement&, Innovation&) const;
+  void expect(const Measurement& measurement, Innovation& innovation) const;
   void correct(const StateVector& x);
 
   Options options_;

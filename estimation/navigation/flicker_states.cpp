@@ -93,12 +93,11 @@ VectorXd fit(Misfit& misfit, VectorXd x) {
 
 FlickerStates flicker_states(double b, double shortest, double longest, int states) {
   if (!(b >= 0) || !std::isfinite(b))
-    throw std::invalid_argument(fmt::format("bias instability is {}, expected 0 or more and finite", b));
+    throw SetupError(fmt::format("bias instability is {}, expected 0 or more and finite", b));
   if (!(shortest > 0) || !(longest > shortest) || !(longest <= 1e8 * shortest))
-    throw std::invalid_argument(fmt::format(
-        "band of flicker is {} s to {} s, expected positive, ascending and at most 1e8 apart", shortest, longest));
-  if (states < 0 || states > 6)
-    throw std::invalid_argument(fmt::format("{} states for flicker, expected 0 to 6", states));
+    throw SetupError(fmt::format("band of flicker is {} s to {} s, expected positive, ascending and at most 1e8 apart",
+                                 shortest, longest));
+  if (states < 0 || states > 6) throw SetupError(fmt::format("{} states for flicker, expected 0 to 6", states));
   FlickerStates result;
   result.worst_error = 1;
   if (states == 0) return result;

@@ -5,6 +5,8 @@
 
 #include <vector>
 
+#include "errors.h"
+
 namespace gyrobudget::inline v0::navigation {
 
 /// Flicker as a few Gauss-Markov processes, for a filter: those whose sum has the Allan variance
@@ -26,7 +28,7 @@ struct FlickerStates {
 /// @param shortest  positive [s]
 /// @param longest   above `shortest` [s], at most 1e8 of it
 /// @param states    1 to 6; 0 gives none, with an error of 1
-/// @throws std::invalid_argument outside these.
+/// @throws SetupError outside these.
 [[nodiscard]] FlickerStates flicker_states(double b, double shortest, double longest, int states);
 
 }  // namespace gyrobudget::inline v0::navigation

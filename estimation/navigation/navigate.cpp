@@ -5,6 +5,7 @@
 #include "gyrobudget/estimation/navigation/detail/start.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/frames.h"
+#include "gyrobudget/vehicle/earth/vector.h"
 
 #include <boost/math/distributions/chi_squared.hpp>
 #include <fmt/format.h>
@@ -32,19 +33,18 @@ constexpr double kSame = 2e-8;  // s: times that are one but for rounded stamps
 
 void check_aid_number(const Scenario& scenario, std::size_t aid, Aid::Kind kind, const char* what) {
   if (aid >= scenario.aids.size())
-    throw std::invalid_argument(fmt::format("{}: aid number {}, there are {}", what, aid, scenario.aids.size()));
+    throw SetupError(fmt::format("{}: aid number {}, there are {}", what, aid, scenario.aids.size()));
   if (scenario.aids[aid].kind != kind)
-    throw std::invalid_argument(fmt::format("{}: aid {} measures {}, not {}", what, scenario.aids[aid].name,
-                                            name(scenario.aids[aid].kind), name(kind)));
+    throw SetupError(fmt::format("{}: aid {} measures {}, not {}", what, scenario.aids[aid].name,
+                                 name(scenario.aids[aid].kind), name(kind)));
 }
 
 void check(const Scenario& scenario, const Recording& recording) {
   if (recording.imu.increments.empty() || recording.imu.stamps.size() != recording.imu.increments.size() + 1)
-    throw std::invalid_argument(fmt::format("IMU log of {} increments and {} stamps, expected one stamp more",
-                                            recording.imu.increments.size(), recording.imu.stamps.size()));
+    throw RecordingError(fmt::format("IMU log of {} increments and {} stamps, expected one stamp more",
+                                     recording.imu.increments.size(), recording.imu.stamps.size()));
   if (recording.fixes.size() != scenario.aids.size())
-    throw std::invalid_argument(
-        fmt::format("{} lists of fixes for {} aids", recording.fixes.size(), scenario.aids.size()));
+    throw RecordingError(fmt::format("{} lists of fixes for {} aids", recording.fixes.size(), scenario.aids.size()));
   for (const Aid& aid : scenario.aids) navigation::check(aid);
   const AlignmentPlan& a = scenario.alignment;
   if (const auto* from = std::get_if<FromAid>(&a.position))
@@ -57,8 +57,7 @@ void check(const Scenario& scenario, const Recording& recording) {
     if (aid >= scenario.aids.size()) check_aid_number(scenario, aid, Aid::Kind::position, "reference");
   }
   if (!(scenario.solution_interval > 0))
-    throw std::invalid_argument(
-        fmt::format("interval of solutions is {} s, expected above 0 s", scenario.solution_interval));
+    throw SetupError(fmt::format("interval of solutions is {} s, expected above 0 s", scenario.solution_interval));
 }
 
 // --- The model -----------------------------------------------------------------------------------------------
@@ -88,7 +87,7 @@ SensorStates states(const Scenario& scenario, double length, double step) {
 // --- Measurements --------------------------------------------------------------------------------------------
 
 Measurement measure_fix(const Aid& aid, int number, const Fix& fix, const Estimate& estimate, const Vector3d& sigma) {
-  const Vector3d& p = estimate.state.p_eb_e;
+  const Vector3d& p = estimate.motion.pose.p_eb_e;
   const earth::Geodetic at = earth::to_geodetic(p);
   const Matrix3d C_enu = earth::C_e_enu(at.latitude, at.longitude);
   switch (aid.kind) {
@@ -128,8 +127,8 @@ class Comparison {
           attitude_ = i;
           break;
         default:
-          throw std::invalid_argument(fmt::format("reference: {} measures {}, expected position, velocity or attitude",
-                                                  scenario.aids[i].name, name(scenario.aids[i].kind)));
+          throw SetupError(fmt::format("reference: {} measures {}, expected position, velocity or attitude",
+                                       scenario.aids[i].name, name(scenario.aids[i].kind)));
       }
     }
     summary_.has_position = position_.has_value();
@@ -140,9 +139,9 @@ class Comparison {
 
   void compare(const Estimate& estimate, const StateMatrix& P, double t) {
     if (summary_.dof == 0) return;
-    const earth::Geodetic at = earth::to_geodetic(estimate.state.p_eb_e);
+    const earth::Geodetic at = earth::to_geodetic(estimate.motion.pose.p_eb_e);
     const Matrix3d C_enu = earth::C_e_enu(at.latitude, at.longitude);
-    const Matrix3d C_lb = C_enu.transpose() * estimate.state.q_eb.toRotationMatrix();
+    const Matrix3d C_lb = C_enu.transpose() * estimate.motion.pose.q_eb.toRotationMatrix();
     ReferenceError e;
     e.time = t;
     Rows rows;
@@ -327,7 +326,7 @@ class Runner {
     constexpr double kMost = 1e7;
     const auto require = [&](double seconds, double interval, std::string_view what) {
       if (!(seconds <= kMost * interval))
-        throw std::invalid_argument(
+        throw SetupError(
             fmt::format("{} every {:g} s over {:g} s, expected at most {:g} in all", what, interval, seconds, kMost));
     };
     require(end_ - aligning.to, scenario_.solution_interval, "solutions");
@@ -351,36 +350,54 @@ class Runner {
     std::vector<Estimate> kept;  // what of an epoch smoothing does not change
     std::vector<double> times;
     if (scenario_.smooth) filter.record(&record);
-    try {
-      for (const Event& event : events(sums)) {
-        advance(filter, event.time);
-        if (event.aid != scenario_.aids.size()) {
-          use(filter, event, sums);
-        } else if (scenario_.smooth) {
-          filter.keep_epoch();
-          kept.push_back(filter.estimate());
-          times.push_back(event.time);
-        } else {
-          filter.catch_up();
-          const StateMatrix P = filter.covariance().matrix();
-          solve(filter.estimate(), P, event.time);
-          comparison.compare(filter.estimate(), P, event.time);
-        }
+    const auto step = [&](const Event& event) {
+      advance(filter, event.time);
+      if (event.aid != scenario_.aids.size()) {
+        use(filter, event, sums);
+      } else if (scenario_.smooth) {
+        const Estimate now = filter.estimate();
+        filter.keep_epoch();
+        kept.push_back(now);
+        times.push_back(event.time);
+      } else {
+        filter.catch_up();
+        const StateMatrix P = filter.covariance().matrix();
+        solve(filter.estimate(), P, event.time);
+        comparison.compare(filter.estimate(), P, event.time);
       }
-    } catch (const std::invalid_argument& error) {
-      result_.status = Navigation::Status::failed;
-      result_.why = fmt::format("at {:g} s: {}", now_, error.what());
-    }
+    };
+    as_far_as_possible([&] {
+      for (const Event& event : events(sums)) step(event);
+    });
     const std::vector<SmoothedEpoch> smoothed = smooth(record);
-    for (std::size_t i = 0; i < smoothed.size(); ++i) {
-      kept[i].state = smoothed[i].state;
-      kept[i].terms = smoothed[i].terms.data();
-      solve(kept[i], smoothed[i].P, times[i]);
-      comparison.compare(kept[i], smoothed[i].P, times[i]);
-    }
+    as_far_as_possible([&] {
+      for (std::size_t i = 0; i < smoothed.size(); ++i) {
+        kept[i].motion.pose = smoothed[i].state;
+        kept[i].terms = smoothed[i].terms.data();
+        solve(kept[i], smoothed[i].P, times[i]);
+        comparison.compare(kept[i], smoothed[i].P, times[i]);
+      }
+    });
     sums.finish();
     result_.reference = comparison.finish();
     say_outside();
+  }
+
+  // Does what it can until the solution leaves what can be computed: that is an answer. Any other exception is none.
+  template <class Work>
+  void as_far_as_possible(const Work& work) {
+    const auto fail = [this](const std::exception& error) {
+      if (result_.status == Navigation::Status::failed) return;
+      result_.status = Navigation::Status::failed;
+      result_.why = fmt::format("at {:g} s: {}", now_, error.what());
+    };
+    try {
+      work();
+    } catch (const earth::OutsideDomain& error) {
+      fail(error);
+    } catch (const Diverged& error) {
+      fail(error);
+    }
   }
 
   // Times that were asked for and have no solution.
@@ -444,13 +461,14 @@ class Runner {
 
   // The part of an interval's increments from one time to another: all of it, or by a straight rate through the
   // means of the neighbours that keeps the interval's own.
-  [[nodiscard]] earth::ImuIncrement piece(std::size_t k, double from, double to) const {
+  [[nodiscard]] noise::ImuIncrement piece(std::size_t k, double from, double to) const {
     const auto& imu = recording_.imu;
     const double begin = stamp(k), end = stamp(k + 1);
     if (from <= begin + kSame && to >= end - kSame) return imu.increments[k];
     const auto rates = [&](std::size_t i) {
       const double dt = stamp(i + 1) - stamp(i);
-      return std::pair<Vector3d, Vector3d>{imu.increments[i].velocity / dt, imu.increments[i].angle / dt};
+      return earth::Sensed{.f_ib_b = earth::vector(imu.increments[i].velocity) / dt,
+                           .w_ib_b = earth::vector(imu.increments[i].angle) / dt};
     };
     const auto middle = [&](std::size_t i) { return (stamp(i) + stamp(i + 1)) / 2; };
     auto [f, w] = rates(k);
@@ -462,7 +480,7 @@ class Runner {
       f += away * (f_after - f_before) / between;
       w += away * (w_after - w_before) / between;
     }
-    return {f * (to - from), w * (to - from)};
+    return {.angle = earth::array(w * (to - from)), .velocity = earth::array(f * (to - from))};
   }
 
   void use(Filter& filter, const Event& event, Sums& sums) {
@@ -477,7 +495,7 @@ class Runner {
   void solve(const Estimate& estimate, const StateMatrix& P, double t) {
     Solution s;
     s.time = t;
-    s.state = estimate.state;
+    s.state = estimate.motion.pose;
     const earth::Geodetic at = earth::to_geodetic(s.state.p_eb_e);
     const LocalSigmas local =
         local_sigmas(P.topLeftCorner<kCoreStates, kCoreStates>(), earth::C_e_enu(at.latitude, at.longitude));

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "planned_fix.h"
 
+#include "gyrobudget/estimation/navigation/detail/check.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -11,13 +13,10 @@
 namespace gyrobudget::inline v0::navigation {
 namespace {
 
+using detail::require;
 using Eigen::Vector3d;
 
 constexpr double kMostFixes = 1e6;
-
-void require(bool good, std::string_view what, double value, std::string_view expected) {
-  if (!good) throw std::invalid_argument(fmt::format("{} is {}, expected {}", what, value, expected));
-}
 
 }  // namespace
 
@@ -25,19 +24,19 @@ int aid_of(const PlannedFix& planned) {
   return std::visit([](const auto& fix) { return fix.aid; }, planned.fix);
 }
 
-Measurement linearise(const PlannedFix& planned, const Instant& at, const ErrorStateModel& model) {
+Measurement linearise(const PlannedFix& planned, const earth::Motion& truth, const ErrorStateModel& model) {
   constexpr std::array<double, kMaxErrorTerms> zeros{};
-  const Estimate estimate{at.state, at.w_eb_b, at.a_eb_e, &model, zeros.data()};
+  const Estimate estimate{.motion = truth, .model = &model, .terms = zeros.data()};
   return std::visit([&](const auto& fix) { return measure(fix, estimate); }, planned.fix);
 }
 
-StartFromFix start_from(const PlannedFix& planned, const Instant& at, const ErrorStateModel& model) {
+StartFromFix start_from(const PlannedFix& planned, const earth::Motion& truth, const ErrorStateModel& model) {
   if (std::holds_alternative<HeightFix>(planned.fix))
     throw std::invalid_argument("a fix of height gives no start: position, velocity or attitude does");
   const int first = std::holds_alternative<PositionFix>(planned.fix)   ? kPosition
                     : std::holds_alternative<VelocityFix>(planned.fix) ? kVelocity
                                                                        : kAttitude;
-  const Measurement rows = linearise(planned, at, model);
+  const Measurement rows = linearise(planned, truth, model);
   StartFromFix start;
   start.by_terms.setZero(kCoreStates, static_cast<Eigen::Index>(model.terms.size()));
   for (const MeasurementRow& row : rows.row) {  // of a residual that the start makes zero

@@ -8,6 +8,7 @@
 
 #include "aiding.h"
 #include "error_state.h"
+#include "errors.h"
 #include <Eigen/Core>
 
 namespace gyrobudget::inline v0::navigation {
@@ -18,15 +19,9 @@ struct PlannedFix {
   std::variant<PositionFix, VelocityFix, HeightFix, AttitudeFix> fix;
 };
 
-/// The true state at one time.
-struct Instant {
-  NavigationState state;
-  Eigen::Vector3d w_eb_b;  ///< [rad/s]
-  Eigen::Vector3d a_eb_e;  ///< time derivative of v_eb_e [m/s^2]
-};
-
-/// Rows of a planned fix for a model's terms; the residual is zero.
-[[nodiscard]] Measurement linearise(const PlannedFix&, const Instant&, const ErrorStateModel&);
+/// Rows of a planned fix for a model's terms, at the true motion; the residual is zero.
+[[nodiscard]] Measurement linearise(const PlannedFix& planned, const earth::Motion& truth,
+                                    const ErrorStateModel& model);
 /// A start that is taken from a fix is wrong as the fix is: x = by_terms s + v, s the errors of the aid, cov v = white.
 /// A position is that of the IMU, the lever arm taken off; taken off in an attitude wrong by psi it adds
 /// by_attitude psi.
@@ -36,9 +31,10 @@ struct StartFromFix {
   CoreMatrix white = CoreMatrix::Zero();
 };
 /// @throws std::invalid_argument for a height, which gives no start.
-[[nodiscard]] StartFromFix start_from(const PlannedFix&, const Instant&, const ErrorStateModel&);
+[[nodiscard]] StartFromFix start_from(const PlannedFix& planned, const earth::Motion& truth,
+                                      const ErrorStateModel& model);
 /// Number of the aid that takes it.
-[[nodiscard]] int aid_of(const PlannedFix&);
+[[nodiscard]] int aid_of(const PlannedFix& planned);
 
 /// Fixes at `interval` from `first` to `last`, those in outages left out, with the truth of the trajectory.
 struct FixPlan {
@@ -47,7 +43,7 @@ struct FixPlan {
 };
 /// first + k interval for k = 0, 1, ... up to `last`, which counts where rounding puts a fix up to 1e-9 of an interval
 /// beyond; those within an outage are left out [s]. None where last < first.
-/// @throws std::invalid_argument for an interval that is not above 0 and finite, and more than 1e6 fixes.
-[[nodiscard]] std::vector<double> fix_times(const FixPlan&);
+/// @throws SetupError for an interval that is not above 0 and finite, and more than 1e6 fixes.
+[[nodiscard]] std::vector<double> fix_times(const FixPlan& plan);
 
 }  // namespace gyrobudget::inline v0::navigation

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "recording.h"
 
+#include "gyrobudget/vehicle/earth/vector.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -19,13 +21,12 @@ double seconds(std::int64_t ns) { return static_cast<double>(ns) * kNanosecond; 
 void check(const ImuSamples& samples) {
   const std::size_t n = samples.stamps.size();
   if (samples.values.size() != n)
-    throw std::invalid_argument(fmt::format("{} samples for {} stamps", samples.values.size(), n));
-  if (n < 2) throw std::invalid_argument(fmt::format("an IMU log of {} samples, expected 2 or more", n));
+    throw RecordingError(fmt::format("{} samples for {} stamps", samples.values.size(), n));
+  if (n < 2) throw RecordingError(fmt::format("an IMU log of {} samples, expected 2 or more", n));
   for (std::size_t k = 1; k < n; ++k) {
     if (samples.stamps[k] <= samples.stamps[k - 1])
-      throw std::invalid_argument(
-          fmt::format("IMU sample {} is {:.9f} s after the one before, expected times that ascend", k,
-                      seconds(samples.stamps[k] - samples.stamps[k - 1])));
+      throw RecordingError(fmt::format("IMU sample {} is {:.9f} s after the one before, expected times that ascend", k,
+                                       seconds(samples.stamps[k] - samples.stamps[k - 1])));
   }
 }
 
@@ -46,9 +47,9 @@ struct Interval {
   bool bridged;
 };
 
-Rates rates_of(const earth::ImuIncrement& value) {
+Rates rates_of(const noise::ImuIncrement& value) {
   Rates rates;
-  rates << value.angle, value.velocity;
+  rates << earth::vector(value.angle), earth::vector(value.velocity);
   return rates;
 }
 
@@ -118,13 +119,13 @@ ImuLog imu_log(const ImuSamples& samples) {
   const std::int64_t median = median_step(samples.stamps);
   const bool instants = samples.gyro == SampleKind::instant || samples.accelerometer == SampleKind::instant;
   if (instants && samples.gyro != samples.accelerometer)
-    throw std::invalid_argument(
+    throw RecordingError(
         "the gyro's and the accelerometer's samples are of different kinds: either both or none can be of instants");
   std::vector<Interval> intervals =
       instants ? intervals_of_instants(samples, median) : intervals_of_means(samples, median);
   bridge(intervals);
   if (intervals.empty())
-    throw std::invalid_argument("no IMU sample has all six numbers, expected three rates and three forces");
+    throw RecordingError("no IMU sample has all six numbers, expected three rates and three forces");
 
   ImuLog log;
   log.typical_interval = seconds(median);
@@ -133,7 +134,8 @@ ImuLog imu_log(const ImuSamples& samples) {
   for (const Interval& i : intervals) {
     const double dt = seconds(i.to - i.from);
     log.stamps.push_back(i.to);
-    log.increments.push_back({i.rates.tail<3>() * dt, i.rates.head<3>() * dt});
+    log.increments.push_back(
+        {.angle = earth::array(i.rates.head<3>() * dt), .velocity = earth::array(i.rates.tail<3>() * dt)});
     log.bridged.push_back(i.bridged);
     if (i.bridged && gap == 0) ++log.gaps;
     gap = i.bridged ? gap + dt : 0;

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "errors.h"
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
@@ -17,7 +18,7 @@ namespace gyrobudget::inline v0::navigation {
 struct ImuLog {
   /// Interval k is from stamps[k] to stamps[k + 1] [ns]; one more than increments, ascending.
   std::vector<std::int64_t> stamps;
-  std::vector<earth::ImuIncrement> increments;
+  std::vector<noise::ImuIncrement> increments;
   std::vector<bool> bridged;    ///< interval k holds no sample: it was filled
   std::int64_t gaps = 0;        ///< runs of bridged intervals
   double longest_gap = 0;       ///< [s]
@@ -36,7 +37,7 @@ enum class StampAt { end, start };
 /// Samples as a log tells them; NaN where one is missing.
 struct ImuSamples {
   std::vector<std::int64_t> stamps;         ///< one for each sample [ns]
-  std::vector<earth::ImuIncrement> values;  ///< increments, or rates
+  std::vector<noise::ImuIncrement> values;  ///< increments, or rates
   SampleKind gyro = SampleKind::increment;
   SampleKind accelerometer = SampleKind::increment;
   StampAt stamp = StampAt::end;
@@ -46,9 +47,9 @@ struct ImuSamples {
 /// those; beyond that there is a gap before it, and its interval is the median. Gaps, and samples with a number
 /// missing, are bridged by rates that run straight from the last sample to the next. Values at instants are
 /// integrated by the trapezoidal rule.
-/// @throws std::invalid_argument for fewer than 2 samples, lists of different length, times that do not
+/// @throws RecordingError for fewer than 2 samples, lists of different length, times that do not
 /// ascend (naming the sample, from 0), or no sample that is complete.
-[[nodiscard]] ImuLog imu_log(const ImuSamples&);
+[[nodiscard]] ImuLog imu_log(const ImuSamples& samples);
 
 /// One measurement of an aid.
 struct Fix {

@@ -18,7 +18,7 @@ int rows(Aid::Kind kind) { return kind == Aid::Kind::height ? 1 : 3; }
 
 void check(const Aid& aid) {
   const auto require = [&](bool good, std::string_view what, double value, std::string_view expected) {
-    if (!good) throw std::invalid_argument(fmt::format("{}: {} is {}, expected {}", aid.name, what, value, expected));
+    if (!good) throw SetupError(fmt::format("{}: {} is {}, expected {}", aid.name, what, value, expected));
   };
   for (int i = 0; i < rows(aid.kind); ++i)
     require(aid.sigma[i] > 0 && std::isfinite(aid.sigma[i]), "sigma", aid.sigma[i], "above 0 and finite");

@@ -14,6 +14,7 @@
 #include <variant>
 #include <vector>
 
+#include "errors.h"
 #include "filter.h"
 #include "sensor_states.h"
 #include <Eigen/Core>
@@ -59,21 +60,21 @@ struct Aid {
 };
 
 /// "position", "velocity", "height", "attitude", "rest".
-[[nodiscard]] std::string_view name(Aid::Kind);
+[[nodiscard]] std::string_view name(Aid::Kind kind);
 /// Scalars in one fix: 3, of heights 1.
-[[nodiscard]] int rows(Aid::Kind);
-/// @throws std::invalid_argument for a number out of range, naming the aid and the number.
-void check(const Aid&);
+[[nodiscard]] int rows(Aid::Kind kind);
+/// @throws SetupError for a number out of range, naming the aid and the number.
+void check(const Aid& aid);
 
 /// One sigma of what a fix gives a start: white, constant and correlated error together.
-[[nodiscard]] Eigen::Vector3d total_sigma(const Aid&);
+[[nodiscard]] Eigen::Vector3d total_sigma(const Aid& aid);
 
 /// What is estimated of an aid, as error terms of its number, with their variances at the start.
 struct AidTerms {
   std::vector<ErrorTerm> terms;
   std::vector<double> variances;
 };
-[[nodiscard]] AidTerms aid_terms(const Aid&, int number);
+[[nodiscard]] AidTerms aid_terms(const Aid& aid, int number);
 
 /// The first fix of an aid at or after the start.
 struct FromAid {

@@ -79,15 +79,14 @@ class Builder {
  public:
   explicit Builder(const SensorStates::Options& options) : options_(options) {
     if (!(options.scene_length > 0) || !std::isfinite(options.scene_length))
-      throw std::invalid_argument(fmt::format("scene of {} s, expected above 0 s", options.scene_length));
+      throw SetupError(fmt::format("scene of {} s, expected above 0 s", options.scene_length));
     if (!(options.step > 0) || !std::isfinite(options.step))
-      throw std::invalid_argument(fmt::format("IMU interval of {} s, expected above 0 s", options.step));
-    if (!(options.tolerance > 0))
-      throw std::invalid_argument(fmt::format("tolerance is {}, expected above 0", options.tolerance));
+      throw SetupError(fmt::format("IMU interval of {} s, expected above 0 s", options.step));
+    if (!(options.tolerance > 0)) throw SetupError(fmt::format("tolerance is {}, expected above 0", options.tolerance));
     longest_ = options.scene_length;
     const double shortest = options.shortest.value_or(longest_ * std::pow(10, -kBandDecades));
     if (!(shortest > 0 && shortest < longest_))
-      throw std::invalid_argument(
+      throw SetupError(
           fmt::format("band of flicker from {} s to {} s, expected positive and ascending", shortest, longest_));
     shortest_ = std::max(std::min(options.step, longest_ / 2), shortest);
     result_.initial = StateMatrix::Zero(kMaxErrorTerms, kMaxErrorTerms);
@@ -151,7 +150,7 @@ class Builder {
   std::size_t add_term(ErrorTerm term, double variance) {
     const std::size_t k = result_.model.terms.size();
     if (k == kMaxErrorTerms)
-      throw std::invalid_argument(fmt::format(
+      throw SetupError(fmt::format(
           "the sensor needs more than the {} states a filter holds: consider fewer Gauss-Markov terms, or leave misalignment or g-sensitivity out",
           kMaxErrorTerms));
     result_.model.terms.push_back(term);
@@ -264,11 +263,10 @@ Epoch epoch_of(const noise::ErrorModel& errors) {
 
 void check(const Epoch& epoch, std::string_view triad) {
   if (!(epoch.powered_on_before >= 0) || !std::isfinite(epoch.powered_on_before))
-    throw std::invalid_argument(
+    throw SetupError(
         fmt::format("{}: powered on {} s before the scene, expected 0 or more", triad, epoch.powered_on_before));
   if (epoch.calibrated_over && (!(*epoch.calibrated_over > 0) || !std::isfinite(*epoch.calibrated_over)))
-    throw std::invalid_argument(
-        fmt::format("{}: calibrated over {} s, expected above 0 s", triad, *epoch.calibrated_over));
+    throw SetupError(fmt::format("{}: calibrated over {} s, expected above 0 s", triad, *epoch.calibrated_over));
 }
 
 SensorStates sensor_states(const noise::SensorModel& sensor, const SensorStates::Options& options) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "error_state.h"
+#include "errors.h"
 
 namespace gyrobudget::inline v0::navigation {
 
@@ -23,9 +24,9 @@ struct Epoch {
 };
 
 /// That of a sensor file, which counts from the scene's start.
-[[nodiscard]] Epoch epoch_of(const noise::ErrorModel&);
-/// @throws std::invalid_argument for a calibration of 0 s or less, a negative powered_on_before, naming the triad.
-void check(const Epoch&, std::string_view triad);
+[[nodiscard]] Epoch epoch_of(const noise::ErrorModel& errors);
+/// @throws SetupError for a calibration of 0 s or less, a negative powered_on_before, naming the triad.
+void check(const Epoch& epoch, std::string_view triad);
 
 /// What becomes of a constant that a datasheet gives: a state to be estimated, one that is only counted
 /// (Schmidt), or none.
@@ -78,9 +79,9 @@ struct SensorStates {
 /// scene acts as white noise below 1e-4 of flicker's own Allan variance at its length, what is slower than the scene is
 /// constant within it.
 /// A sensor without an error has no state for it; `accelerometer` left out of the file has none at all.
-/// @throws std::invalid_argument for options out of range, a calibration of 0 s or less, a negative
+/// @throws SetupError for options out of range, a calibration of 0 s or less, a negative
 /// powered_on_before, and more than kMaxErrorTerms states.
-[[nodiscard]] SensorStates sensor_states(const noise::SensorModel&, const SensorStates::Options&);
+[[nodiscard]] SensorStates sensor_states(const noise::SensorModel& sensor, const SensorStates::Options& options);
 
 /// blockdiag(core, terms): the P0 of a filter.
 [[nodiscard]] StateMatrix initial_covariance(const CoreMatrix& core, const StateMatrix& terms);

@@ -39,24 +39,24 @@ class Draws {
 
 // What an aid measures at a place and time: `error` in its own components.
 Fix measured(const Aid& aid, const earth::TrajectoryPoint& truth, const Vector3d& arm, const Vector3d& error) {
-  const earth::Geodetic at = earth::to_geodetic(truth.p_eb_e);
+  const earth::Geodetic at = earth::to_geodetic(truth.pose.p_eb_e);
   const Matrix3d C_en = earth::C_e_ned(at.latitude, at.longitude);
   const Matrix3d C_enu = earth::C_e_enu(at.latitude, at.longitude);
-  const Matrix3d C_eb = truth.q_eb.toRotationMatrix();
-  const Vector3d w_eb_b = truth.w_ib_b - C_eb.transpose() * Vector3d(0, 0, earth::wgs84::kEarthRate);
+  const Matrix3d C_eb = truth.pose.q_eb.toRotationMatrix();
+  const Vector3d w_eb_b = truth.sensed.w_ib_b - C_eb.transpose() * Vector3d(0, 0, earth::wgs84::kEarthRate);
   Fix fix;
   switch (aid.kind) {
     case Aid::Kind::position:
-      fix.value = truth.p_eb_e + C_eb * arm + C_enu * error;
+      fix.value = truth.pose.p_eb_e + C_eb * arm + C_enu * error;
       break;
     case Aid::Kind::velocity:
-      fix.value = C_en.transpose() * (truth.v_eb_e + C_eb * w_eb_b.cross(arm) + C_enu * error);
+      fix.value = C_en.transpose() * (truth.pose.v_eb_e + C_eb * w_eb_b.cross(arm) + C_enu * error);
       break;
     case Aid::Kind::height:
       fix.value = {at.height + error[0], 0, 0};
       break;
     case Aid::Kind::attitude:
-      fix.q_nb = Eigen::Quaterniond(C_en).conjugate() * truth.q_eb * earth::exp_rotation(error);
+      fix.q_nb = Eigen::Quaterniond(C_en).conjugate() * truth.pose.q_eb * earth::exp_rotation(error);
       break;
     case Aid::Kind::rest:
       break;

@@ -17,8 +17,8 @@ namespace gyrobudget::inline v0::navigation {
 /// scene says is to be added to them and by the tag that was drawn. Lever arms are about the IMU. A `rest` aid has none.
 ///
 /// Deterministic in (seed, run, number of the aid).
-/// @throws std::invalid_argument for what check(Aid) refuses.
-[[nodiscard]] std::vector<Fix> simulated_fixes(const Aid&, int number, const earth::Trajectory&, std::uint64_t seed,
-                                               std::uint64_t run);
+/// @throws SetupError for what check(Aid) refuses.
+[[nodiscard]] std::vector<Fix> simulated_fixes(const Aid& aid, int number, const earth::Trajectory& trajectory,
+                                               std::uint64_t seed, std::uint64_t run);
 
 }  // namespace gyrobudget::inline v0::navigation

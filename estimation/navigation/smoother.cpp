@@ -99,7 +99,7 @@ void FilterHistory::updated(const MeasurementRow& row, double innovation_varianc
   numbers_.push_back(residual);
 }
 
-void FilterHistory::keep(double time, const NavigationState& state, const StateVector& terms, const StateMatrix& P) {
+void FilterHistory::keep(double time, const earth::Pose& state, const StateVector& terms, const StateMatrix& P) {
   check(P.rows());
   check(P.cols());
   check(terms.size() + kCoreStates);
@@ -134,8 +134,9 @@ std::vector<SmoothedEpoch> smooth(const FilterHistory& record) {
     const StateVector x = -(P * adjoint.l);
     epoch.time = kept.time;
     epoch.correction = x;
-    epoch.state = {kept.state.p_eb_e + x.segment<3>(kPosition), kept.state.v_eb_e + x.segment<3>(kVelocity),
-                   (earth::exp_rotation(x.segment<3>(kAttitude)) * kept.state.q_eb).normalized()};
+    epoch.state = {.p_eb_e = kept.state.p_eb_e + x.segment<3>(kPosition),
+                   .v_eb_e = kept.state.v_eb_e + x.segment<3>(kVelocity),
+                   .q_eb = (earth::exp_rotation(x.segment<3>(kAttitude)) * kept.state.q_eb).normalized()};
     epoch.terms = ConstVector(kept.terms.data(), n - kCoreStates) + x.tail(n - kCoreStates);
     const StateMatrix less = P * adjoint.L * P;
     epoch.P = P - (less + less.transpose()) / 2;

@@ -31,20 +31,20 @@ class FilterHistory {
   explicit FilterHistory(int states);
 
   // Called by the filter. Sizes must be those of the record: std::invalid_argument.
-  void moved(const Transition&);
-  void updated(const MeasurementRow&, double innovation_variance, double residual, const StateVector& gain);
+  void moved(const Transition& step);
+  void updated(const MeasurementRow& row, double innovation_variance, double residual, const StateVector& gain);
   /// An epoch to be smoothed: what the filter holds at this time, after what was recorded so far.
-  void keep(double time, const NavigationState&, const StateVector& terms, const StateMatrix& P);
+  void keep(double time, const earth::Pose& state, const StateVector& terms, const StateMatrix& P);
 
   [[nodiscard]] int states() const { return states_; }
   [[nodiscard]] std::size_t epochs() const { return epochs_.size(); }
   [[nodiscard]] std::size_t bytes() const;
 
  private:
-  friend std::vector<SmoothedEpoch> smooth(const FilterHistory&);
+  friend std::vector<SmoothedEpoch> smooth(const FilterHistory& record);
   struct Epoch {
     double time;
-    NavigationState state;
+    earth::Pose state;
     std::vector<double> terms;
   };
   enum class Kind { stretch, row, epoch };
@@ -68,7 +68,7 @@ class FilterHistory {
 
 struct SmoothedEpoch {
   double time = 0;         ///< of the filter [s]
-  NavigationState state;   ///< smoothed
+  earth::Pose state;       ///< smoothed
   StateVector terms;       ///< smoothed estimates of the terms
   StateVector correction;  ///< what smoothing added, in the order of error_state.h
   StateMatrix P;           ///< covariance of what error is left; no variance above the filter's
@@ -77,6 +77,6 @@ struct SmoothedEpoch {
 /// All epochs kept, in their order. Work: states^3 a stretch, states^2 a row, 2 states^3 an epoch. The
 /// difference P - P L P loses what digits the later measurements took from P: sigmas hold to 1e-6 where they
 /// shrink by less than 1e4.
-[[nodiscard]] std::vector<SmoothedEpoch> smooth(const FilterHistory&);
+[[nodiscard]] std::vector<SmoothedEpoch> smooth(const FilterHistory& record);
 
 }  // namespace gyrobudget::inline v0::navigation

@@ -5,6 +5,7 @@
 #include "strapdown.h"
 
 #include "gyrobudget/vehicle/earth/gravity.h"
+#include "gyrobudget/vehicle/earth/vector.h"
 
 #include <fmt/core.h>
 
@@ -244,14 +245,15 @@ void add(const Step& step, Sum& sum, Rest& rest) {
   rest = whole - (sum - before);
 }
 
-void check(const earth::ImuIncrement& increment) {
-  if (!increment.velocity.allFinite() || !increment.angle.allFinite())
-    throw std::invalid_argument(fmt::format(
-        "IMU increment of velocity ({}, {}, {}) m/s and angle ({}, {}, {}) rad must be finite", increment.velocity.x(),
-        increment.velocity.y(), increment.velocity.z(), increment.angle.x(), increment.angle.y(), increment.angle.z()));
+void check(const noise::ImuIncrement& increment) {
+  const auto &v = increment.velocity, &a = increment.angle;
+  if (!earth::vector(v).allFinite() || !earth::vector(a).allFinite())
+    throw std::invalid_argument(
+        fmt::format("IMU increment of velocity ({}, {}, {}) m/s and angle ({}, {}, {}) rad must be finite", v[0], v[1],
+                    v[2], a[0], a[1], a[2]));
 }
 
-void check(const NavigationState& state) {
+void check(const earth::Pose& state) {
   if (!state.v_eb_e.allFinite())
     throw std::invalid_argument(
         fmt::format("velocity ({}, {}, {}) m/s must be finite", state.v_eb_e.x(), state.v_eb_e.y(), state.v_eb_e.z()));
@@ -261,27 +263,26 @@ void check(const NavigationState& state) {
 
 }  // namespace
 
-Strapdown::Strapdown(const NavigationState& state, const Options& options) : options_(options) {
+Strapdown::Strapdown(const earth::Pose& state, const Options& options) : options_(options) {
   if (options.order < 1 || options.order > kHighestOrder)
-    throw std::invalid_argument(
-        fmt::format("order {} of the strapdown must be from 1 to {}", options.order, kHighestOrder));
+    throw SetupError(fmt::format("order {} of the strapdown must be from 1 to {}", options.order, kHighestOrder));
   set_state(state);
 }
 
-void Strapdown::set_state(const NavigationState& state) {
+void Strapdown::set_state(const earth::Pose& state) {
   check(state);
   now_ = {.state = state, .gravitation = earth::normal_gravitation(state.p_eb_e)};
   now_.state.q_eb.normalize();
   may_redo_ = false;
 }
 
-void Strapdown::step(const earth::ImuIncrement& imu, double dt) {
+void Strapdown::step(const noise::ImuIncrement& imu, double dt) {
   if (!(dt >= 0) || !std::isfinite(dt))
     throw std::invalid_argument(fmt::format("interval {} s of a strapdown step must be finite, not negative", dt));
   if (dt == 0) return;
   check(imu);
   Increment increment{.dt = dt};
-  increment.sum << imu.angle, imu.velocity;
+  increment.sum << earth::vector(imu.angle), earth::vector(imu.velocity);
   remember(increment);
   if (may_redo_ && known_ > 1) return redo();
 

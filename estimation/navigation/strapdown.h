@@ -8,17 +8,11 @@
 
 #include <array>
 
+#include "errors.h"
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
 namespace gyrobudget::inline v0::navigation {
-
-/// Where a body is, how it moves and how it is turned, against the turning Earth.
-struct NavigationState {
-  Eigen::Vector3d p_eb_e;   ///< [m]
-  Eigen::Vector3d v_eb_e;   ///< [m/s]
-  Eigen::Quaterniond q_eb;  ///< unit
-};
 
 /// Integrates increments of an IMU in Earth-centred, Earth-fixed axes: no latitude, no Euler angle and so
 /// no place or attitude that is special, with normal gravity. A step takes place in inertial axes,
@@ -35,22 +29,29 @@ struct NavigationState {
 /// space then turns too fast in body axes for any polynomial. A jump in rate or force costs its size times
 /// dt^2/12, once, at any order.
 ///
-/// Orders by cost and error (tests/bench/strapdown_benchmark, 1000 s at 300 m/s, S-turns of 0.5 g, 1 degree
-/// of coning and 0.2 g of sculling at 5 Hz; error of position in metres, nanoseconds a step):
+/// **Which order.** Error against run time (tests/bench/strapdown_benchmark, 1000 s at 300 m/s, S-turns of 0.5 g, 1 degree
+/// of coning and 0.2 g of sculling at 5 Hz; error of position in metres, nanoseconds a step on one core of an EPYC):
 ///   order                    1         2         3         4         5         6         7         8
 ///   100 Hz              1.1e+5    2.2e+3    3.2e+3       312       158        30       7.8       2.7
 ///   200 Hz              2.8e+4       140       209       5.0       2.8      0.13     0.043     0.003
 ///   400 Hz              7.1e+3       8.8        13     0.079     0.046    5.1e-4    1.8e-4    4.1e-6
-///   nanoseconds            122       140       145       193       196       222       227       233
-/// Each pair of orders gains two powers of the step on coning: even ones are the better buys. The default
-/// is the highest, which costs a fifth more than order 4. It pays where the sensor's band ends below a
-/// third of the sample rate; vibration between there and half the rate it rectifies falsely, up to 4 times
-/// the drift that order 1 leaves, while order 4 never does worse than order 1.
+///   nanoseconds            135       157       159       219       224       255       262       268
+/// Each pair of orders gains two powers of the step on slow coning and sculling. What an order leaves of faster ones, as
+/// a share of what order 1 leaves, by their frequency over the sample rate (the same for coning and sculling up to 1/3):
+///   order                    1         2         3         4         5         6         7         8
+///   1/10                     1     0.077     0.099     0.039     0.011     0.012    0.0010    0.0029
+///   1/5                      1      0.28      0.21      0.37      0.20     0.095      0.28      0.23
+///   1/4                      1      0.42      0.17      0.60      0.66      0.30      0.36      0.98
+///   1/3                      1      0.64      0.11      0.64       1.5       2.2       2.5       2.0
+///   worst, up to 1/2         1      0.96      0.89      0.77       1.5       2.9       5.3       9.3
+/// The default, 4, is the highest order that never does worse than order 1, whatever vibrates. Orders 5 to 8 are for
+/// sensors whose band ends below a fifth of the sample rate, where they are better by orders of magnitude for a fifth
+/// more run time; above a quarter of it they make drift out of vibration.
 ///
 /// The vertical channel is unstable by nature: an error in height grows e-fold every sqrt(R/2g) = 570 s.
 ///
 ///   navigation::Strapdown strapdown({p_eb_e, v_eb_e, q_eb});
-///   for (const earth::ImuIncrement& increment : imu) strapdown.step(increment, 0.005);
+///   for (const noise::ImuIncrement& increment : imu) strapdown.step(increment, 0.005);
 ///   const earth::Geodetic place = earth::to_geodetic(strapdown.state().p_eb_e);
 class Strapdown {
  public:
@@ -59,27 +60,29 @@ class Strapdown {
   struct Options {
     /// Number of increments, the present one included, whose polynomial stands for rate and specific force
     /// within a step: 1 to kHighestOrder.
-    int order = kHighestOrder;
+    int order = 4;
     /// False leaves Earth's rate out of the attitude, as a source of error to be studied: 0.347 degrees in
     /// 83 s.
     bool earth_rate_in_attitude = true;
   };
 
-  /// @throws std::invalid_argument for an order out of range, a number that is not finite, a quaternion whose
-  /// norm is off 1 by more than 1e-6, or a position nearer to Earth's centre than 1000 km.
-  explicit Strapdown(const NavigationState&, const Options&);
-  explicit Strapdown(const NavigationState& state) : Strapdown(state, Options{}) {}
+  /// @throws SetupError for an order out of range; std::invalid_argument for a velocity that is not finite or a
+  /// quaternion whose norm is off 1 by more than 1e-6; earth::OutsideDomain for a position nearer to Earth's centre than
+  /// 1000 km or not finite.
+  explicit Strapdown(const earth::Pose& state, const Options& options);
+  explicit Strapdown(const earth::Pose& state) : Strapdown(state, Options{}) {}
 
   /// Advances by one interval of dt seconds, which may differ from step to step. dt = 0 changes nothing.
   /// Allocates nothing.
-  /// @throws std::invalid_argument where dt is negative or not finite, an increment is not finite, and
-  /// where the position leaves the domain of earth::normal_gravitation; the state is then the one before.
-  void step(const earth::ImuIncrement&, double dt);
+  /// @throws std::invalid_argument where dt is negative or not finite or an increment is not finite;
+  /// earth::OutsideDomain where the position leaves the domain of earth::normal_gravitation. The state is then the one
+  /// before.
+  void step(const noise::ImuIncrement& imu, double dt);
 
-  [[nodiscard]] const NavigationState& state() const { return now_.state; }
+  [[nodiscard]] const earth::Pose& state() const { return now_.state; }
   /// Replaces the state, as after a filter's correction; the history of increments is kept.
   /// @throws as the constructor.
-  void set_state(const NavigationState&);
+  void set_state(const earth::Pose& state);
 
   /// Mean of C_eb f_ib_b over the last step [m/s^2], in the axes of e at its start; zero before the first.
   [[nodiscard]] const Eigen::Vector3d& last_specific_force_e() const { return specific_force_e_; }
@@ -95,15 +98,15 @@ class Strapdown {
   };
   /// The state with what its last digits leave over.
   struct Sum {
-    NavigationState state;
+    earth::Pose state;
     Eigen::Vector3d p_rest = Eigen::Vector3d::Zero();
     Eigen::Vector4d q_rest = Eigen::Vector4d::Zero();
     Eigen::Vector3d gravitation;  ///< amid the last step, in ECEF axes
   };
   struct Polynomial;
 
-  void remember(const Increment&);
-  void advance(Sum&, const Increment&, const Polynomial&);
+  void remember(const Increment& increment);
+  void advance(Sum& sum, const Increment& increment, const Polynomial& polynomial);
   void redo();
 
   Options options_;

@@ -92,8 +92,8 @@ navigation::StateMatrix covariance_of(const navigation::ErrorStateModel& model) 
 
 struct Flight {
   earth::Trajectory path;
-  std::vector<earth::ImuIncrement> imu;
-  navigation::NavigationState start;
+  std::vector<noise::ImuIncrement> imu;
+  earth::Pose start;
 };
 
 Flight flight() {
@@ -103,7 +103,7 @@ Flight flight() {
   Flight made{earth::cruise(cruise), {}, {}};
   made.imu = made.path.increments(kDt);
   const auto at = made.path.at(0);
-  made.start = {at.p_eb_e, at.v_eb_e, at.q_eb};
+  made.start = at.pose;
   return made;
 }
 

@@ -204,8 +204,8 @@ void speed() {
       fly_again(plan, flown);
       perfect = std::min(perfect, flown.seconds);
       AttitudeControl control = control_of(plan);
-      const Body::Pose pad = pose_on_pad(plan);
-      navigation::Strapdown navigator({pad.p_eb_e, pad.v_eb_e, pad.q_eb});
+      const earth::Pose pad = pose_on_pad(plan);
+      navigation::Strapdown navigator(pad);
       strapdown = std::min(strapdown, seconds([&] { record = fly(plan, control, navigator); }));
       error = (record.end.seen.p_eb_e - record.end.truth.p_eb_e).norm();
     }

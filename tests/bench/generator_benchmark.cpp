@@ -199,7 +199,7 @@ void imu_throughput(int repetitions) {
                                .range = 10,
                                .powered_on_before = 3600,
                                .calibrated_over = 600};
-  const noise::ImuReading truth{{1e-3, 2e-3, 3e-3}, {0.1, 0.01, -0.1}};
+  const noise::ImuIncrement truth{.angle = {1e-3, 2e-3, 3e-3}, .velocity = {0.1, 0.01, -0.1}};
   const auto millions = [&](const noise::ErrorModel& model) {
     noise::Imu imu({.gyro = model, .accelerometer = model}, kDt, {});
     double sum = 0;

@@ -47,11 +47,10 @@ struct Row {
   double attitude = 0;
 };
 
-void pass(const earth::Trajectory& truth, const std::vector<earth::ImuIncrement>& imu, double dt, int order, Row& row) {
-  const auto start = truth.at(0);
-  const auto end = truth.at(kDuration);
+void pass(const earth::Trajectory& truth, const std::vector<noise::ImuIncrement>& imu, double dt, int order, Row& row) {
+  const earth::Pose end = truth.at(kDuration).pose;
   row.block_seconds.resize((imu.size() + kBlock - 1) / kBlock, std::numeric_limits<double>::infinity());
-  Strapdown strapdown({start.p_eb_e, start.v_eb_e, start.q_eb}, {.order = order});
+  Strapdown strapdown(truth.at(0).pose, {.order = order});
   for (std::size_t block = 0; block * kBlock < imu.size(); ++block) {
     const auto before = std::chrono::steady_clock::now();
     for (std::size_t k = block * kBlock; k < std::min((block + 1) * kBlock, imu.size()); ++k)

@@ -210,7 +210,7 @@ double mean_square(ErrorModel gyro, const Epoch& epoch, double dt, int sample, s
   double squares = 0;
   for (std::uint64_t run = 0; run < runs; ++run) {
     Imu imu(model, dt, {2, run});
-    ImuReading y;
+    ImuIncrement y;
     for (int k = 0; k <= sample; ++k) y = imu.next({});
     for (const double x : y.angle) squares += x * x / (dt * dt * 3 * static_cast<double>(runs));
   }

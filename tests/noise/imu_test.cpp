@@ -24,7 +24,7 @@ constexpr double kRounding = 1e-15;  // of the largest number in a formula: a fe
 // Of a statistic against its law: two-sided normal, 1e-6 for each comparison.
 constexpr double kSigmas = 4.9;
 
-const ImuReading kTruth{{0.01, -0.02, 0.03}, {0.4, -0.5, -0.1}};
+const ImuIncrement kTruth{.angle = {0.01, -0.02, 0.03}, .velocity = {0.4, -0.5, -0.1}};
 
 SensorModel with_gyro(const std::function<void(ErrorModel&)>& set) {
   SensorModel model;
@@ -62,13 +62,13 @@ SensorModel full_model() {
 }
 
 /// Readings of `samples` times the same truth.
-std::vector<ImuReading> run(Imu imu, int samples, const ImuReading& truth = kTruth) {
-  std::vector<ImuReading> result;
+std::vector<ImuIncrement> run(Imu imu, int samples, const ImuIncrement& truth = kTruth) {
+  std::vector<ImuIncrement> result;
   for (int k = 0; k < samples; ++k) result.push_back(imu.next(truth));
   return result;
 }
 
-void expect_same(const ImuReading& a, const ImuReading& b) {
+void expect_same(const ImuIncrement& a, const ImuIncrement& b) {
   EXPECT_EQ(a.angle, b.angle);
   EXPECT_EQ(a.velocity, b.velocity);
 }
@@ -91,7 +91,7 @@ TEST(Imu, TurnOnBiasIsConstant) {
   EXPECT_EQ(c.gyro.turn_on_bias[1], 0);
   EXPECT_NE(c.gyro.turn_on_bias[0], c.accelerometer.turn_on_bias[0]);
   for (int k = 0; k < 200; ++k) {
-    const ImuReading y = imu.next(kTruth);
+    const ImuIncrement y = imu.next(kTruth);
     for (std::size_t i = 0; i < 3; ++i) {
       EXPECT_EQ(y.angle[i], kTruth.angle[i] + c.gyro.turn_on_bias[i] * kDt);
       EXPECT_EQ(y.velocity[i], kTruth.velocity[i] + c.accelerometer.turn_on_bias[i] * kDt);
@@ -110,7 +110,7 @@ TEST(Imu, ScaleMisalignmentAndSensitivityToAcceleration) {
   });
   Imu imu(model, kDt, {});
   const auto &g = imu.constants().gyro, &a = imu.constants().accelerometer;
-  const ImuReading y = imu.next(kTruth);
+  const ImuIncrement y = imu.next(kTruth);
   const Vector3 &w = kTruth.angle, &v = kTruth.velocity;
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(g.misalignment[i][i], 0);
@@ -282,7 +282,7 @@ TEST(ImuResponse, ActsOnWhatIsSensedOfEachAxis) {
                                             detail::LowPass(5, 1, kDt), detail::LowPass(5, 1, kDt)};
   std::array<double, 6> before{};
   for (int k = 0; k < 100; ++k) {
-    ImuReading truth;
+    ImuIncrement truth;
     std::array<double, 6> now{};
     for (std::size_t i = 0; i < 3; ++i) {
       truth.angle[i] = std::sin(0.1 * k * static_cast<double>(i + 1));
@@ -291,7 +291,7 @@ TEST(ImuResponse, ActsOnWhatIsSensedOfEachAxis) {
       now[i + 3] = filters[i + 3].next(truth.velocity[i]);
     }
     if (k == 0) before = now;
-    const ImuReading y = imu.next(truth);
+    const ImuIncrement y = imu.next(truth);
     for (std::size_t i = 0; i < 3; ++i) {
       EXPECT_EQ(y.angle[i], before[i]) << k;
       EXPECT_EQ(y.velocity[i], before[i + 3]) << k;
@@ -305,7 +305,7 @@ TEST(ImuResponse, ActsOnWhatIsSensedOfEachAxis) {
 TEST(Imu, RangeSaturatesTheRateAndCounts) {
   const auto model = with_both([](ErrorModel& m) { m.range = 2; });
   Imu imu(model, kDt, {});
-  const ImuReading truth{{0.0199, 0.0201, -0.5}, {0.02, -0.03, 0}};
+  const ImuIncrement truth{.angle = {0.0199, 0.0201, -0.5}, .velocity = {0.02, -0.03, 0}};
   for (int k = 0; k < 3; ++k) {
     expect_same(imu.next(truth), {{0.0199, 2 * kDt, -2 * kDt}, {0.02, -2 * kDt, 0}});
   }
@@ -324,7 +324,7 @@ TEST(Imu, QuantizationLosesNothing) {
   double truth = 0, bits = 0, worst = 0, squares = 0;
   for (int k = 0; k < kSamples; ++k) {
     const double u = thousandths(k);
-    const double y = imu.next({{u, 0, 0}, {}}).angle[0];
+    const double y = imu.next({.angle = {u, 0, 0}}).angle[0];
     truth += u;
     ASSERT_NEAR(y / bit, std::nearbyint(y / bit), 1e-9);
     bits += std::nearbyint(y / bit);
@@ -343,7 +343,7 @@ TEST(Imu, QuantizationLosesNothing) {
     double total = 0;
     for (int k = 0; k < kSamples; ++k) {
       const double u = thousandths(k);
-      total += again.next({{u, 0, 0}, {}}).angle[0] - u;
+      total += again.next({.angle = {u, 0, 0}}).angle[0] - u;
       sum += total;
     }
     start = sum / kSamples;
@@ -361,7 +361,7 @@ TEST(Imu, SameKeySameBytes) {
   Imu other(model, kDt, {7, 10}, {.vibration = 3}), first(model, kDt, {7, 9}, {.vibration = 3});
   Imu moved = std::move(first);
   int equal = 0;
-  for (const ImuReading& expected : a) {
+  for (const ImuIncrement& expected : a) {
     equal += other.next(kTruth).angle == expected.angle;  // bits may agree by chance
     expect_same(moved.next(kTruth), expected);
   }
@@ -386,7 +386,7 @@ TEST(Imu, SwitchingASourceOffLeavesTheOthers) {
     return run(Imu(model, kDt, {1, 2}, {.vibration = 5, .gyro = sources, .accelerometer = sources}), kSamples);
   };
   const auto total = readings(ErrorSources::all());
-  std::vector<ImuReading> sum(kSamples, kTruth);
+  std::vector<ImuIncrement> sum(kSamples, kTruth);
   for (const auto source :
        {turn_on_bias, scale_factor, misalignment, g_sensitivity, g2_sensitivity, vibration_rectification, white,
         flicker, rate_random_walk, rate_ramp, gauss_markov, sinusoid}) {
@@ -449,7 +449,7 @@ TEST(Imu, ExtremesStayFinite) {
         }
         Imu imu(model, dt, {});
         for (int k = 0; k < 130; ++k) {
-          const ImuReading y = imu.next(kTruth);
+          const ImuIncrement y = imu.next(kTruth);
           for (std::size_t i = 0; i < 3; ++i) {
             ASSERT_TRUE(std::isfinite(y.angle[i]) && std::isfinite(y.velocity[i])) << dt << epoch << scale;
           }

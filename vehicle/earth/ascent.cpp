@@ -49,7 +49,9 @@ class AscentPath final : public Path {
     const std::size_t node = std::max<std::size_t>(last, 1) - 1;
     PositionVelocity x = states_[node];
     if (t > times_[node]) step(x, times_[node], t - times_[node]);
-    return {x.head<3>(), x.tail<3>(), acceleration(x, t), attitude(t), pitch_rate_b(t)};
+    return {.pose = {.p_eb_e = x.head<3>(), .v_eb_e = x.tail<3>(), .q_eb = attitude(t)},
+            .a_eb_e = acceleration(x, t),
+            .w_eb_b = pitch_rate_b(t)};
   }
 
   [[nodiscard]] Sensed sensed(double t) const override {
@@ -111,22 +113,22 @@ class AscentPath final : public Path {
 
 }  // namespace
 
-Trajectory ascent(const Ascent& o) {
-  detail::check_position(o.site);
-  detail::check_finite(o.azimuth, "azimuth", "rad");
-  detail::check_finite(o.pitch_end, "pitch at the end", "rad");
-  detail::check_finite(o.force_start, "specific force at the start", "m/s^2");
-  detail::check_finite(o.force_end, "specific force before the tail-off", "m/s^2");
-  detail::check_positive(o.duration, "duration", "s");
-  if (o.duration > kLongestAscent)
+Trajectory ascent(const Ascent& options) {
+  detail::check_position(options.site);
+  detail::check_finite(options.azimuth, "azimuth", "rad");
+  detail::check_finite(options.pitch_end, "pitch at the end", "rad");
+  detail::check_finite(options.force_start, "specific force at the start", "m/s^2");
+  detail::check_finite(options.force_end, "specific force before the tail-off", "m/s^2");
+  detail::check_positive(options.duration, "duration", "s");
+  if (options.duration > kLongestAscent)
     throw std::invalid_argument(fmt::format("duration {} s must be at most the {} s over which an ascent is integrated",
-                                            o.duration, kLongestAscent));
-  detail::check_not_negative(o.pitch_over_at, "start of the pitch-over", "s");
-  detail::check_not_negative(o.tail_off, "tail-off", "s");
-  if (o.pitch_over_at > o.duration || o.tail_off > o.duration)
+                                            options.duration, kLongestAscent));
+  detail::check_not_negative(options.pitch_over_at, "start of the pitch-over", "s");
+  detail::check_not_negative(options.tail_off, "tail-off", "s");
+  if (options.pitch_over_at > options.duration || options.tail_off > options.duration)
     throw std::invalid_argument(fmt::format("pitch-over at {} s and tail-off of {} s must be within the ascent's {} s",
-                                            o.pitch_over_at, o.tail_off, o.duration));
-  return Trajectory(std::make_shared<AscentPath>(o));
+                                            options.pitch_over_at, options.tail_off, options.duration));
+  return Trajectory(std::make_shared<AscentPath>(options));
 }
 
 }  // namespace gyrobudget::inline v0::earth

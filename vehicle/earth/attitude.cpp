@@ -36,25 +36,25 @@ Eigen::Vector3d log_rotation(const Eigen::Quaterniond& q) {
   return std::copysign(angle / sine, q.w()) * q.vec();
 }
 
-Eigen::Quaterniond from_euler(const Euler& e) {
+Eigen::Quaterniond from_euler(const Euler& angles) {
   using Eigen::AngleAxisd;
   using Eigen::Vector3d;
-  return AngleAxisd(e.yaw, Vector3d::UnitZ()) * AngleAxisd(e.pitch, Vector3d::UnitY()) *
-         AngleAxisd(e.roll, Vector3d::UnitX());
+  return AngleAxisd(angles.yaw, Vector3d::UnitZ()) * AngleAxisd(angles.pitch, Vector3d::UnitY()) *
+         AngleAxisd(angles.roll, Vector3d::UnitX());
 }
 
-Euler to_euler(const Eigen::Quaterniond& q) {
+Euler to_euler(const Eigen::Quaterniond& q_ab) {
   // With half angles, (w - y, z + x) = (cos p - sin p) (cos, sin)(yaw + roll) and (w + y, z - x) = (cos p +
   // sin p) (cos, sin)(yaw - roll). Quotients of these keep all digits where the asin of a sine near 1 loses
   // half of them.
-  const double minus = std::hypot(q.w() - q.y(), q.z() + q.x());  // |cos(p/2) - sin(p/2)|
-  const double plus = std::hypot(q.w() + q.y(), q.z() - q.x());   // |cos(p/2) + sin(p/2)|
+  const double minus = std::hypot(q_ab.w() - q_ab.y(), q_ab.z() + q_ab.x());  // |cos(p/2) - sin(p/2)|
+  const double plus = std::hypot(q_ab.w() + q_ab.y(), q_ab.z() - q_ab.x());   // |cos(p/2) + sin(p/2)|
   using std::numbers::pi;
   constexpr double kLock = 1e-10 / 2;
   Euler e;
   e.pitch = std::atan2(plus * plus - minus * minus, 2 * plus * minus);
-  const double sum = std::atan2(q.z() + q.x(), q.w() - q.y());         // (yaw + roll)/2
-  const double difference = std::atan2(q.z() - q.x(), q.w() + q.y());  // (yaw - roll)/2
+  const double sum = std::atan2(q_ab.z() + q_ab.x(), q_ab.w() - q_ab.y());         // (yaw + roll)/2
+  const double difference = std::atan2(q_ab.z() - q_ab.x(), q_ab.w() + q_ab.y());  // (yaw - roll)/2
   if (minus < kLock * plus) {
     e.roll = std::remainder(-2 * difference, 2 * pi);
   } else if (plus < kLock * minus) {

@@ -28,7 +28,7 @@ struct Euler {
 };
 
 /// q_ab of C_ab = C_z(yaw) C_y(pitch) C_x(roll), where a has its x axis at yaw 0 and its z axis down.
-[[nodiscard]] Eigen::Quaterniond from_euler(const Euler&);
+[[nodiscard]] Eigen::Quaterniond from_euler(const Euler& angles);
 /// The inverse, to 2e-15 (yaw and roll: over cos pitch). At pitch +-90 degrees these are one angle: within
 /// 1e-10 rad of it yaw is set to 0 and roll holds their sum or difference, as on the launch pad; that moves
 /// the attitude by 2e-10 rad.
@@ -36,6 +36,6 @@ struct Euler {
 
 /// The rotation nearest to a matrix in the Frobenius norm: the orthogonal factor of its polar decomposition.
 /// @throws std::invalid_argument where the determinant is not positive or the matrix is singular to 1e-8.
-[[nodiscard]] Eigen::Matrix3d orthonormalised(const Eigen::Matrix3d&);
+[[nodiscard]] Eigen::Matrix3d orthonormalised(const Eigen::Matrix3d& C);
 
 }  // namespace gyrobudget::inline v0::earth

@@ -65,20 +65,20 @@ Geodetic Geodetic::from_degrees(double latitude_deg, double longitude_deg, doubl
   return {latitude_deg * kDegree, longitude_deg * kDegree, height_m};
 }
 
-Eigen::Vector3d to_ecef(const Geodetic& g) {
-  const double sin_latitude = std::sin(g.latitude);
+Eigen::Vector3d to_ecef(const Geodetic& position) {
+  const double sin_latitude = std::sin(position.latitude);
   const double radius = kA / std::sqrt(normal_factor(sin_latitude));
-  const double out = (radius + g.height) * std::cos(g.latitude);
-  return {out * std::cos(g.longitude), out * std::sin(g.longitude),
-          (wgs84::kAxisRatioSquared * radius + g.height) * sin_latitude};
+  const double out = (radius + position.height) * std::cos(position.latitude);
+  return {out * std::cos(position.longitude), out * std::sin(position.longitude),
+          (wgs84::kAxisRatioSquared * radius + position.height) * sin_latitude};
 }
 
 Geodetic to_geodetic(const Eigen::Vector3d& p_eb_e) {
   const double out = std::hypot(p_eb_e.x(), p_eb_e.y());
   const double along = p_eb_e.z();
   if (!(std::hypot(out, along) <= kFarthest))
-    throw std::invalid_argument(fmt::format("position ({}, {}, {}) m must be within {} m of the centre", p_eb_e.x(),
-                                            p_eb_e.y(), p_eb_e.z(), kFarthest));
+    throw OutsideDomain(fmt::format("position ({}, {}, {}) m must be within {} m of the centre", p_eb_e.x(), p_eb_e.y(),
+                                    p_eb_e.z(), kFarthest));
   const Normal normal = normal_through(out, along);
   const double length = std::hypot(normal.out, normal.along);
   const double cos_latitude = normal.out / length;

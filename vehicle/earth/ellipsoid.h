@@ -5,6 +5,7 @@
 #pragma once
 
 #include <numbers>
+#include <stdexcept>
 
 #include <Eigen/Core>
 
@@ -33,17 +34,24 @@ struct Geodetic {
   [[nodiscard]] static Geodetic from_degrees(double latitude_deg, double longitude_deg, double height_m);
 };
 
+/// A position where the formulas of Earth's shape or field do not hold: not finite, too far away or too near to the
+/// centre. A caller whose own computation may lead there, such as a navigator that diverges, catches this type.
+class OutsideDomain : public std::invalid_argument {
+ public:
+  using std::invalid_argument::invalid_argument;
+};
+
 /// Earth-centred, Earth-fixed position p_eb_e [m]: x through Greenwich, z through the north pole.
 ///   x = (R_E + h) cos L cos l,  y = (R_E + h) cos L sin l,  z = ((1 - e^2) R_E + h) sin L
 /// Error below 2 ulp of the distance from the centre (2 nm at the surface).
-[[nodiscard]] Eigen::Vector3d to_ecef(const Geodetic&);
+[[nodiscard]] Eigen::Vector3d to_ecef(const Geodetic& position);
 
 /// The inverse, in closed form, for every point including poles and centre (H. Vermeille, J. Geodesy 76:451,
 /// 2002 and 85:105, 2011; height by projection on the normal). Position error of the way there and back is
 /// below 4 nm from 1 km outside the evolute (43 km from the centre) to 10^7 m. On the axis the longitude is
 /// 0; on the disc of radius a e^2 in the equatorial plane, where two normals are equally near, the latitude
 /// is the northern one: the centre is at latitude 90 degrees and height -b.
-/// @throws std::invalid_argument where p_eb_e is not finite or is farther than 1e15 m.
+/// @throws OutsideDomain where p_eb_e is not finite or is farther than 1e15 m.
 [[nodiscard]] Geodetic to_geodetic(const Eigen::Vector3d& p_eb_e);
 
 /// Outward normal of the ellipsoid, "up", in ECEF axes.

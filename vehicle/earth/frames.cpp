@@ -41,13 +41,14 @@ Eigen::Vector3d earth_rate_ned(double latitude) {
   return {wgs84::kEarthRate * std::cos(latitude), 0, -wgs84::kEarthRate * std::sin(latitude)};
 }
 
-Eigen::Vector3d transport_rate_ned(const Geodetic& g, const Eigen::Vector3d& v_eb_n) {
-  if (!(std::abs(g.latitude) <= std::numbers::pi / 2 - kPolarCap))
+Eigen::Vector3d transport_rate_ned(const Geodetic& position, const Eigen::Vector3d& v_eb_n) {
+  if (!(std::abs(position.latitude) <= std::numbers::pi / 2 - kPolarCap))
     throw std::invalid_argument(
         fmt::format("north, east, down has no finite rate at latitude {} rad; it must be {} rad off the poles",
-                    g.latitude, kPolarCap));
-  const double east_rate = v_eb_n.y() / (transverse_radius(g.latitude) + g.height);
-  return {east_rate, -v_eb_n.x() / (meridian_radius(g.latitude) + g.height), -east_rate * std::tan(g.latitude)};
+                    position.latitude, kPolarCap));
+  const double east_rate = v_eb_n.y() / (transverse_radius(position.latitude) + position.height);
+  return {east_rate, -v_eb_n.x() / (meridian_radius(position.latitude) + position.height),
+          -east_rate * std::tan(position.latitude)};
 }
 
 Eigen::Matrix3d Inertial::C_ie(double t) const {
@@ -60,15 +61,15 @@ Eigen::Matrix3d Inertial::C_ie(double t) const {
   return C;
 }
 
-Moving Inertial::from_ecef(const Moving& e, double t) const {
+Moving Inertial::from_ecef(const Moving& moving, double t) const {
   const Eigen::Matrix3d C = C_ie(t);
-  return {C * e.p, C * (e.v + cross_earth_rate(e.p))};
+  return {C * moving.p, C * (moving.v + cross_earth_rate(moving.p))};
 }
 
-Moving Inertial::to_ecef(const Moving& i, double t) const {
+Moving Inertial::to_ecef(const Moving& moving, double t) const {
   const Eigen::Matrix3d C_ei = C_ie(t).transpose();
-  const Eigen::Vector3d p = C_ei * i.p;
-  return {p, C_ei * i.v - cross_earth_rate(p)};
+  const Eigen::Vector3d p = C_ei * moving.p;
+  return {p, C_ei * moving.v - cross_earth_rate(p)};
 }
 
 LocalFrame::LocalFrame(const Geodetic& origin, const Eigen::Matrix3d& C_el)

@@ -25,7 +25,7 @@ namespace gyrobudget::inline v0::earth {
 /// w_en_n, by which north, east, down turns as the body moves (Groves 5.44) [rad/s]:
 ///   (v_E/(R_E + h), -v_N/(R_N + h), -v_E tan L/(R_E + h)).
 /// @throws std::invalid_argument within 1e-9 rad (6 mm) of a pole, where that frame spins without bound.
-[[nodiscard]] Eigen::Vector3d transport_rate_ned(const Geodetic&, const Eigen::Vector3d& v_eb_n);
+[[nodiscard]] Eigen::Vector3d transport_rate_ned(const Geodetic& position, const Eigen::Vector3d& v_eb_n);
 
 /// Position and velocity against one frame, in its axes.
 struct Moving {
@@ -41,9 +41,9 @@ class Inertial {
   [[nodiscard]] double angle(double t) const { return angle_at_epoch_ + wgs84::kEarthRate * t; }
   [[nodiscard]] Eigen::Matrix3d C_ie(double t) const;
   /// From p_eb_e, v_eb_e to p_ib_i, v_ib_i = C_ie (v_eb_e + w_ie x p_eb_e).
-  [[nodiscard]] Moving from_ecef(const Moving&, double t) const;
+  [[nodiscard]] Moving from_ecef(const Moving& moving, double t) const;
   /// From p_ib_i, v_ib_i to p_eb_e, v_eb_e.
-  [[nodiscard]] Moving to_ecef(const Moving&, double t) const;
+  [[nodiscard]] Moving to_ecef(const Moving& moving, double t) const;
 
  private:
   double angle_at_epoch_;

@@ -67,8 +67,7 @@ constexpr std::array<Step, kZonals> kSteps = steps();
 double checked_distance(const Eigen::Vector3d& p_eb_e) {
   const double r = p_eb_e.norm();
   if (!(r >= kNearest) || !std::isfinite(r))
-    throw std::invalid_argument(
-        fmt::format("distance {} m from Earth's centre must be from {} m, and finite", r, kNearest));
+    throw OutsideDomain(fmt::format("distance {} m from Earth's centre must be from {} m, and finite", r, kNearest));
   return r;
 }
 

@@ -16,7 +16,7 @@ namespace gyrobudget::inline v0::earth {
 ///   J_2k = (-1)^(k+1) 3 e^(2k)/((2k+1)(2k+3)) (1 - k + 5 k J_2/e^2).
 /// No angle is taken, so poles and date line are points like others. Error below 1e-14 m/s^2 beside rounding
 /// (about 4e-15 m/s^2) from 10 km below the ellipsoid outwards; it grows as (a/r)^14 below that.
-/// @throws std::invalid_argument nearer to the centre than 1000 km, or where p_eb_e is not finite.
+/// @throws OutsideDomain nearer to the centre than 1000 km, or where p_eb_e is not finite.
 [[nodiscard]] Eigen::Vector3d normal_gravitation(const Eigen::Vector3d& p_eb_e);
 
 /// Normal gravity in ECEF axes: normal_gravitation + omega^2 (x, y, 0).

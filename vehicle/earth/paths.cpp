@@ -66,13 +66,13 @@ TaylorVector point_of_normal(const TaylorQuaternion& q_en, double height) {
           (wgs84::kAxisRatioSquared * level - height) * down[2]};
 }
 
-/// p_eb_e is p_fixed + p: for bodies that stay, the large constant is kept out of the arithmetic.
-struct Pose {
+/// Of time. p_eb_e is p_fixed + p: for bodies that stay, the large constant is kept out of the arithmetic.
+struct TaylorPose {
   TaylorVector p;
   TaylorQuaternion q_eb;
 };
 
-void vibrate(const Vibration& v, const Taylor& t, Pose& pose) {
+void vibrate(const Vibration& v, const Taylor& t, TaylorPose& pose) {
   if (v.sculling_frequency > 0) {
     const double w = 2 * pi * v.sculling_frequency;
     const Taylor wave = sin(w * t);
@@ -90,7 +90,7 @@ void vibrate(const Vibration& v, const Taylor& t, Pose& pose) {
 
 double vibration_frequency(const Vibration& v) { return 2 * pi * (v.coning_frequency + v.sculling_frequency); }
 
-Motion motion(const Vector3d& p_fixed, const Pose& pose) {
+Motion motion(const Vector3d& p_fixed, const TaylorPose& pose) {
   const auto order = [](const TaylorVector& p, std::size_t n) {
     return Vector3d(p[0].derivative(n), p[1].derivative(n), p[2].derivative(n));
   };
@@ -100,7 +100,9 @@ Motion motion(const Vector3d& p_fixed, const Pose& pose) {
   };
   const Quaterniond q = quaternion(0).normalized();
   // dq/dt = q (0, w_eb_b)/2
-  return {p_fixed + order(pose.p, 0), order(pose.p, 1), order(pose.p, 2), q, 2 * (q.conjugate() * quaternion(1)).vec()};
+  return {.pose = {.p_eb_e = p_fixed + order(pose.p, 0), .v_eb_e = order(pose.p, 1), .q_eb = q},
+          .a_eb_e = order(pose.p, 2),
+          .w_eb_b = 2 * (q.conjugate() * quaternion(1)).vec()};
 }
 
 /// A pose function, vibration on top.
@@ -114,7 +116,7 @@ class PosePath final : public Path {
   [[nodiscard]] double fastest() const override { return fastest_; }
   [[nodiscard]] Motion at(double t) const override {
     const auto time = boost::math::differentiation::make_fvar<double, 2>(t);
-    Pose pose = pose_(time);
+    TaylorPose pose = pose_(time);
     vibrate(vibration_, time, pose);
     return motion(p_fixed_, pose);
   }
@@ -146,60 +148,61 @@ Quaterniond q_en(const Geodetic& g) { return Quaterniond(C_e_ned(g.latitude, g.l
 
 }  // namespace
 
-Trajectory stand(const Stand& o) {
-  detail::check_position(o.position);
-  detail::check_unit(o.q_nb, "attitude q_nb");
-  detail::check_finite(o.spin.squaredNorm(), "squared spin", "rad^2/s^2");
-  check(o.vibration);
-  const double rate = o.spin.norm();
-  const Vector3d axis = rate > 0 ? Vector3d(o.spin / rate) : Vector3d::UnitX();
-  const TaylorQuaternion start = constant(q_en(o.position) * o.q_nb);
-  return trajectory(o.duration, rate, to_ecef(o.position), o.vibration, [=](const Taylor& t) {
-    return Pose{{}, start * turn(rate * t, axis)};
+Trajectory stand(const Stand& options) {
+  detail::check_position(options.position);
+  detail::check_unit(options.q_nb, "attitude q_nb");
+  detail::check_finite(options.spin.squaredNorm(), "squared spin", "rad^2/s^2");
+  check(options.vibration);
+  const double rate = options.spin.norm();
+  const Vector3d axis = rate > 0 ? Vector3d(options.spin / rate) : Vector3d::UnitX();
+  const TaylorQuaternion start = constant(q_en(options.position) * options.q_nb);
+  return trajectory(options.duration, rate, to_ecef(options.position), options.vibration, [=](const Taylor& t) {
+    return TaylorPose{{}, start * turn(rate * t, axis)};
   });
 }
 
-Trajectory cruise(const Cruise& o) {
-  detail::check_position(o.start);
-  detail::check_finite(o.azimuth, "azimuth", "rad");
-  detail::check_not_negative(o.speed, "speed", "m/s");
-  detail::check_finite(o.turn_acceleration, "acceleration of the S-turns", "m/s^2");
-  check(o.vibration);
-  const bool turns = o.turn_acceleration != 0;
+Trajectory cruise(const Cruise& options) {
+  detail::check_position(options.start);
+  detail::check_finite(options.azimuth, "azimuth", "rad");
+  detail::check_not_negative(options.speed, "speed", "m/s");
+  detail::check_finite(options.turn_acceleration, "acceleration of the S-turns", "m/s^2");
+  check(options.vibration);
+  const bool turns = options.turn_acceleration != 0;
   if (turns) {
-    detail::check_positive(o.speed, "speed of S-turns", "m/s");
-    detail::check_positive(o.turn_period, "period of the S-turns", "s");
+    detail::check_positive(options.speed, "speed of S-turns", "m/s");
+    detail::check_positive(options.turn_period, "period of the S-turns", "s");
   }
   // On the unit sphere of normals the centre line runs at `rate`, and the S-turns sway by `sway` to the left
   // of it.
-  const double radius = std::hypot((meridian_radius(o.start.latitude) + o.start.height) * std::cos(o.azimuth),
-                                   (transverse_radius(o.start.latitude) + o.start.height) * std::sin(o.azimuth));
-  const double rate = o.speed / radius;
-  const double w = turns ? 2 * pi / o.turn_period : 0;
-  const double sway = turns ? -o.turn_acceleration / (w * w) / radius : 0;
-  const double tangent = o.turn_acceleration / kBankGravity;
-  const TaylorQuaternion start = constant(q_en(o.start) * exp_rotation({0, 0, o.azimuth}));
-  return trajectory(o.duration, 4 * w, Vector3d::Zero(), o.vibration, [=](const Taylor& t) {
+  const double radius =
+      std::hypot((meridian_radius(options.start.latitude) + options.start.height) * std::cos(options.azimuth),
+                 (transverse_radius(options.start.latitude) + options.start.height) * std::sin(options.azimuth));
+  const double rate = options.speed / radius;
+  const double w = turns ? 2 * pi / options.turn_period : 0;
+  const double sway = turns ? -options.turn_acceleration / (w * w) / radius : 0;
+  const double tangent = options.turn_acceleration / kBankGravity;
+  const TaylorQuaternion start = constant(q_en(options.start) * exp_rotation({0, 0, options.azimuth}));
+  return trajectory(options.duration, 4 * w, Vector3d::Zero(), options.vibration, [=](const Taylor& t) {
     TaylorQuaternion level = start * turn(-rate * t, Vector3d::UnitY());
-    if (!turns) return Pose{point_of_normal(level, o.start.height), level};
+    if (!turns) return TaylorPose{point_of_normal(level, options.start.height), level};
     const Taylor side = sway * sin(w * t);
     const Taylor heading = atan(sway * w * cos(w * t) / (rate * cos(side)));
     level = level * turn(-side, Vector3d::UnitX()) * turn(-heading, Vector3d::UnitZ());
     const Taylor bank = -atan(tangent * sin(w * t));
-    return Pose{point_of_normal(level, o.start.height), level * turn(bank, Vector3d::UnitX())};
+    return TaylorPose{point_of_normal(level, options.start.height), level * turn(bank, Vector3d::UnitX())};
   });
 }
 
-Trajectory climb(const Climb& o) {
-  detail::check_position(o.site);
-  detail::check_finite(o.azimuth, "azimuth", "rad");
-  detail::check_finite(o.acceleration, "acceleration", "m/s^2");
-  check(o.vibration);
-  const Vector3d up = up_e(o.site.latitude, o.site.longitude);
-  const TaylorQuaternion attitude = constant(q_en(o.site) * from_euler({o.azimuth, pi / 2, 0}));
-  return trajectory(o.duration, 0, to_ecef(o.site), o.vibration, [=](const Taylor& t) {
-    const Taylor height = o.acceleration / 2 * t * t;
-    return Pose{{height * up.x(), height * up.y(), height * up.z()}, attitude};
+Trajectory climb(const Climb& options) {
+  detail::check_position(options.site);
+  detail::check_finite(options.azimuth, "azimuth", "rad");
+  detail::check_finite(options.acceleration, "acceleration", "m/s^2");
+  check(options.vibration);
+  const Vector3d up = up_e(options.site.latitude, options.site.longitude);
+  const TaylorQuaternion attitude = constant(q_en(options.site) * from_euler({options.azimuth, pi / 2, 0}));
+  return trajectory(options.duration, 0, to_ecef(options.site), options.vibration, [=](const Taylor& t) {
+    const Taylor height = options.acceleration / 2 * t * t;
+    return TaylorPose{{height * up.x(), height * up.y(), height * up.z()}, attitude};
   });
 }
 

@@ -32,7 +32,7 @@ struct Stand {
   Vibration vibration;
   double duration = 3600;  ///< [s]
 };
-[[nodiscard]] Trajectory stand(const Stand&);
+[[nodiscard]] Trajectory stand(const Stand& options);
 
 /// Level flight at constant ellipsoidal height along a great circle of ellipsoid normals, over poles as over
 /// any other point, with S-turns about it. Heading follows the track, bank is that of a coordinated turn,
@@ -46,7 +46,7 @@ struct Cruise {
   Vibration vibration;
   double duration = 3600;  ///< [s]
 };
-[[nodiscard]] Trajectory cruise(const Cruise&);
+[[nodiscard]] Trajectory cruise(const Cruise& options);
 
 /// Straight up from a site with constant acceleration against Earth, nose up and belly towards the azimuth.
 struct Climb {
@@ -56,7 +56,7 @@ struct Climb {
   Vibration vibration;
   double duration = 60;  ///< [s]
 };
-[[nodiscard]] Trajectory climb(const Climb&);
+[[nodiscard]] Trajectory climb(const Climb& options);
 
 /// Powered ascent in the launch plane. Pitch from the site's horizon is 90 degrees, from pitch_over_at on
 /// linear in time to pitch_end at the end; yaw and roll against the launch plane are zero. Specific force
@@ -77,6 +77,6 @@ struct Ascent {
 };
 inline constexpr double kLongestAscent = 86400;  ///< [s]
 /// Throws also where pitch-over or tail-off lie outside the duration, or that beyond kLongestAscent.
-[[nodiscard]] Trajectory ascent(const Ascent&);
+[[nodiscard]] Trajectory ascent(const Ascent& options);
 
 }  // namespace gyrobudget::inline v0::earth

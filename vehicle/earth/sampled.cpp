@@ -122,7 +122,9 @@ class SampledPath final : public Path {
     const double norm = s.value.norm();
     const Quaterniond q(Vector4d(s.value / norm));
     const Quaterniond rate(Vector4d(s.first / norm));
-    return {origin_ + p.value, p.first, p.second, q, 2 * (q.conjugate() * rate).vec()};
+    return {.pose = {.p_eb_e = origin_ + p.value, .v_eb_e = p.first, .q_eb = q},
+            .a_eb_e = p.second,
+            .w_eb_b = 2 * (q.conjugate() * rate).vec()};
   }
 
  private:

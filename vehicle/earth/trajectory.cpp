@@ -12,6 +12,7 @@
 
 #include "ellipsoid.h"
 #include "gravity.h"
+#include "vector.h"
 
 namespace gyrobudget::inline v0::earth {
 namespace {
@@ -24,14 +25,14 @@ constexpr double kShort =
 
 /// Adds the integral over one smooth panel.
 template <unsigned points>
-void add_panel(const Path& path, double from, double to, ImuIncrement& sum) {
+void add_panel(const Path& path, double from, double to, noise::ImuIncrement& sum) {
   using Rule = boost::math::quadrature::gauss<double, points>;
   const double middle = (from + to) / 2;
   const double half = (to - from) / 2;
   const auto add = [&](double t, double weight) {
     const Sensed s = path.sensed(t);
-    sum.velocity += weight * half * s.f_ib_b;
-    sum.angle += weight * half * s.w_ib_b;
+    vector(sum.velocity) += weight * half * s.f_ib_b;
+    vector(sum.angle) += weight * half * s.w_ib_b;
   };
   for (std::size_t k = 0; k < Rule::abscissa().size(); ++k) {
     const double x = Rule::abscissa()[k];
@@ -42,10 +43,12 @@ void add_panel(const Path& path, double from, double to, ImuIncrement& sum) {
 
 }  // namespace
 
-Sensed sense(const Motion& m) {
+Sensed sense(const Motion& motion) {
   const Eigen::Vector3d w_ie_e(0, 0, wgs84::kEarthRate);
-  const Eigen::Quaterniond q_be = m.q_eb.conjugate();
-  return {q_be * (m.a_eb_e + 2 * w_ie_e.cross(m.v_eb_e) - normal_gravity(m.p_eb_e)), m.w_eb_b + q_be * w_ie_e};
+  const auto& [p_eb_e, v_eb_e, q_eb] = motion.pose;
+  const Eigen::Quaterniond q_be = q_eb.conjugate();
+  return {.f_ib_b = q_be * (motion.a_eb_e + 2 * w_ie_e.cross(v_eb_e) - normal_gravity(p_eb_e)),
+          .w_ib_b = motion.w_eb_b + q_be * w_ie_e};
 }
 
 Sensed Path::sensed(double t) const { return sense(at(t)); }
@@ -71,17 +74,15 @@ void Trajectory::check_time(double t) const {
 TrajectoryPoint Trajectory::at(double t) const {
   check_time(t);
   t = std::min(t, duration_);
-  const Motion m = path_->at(t);
-  const Sensed s = path_->sensed(t);
-  return {t, m.p_eb_e, m.v_eb_e, m.q_eb, s.f_ib_b, s.w_ib_b};
+  return {.t = t, .pose = path_->at(t).pose, .sensed = path_->sensed(t)};
 }
 
-ImuIncrement Trajectory::increment(double from, double to) const {
+noise::ImuIncrement Trajectory::increment(double from, double to) const {
   check_time(from);
   check_time(to);
   if (to < from) throw std::invalid_argument(fmt::format("an increment from {} s to {} s runs backwards", from, to));
   to = std::min(to, duration_);
-  ImuIncrement sum{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  noise::ImuIncrement sum;
   auto next_break = std::upper_bound(breaks_.begin(), breaks_.end(), from);
   while (from < to) {
     const double piece_start = next_break != breaks_.begin() ? *std::prev(next_break) : 0;
@@ -96,13 +97,13 @@ ImuIncrement Trajectory::increment(double from, double to) const {
   return sum;
 }
 
-std::vector<ImuIncrement> Trajectory::increments(double interval) const {
+std::vector<noise::ImuIncrement> Trajectory::increments(double interval) const {
   const double count = std::floor(duration_ / interval * (1 + kRoundOfTime));
   if (!(interval > 0) || !(count < kMostIncrements))
     throw std::invalid_argument(
         fmt::format("interval {} s must be positive and give fewer than {} increments over {} s", interval,
                     kMostIncrements, duration_));
-  std::vector<ImuIncrement> all;
+  std::vector<noise::ImuIncrement> all;
   all.reserve(static_cast<std::size_t>(count));
   for (double k = 0; k < count; ++k) all.push_back(increment(k * interval, (k + 1) * interval));
   return all;

@@ -4,11 +4,13 @@
 // (2000).
 #pragma once
 
+#include "gyrobudget/noise/increment.h"
+
 #include <memory>
 #include <vector>
 
+#include "pose.h"
 #include <Eigen/Core>
-#include <Eigen/Geometry>
 
 namespace gyrobudget::inline v0::earth {
 
@@ -18,25 +20,9 @@ struct Sensed {
   Eigen::Vector3d w_ib_b;  ///< angular rate [rad/s]
 };
 
-/// What it delivers over an interval: the integrals over time of each component in body axes, as an
-/// integrating sensor gives them. Coning and sculling are in them, uncorrected: that is a strapdown's work.
-struct ImuIncrement {
-  Eigen::Vector3d velocity;  ///< integral of f_ib_b [m/s]
-  Eigen::Vector3d angle;     ///< integral of w_ib_b [rad]
-};
-
-/// Pose against the turning Earth and its derivatives by time.
-struct Motion {
-  Eigen::Vector3d p_eb_e;   ///< [m]
-  Eigen::Vector3d v_eb_e;   ///< dp_eb_e/dt [m/s]
-  Eigen::Vector3d a_eb_e;   ///< d2p_eb_e/dt2 [m/s^2]
-  Eigen::Quaterniond q_eb;  ///< of unit norm
-  Eigen::Vector3d w_eb_b;   ///< [rad/s]
-};
-
 /// What an IMU senses on that motion, on the rotating Earth with normal gravity:
 ///   f_ib_b = C_be (a_eb_e + 2 w_ie x v_eb_e - g(p_eb_e)),  w_ib_b = w_eb_b + C_be w_ie.
-[[nodiscard]] Sensed sense(const Motion&);
+[[nodiscard]] Sensed sense(const Motion& motion);
 
 /// A motion as a function of time. Those of paths.h and sampled.h suit most; derive from this for another.
 class Path {
@@ -58,14 +44,11 @@ class Path {
   [[nodiscard]] virtual double fastest() const = 0;
 };
 
-/// Position, velocity, attitude and what is sensed at one time.
+/// The pose at one time and what is sensed then.
 struct TrajectoryPoint {
-  double t;                 ///< [s]
-  Eigen::Vector3d p_eb_e;   ///< [m]
-  Eigen::Vector3d v_eb_e;   ///< [m/s]
-  Eigen::Quaterniond q_eb;  ///< unit
-  Eigen::Vector3d f_ib_b;   ///< [m/s^2]
-  Eigen::Vector3d w_ib_b;   ///< [rad/s]
+  double t;  ///< [s]
+  Pose pose;
+  Sensed sensed;
 };
 
 /// A path with its IMU. Cheap to copy, immutable, and safe to read from many threads.
@@ -76,7 +59,7 @@ struct TrajectoryPoint {
 class Trajectory {
  public:
   /// @throws std::invalid_argument for no path, a duration that is not positive, a frequency that is not.
-  explicit Trajectory(std::shared_ptr<const Path>);
+  explicit Trajectory(std::shared_ptr<const Path> path);
 
   [[nodiscard]] double duration() const { return duration_; }  ///< [s]; it starts at 0
   /// Times inside at which what is sensed, or its derivative, jumps; ascending.
@@ -90,12 +73,12 @@ class Trajectory {
   /// 1/fastest(). A sinusoid of twice that frequency is integrated to 2e-15 of its amplitude times the
   /// interval. Sensed sums over intervals are those over their union, to rounding.
   /// @throws std::invalid_argument where from, to are outside the trajectory or to < from.
-  [[nodiscard]] ImuIncrement increment(double from, double to) const;
+  [[nodiscard]] noise::ImuIncrement increment(double from, double to) const;
 
   /// All whole intervals from time 0: increments k has [k interval, (k + 1) interval]; a rest shorter than an
   /// interval is left out. 48 bytes each; increment() itself serves streams.
   /// @throws std::invalid_argument for an interval that is not positive or holds more than 2^31 of them.
-  [[nodiscard]] std::vector<ImuIncrement> increments(double interval) const;
+  [[nodiscard]] std::vector<noise::ImuIncrement> increments(double interval) const;
 
  private:
   void check_time(double t) const;

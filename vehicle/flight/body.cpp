@@ -154,7 +154,7 @@ class Queue {
  public:
   void push(double arrives, const Vector2d& command) {
     if (count_ == kSize)
-      throw std::invalid_argument(fmt::format("more than {} commands are delayed on their way to the nozzle", kSize));
+      throw SetupError(fmt::format("more than {} commands are delayed on their way to the nozzle", kSize));
     items_[(first_ + count_++) % kSize] = {arrives, command};
   }
   [[nodiscard]] double next() const {
@@ -202,7 +202,7 @@ struct Body::Impl {
   bool limited = false;
   bool stuck = false;
   Segment segment;  ///< the last one
-  earth::ImuIncrement increment{Vector3d::Zero(), Vector3d::Zero()};
+  noise::ImuIncrement increment;
   Work work;
   ActuatorStep actuator;
 
@@ -262,7 +262,7 @@ struct Body::Impl {
 
   bool advance(const Command& command, double end) {
     const BodyState before = state;
-    increment = {Vector3d::Zero(), Vector3d::Zero()};
+    increment = {};
     take(command, end - state.t);
     while (state.t < end) {
       while (queue.next() <= state.t + kInstant) acting = queue.pop();
@@ -283,7 +283,7 @@ struct Body::Impl {
 
   bool integrate(double to) try {
     return plant.vehicle.bending ? integrate_with<true>(to) : integrate_with<false>(to);
-  } catch (const std::invalid_argument&) {  // the place left the domain of gravitation
+  } catch (const earth::OutsideDomain&) {  // the place left the domain of gravitation
     return false;
   }
 
@@ -386,10 +386,9 @@ Body::Body(const Vehicle& vehicle, const World& world, const BodyState& start, c
   vehicle.check();
   check_state(start);
   if (!(integration.step > 0) || !std::isfinite(integration.step))
-    throw std::invalid_argument(fmt::format("longest step is {} s, but must be positive and finite", integration.step));
+    throw SetupError(fmt::format("longest step is {} s, but must be positive and finite", integration.step));
   if (!(integration.tolerance >= 0))
-    throw std::invalid_argument(
-        fmt::format("tolerance of a step is {}, but must be zero or more", integration.tolerance));
+    throw SetupError(fmt::format("tolerance of a step is {}, but must be zero or more", integration.tolerance));
   impl_ = std::make_unique<Impl>(vehicle, world, start, integration, faults);
 }
 Body::Body(Body&&) noexcept = default;
@@ -403,12 +402,12 @@ bool Body::advance(const Command& command, double t) {
 }
 
 const BodyState& Body::state() const { return impl_->state; }
-const earth::ImuIncrement& Body::increment() const { return impl_->increment; }
+const noise::ImuIncrement& Body::increment() const { return impl_->increment; }
 bool Body::limited() const { return impl_->limited; }
 Body::Work Body::work() const { return impl_->work; }
 double Body::stiffness(bool with_actuator) const { return impl_->stiffness(with_actuator); }
 
-Body::Pose Body::pose() const {
+earth::Pose Body::pose() const {
   const BodyState& s = impl_->state;
   const Vehicle& v = impl_->plant.vehicle;
   const Burn::Now now = impl_->plant.burn.at(s.t, impl_->segment.burn);
@@ -417,21 +416,18 @@ Body::Pose Body::pose() const {
                                s.v_ib_i + s.q_ib * (s.w_ib_b.cross(r) - Vector3d(now.cm_velocity, 0, 0))};
   const earth::Moving moving = Inertial().to_ecef(inertial, s.t);
   const Quaterniond q_ei = earth::exp_rotation({0, 0, -kEarthRate * s.t});
-  return {moving.p, moving.v, q_ei * s.q_ib * earth::exp_rotation(bent(v, s.bend))};
+  return {.p_eb_e = moving.p, .v_eb_e = moving.v, .q_eb = q_ei * s.q_ib * earth::exp_rotation(bent(v, s.bend))};
 }
 
 earth::TrajectoryPoint Body::imu() const {
   const BodyState& s = impl_->state;
   const Vehicle& v = impl_->plant.vehicle;
-  const Pose at = pose();
   const Motion m = motion(impl_->plant, impl_->segment, s.t, impl_->rigid(), s.deflection);
   const Vector3d a = bent(v, s.bend);
-  return {s.t,
-          at.p_eb_e,
-          at.v_eb_e,
-          at.q_eb,
-          earth::exp_rotation(-a) * m.f_imu_b,
-          bent_rate(s.w_ib_b, a, bent(v, s.bend_rate))};
+  return {.t = s.t,
+          .pose = pose(),
+          .sensed = {.f_ib_b = earth::exp_rotation(-a) * m.f_imu_b,
+                     .w_ib_b = bent_rate(s.w_ib_b, a, bent(v, s.bend_rate))}};
 }
 
 Body::Flow Body::flow() const {

@@ -82,7 +82,7 @@ enum class Method {
   fehlberg78,      ///< 8(7), adaptive
   rosenbrock,      ///< RODAS 4(3), stiff, adaptive
 };
-[[nodiscard]] std::string_view to_string(Method);
+[[nodiscard]] std::string_view to_string(Method method);
 
 struct Integration {
   Method method = Method::automatic;
@@ -107,32 +107,27 @@ struct Integration {
 /// quadrature error beside the integrator's own.
 class Body {
  public:
-  /// @throws std::invalid_argument where the vehicle does not pass its check, the state is not finite, the
-  /// step is not positive, or the tolerance is negative.
-  Body(const Vehicle&, const World&, const BodyState&, const Integration& = {}, const Faults& = {});
+  /// @throws SetupError where the vehicle does not pass its check, the step is not positive or the tolerance is
+  /// negative; std::invalid_argument where the state is not finite or its attitude no rotation.
+  Body(const Vehicle& vehicle, const World& world, const BodyState& start, const Integration& integration = {},
+       const Faults& faults = {});
   Body(Body&&) noexcept;
   Body& operator=(Body&&) noexcept;
   ~Body();
 
   /// Flies on until `t` with one command, limited as the actuator has it. Allocates nothing. False where the
   /// state left what can be computed (numbers not finite, a step below 1e-12 s): it is then the one before.
-  /// @throws std::invalid_argument where t is before the present or more than 250 commands are delayed.
-  [[nodiscard]] bool advance(const Command&, double t);
+  /// @throws std::invalid_argument where t is before the present, SetupError where more than 250 commands are delayed.
+  [[nodiscard]] bool advance(const Command& command, double t);
 
   [[nodiscard]] const BodyState& state() const;
   /// What the IMU summed up over the last advance().
-  [[nodiscard]] const earth::ImuIncrement& increment() const;
+  [[nodiscard]] const noise::ImuIncrement& increment() const;
   /// Pose of the IMU and what it senses now. Where rate or force jumps: as it was just before, or at the
   /// start as it will be.
   [[nodiscard]] earth::TrajectoryPoint imu() const;
 
-  /// Position, velocity, attitude of the IMU against Earth [m, m/s].
-  struct Pose {
-    Eigen::Vector3d p_eb_e;
-    Eigen::Vector3d v_eb_e;
-    Eigen::Quaterniond q_eb;
-  };
-  [[nodiscard]] Pose pose() const;
+  [[nodiscard]] earth::Pose pose() const;  ///< of the IMU
 
   /// Where it is in the air now.
   struct Flow {

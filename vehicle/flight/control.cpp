@@ -20,7 +20,7 @@ using Eigen::Vector3d;
 
 void check_positive(double value, const char* what, const char* unit) {
   if (!(value > 0) || !std::isfinite(value))
-    throw std::invalid_argument(fmt::format("{} is {} {}, but must be positive", what, value, unit));
+    throw SetupError(fmt::format("{} is {} {}, but must be positive", what, value, unit));
 }
 
 }  // namespace
@@ -35,14 +35,14 @@ AttitudeControl::AttitudeControl(const Vehicle& vehicle, const earth::Geodetic& 
   check_positive(options.period, "control period", "s");
   check_positive(options.least_thrust, "least thrust of the schedule", "of the mean");
   if (options.notches.size() > kNotches)
-    throw std::invalid_argument(
+    throw SetupError(
         fmt::format("{} notches were asked for, but at most {} are kept", options.notches.size(), kNotches));
   for (const Notch& notch : options.notches) {
     check_positive(notch.frequency.range().first, "frequency of a notch", "Hz");
     check_positive(notch.width, "width of a notch", "");
     if (notch.frequency.range().second >= 0.5 / options.period)
-      throw std::invalid_argument(fmt::format("a notch at {} Hz must be below half the control rate, {} Hz",
-                                              notch.frequency.range().second, 0.5 / options.period));
+      throw SetupError(fmt::format("a notch at {} Hz must be below half the control rate, {} Hz",
+                                   notch.frequency.range().second, 0.5 / options.period));
   }
   for (auto& pair : memory_) pair.fill(Vector2d::Zero());
 }
@@ -59,9 +59,9 @@ Vector2d AttitudeControl::gain(const BurnState& now) const {
 }
 
 Command AttitudeControl::command(const Seen& seen, const Quaterniond& q_eb_wanted) {
-  const Quaterniond to_reference = seen.q_eb.conjugate() * q_eb_wanted;
+  const Quaterniond to_reference = seen.pose.q_eb.conjugate() * q_eb_wanted;
   const Vector3d error = earth::log_rotation(to_reference);
-  const Vector3d earth_rate = seen.q_eb.conjugate() * Vector3d(0, 0, earth::wgs84::kEarthRate);
+  const Vector3d earth_rate = seen.pose.q_eb.conjugate() * Vector3d(0, 0, earth::wgs84::kEarthRate);
   Vector3d rate = seen.w_ib_b - earth_rate;
   if (options_.feedback == RateFeedback::rate_error)
     rate -= to_reference * Vector3d(0, options_.pitch.at(seen.t).first, 0);

@@ -20,9 +20,7 @@ namespace gyrobudget::inline v0::flight {
 /// over the last period.
 struct Seen {
   double t;  ///< after ignition [s]
-  Eigen::Vector3d p_eb_e;
-  Eigen::Vector3d v_eb_e;
-  Eigen::Quaterniond q_eb;
+  earth::Pose pose;
   Eigen::Vector3d w_ib_b;  ///< [rad/s]
 };
 
@@ -32,27 +30,24 @@ concept Controller = requires(C& controller, const Seen& seen) {
   { controller.command(seen) } -> std::convertible_to<Command>;
 };
 
-/// Turns exact increments of the IMU into a pose; errors of the sensors are its own affair. Its state has the
-/// members p_eb_e, v_eb_e, q_eb of Seen.
-///   void know(const Body::Pose&)                  where it has it, it is told the truth before state()
-///   const earth::ImuIncrement& sensed() const     where it has it, rates come from this, else exact ones
+/// Turns exact increments of the IMU into a pose; errors of the sensors are its own affair.
+///   void know(const earth::Pose& truth)           where it has it, it is told the truth before state()
+///   const noise::ImuIncrement& sensed() const     where it has it, rates come from this, else exact ones
 template <class N>
-concept Navigator = requires(N& navigator, const N& asked, const earth::ImuIncrement& increment, double dt) {
+concept Navigator = requires(N& navigator, const N& asked, const noise::ImuIncrement& increment, double dt) {
   navigator.step(increment, dt);
-  { asked.state().p_eb_e } -> std::convertible_to<Eigen::Vector3d>;
-  { asked.state().v_eb_e } -> std::convertible_to<Eigen::Vector3d>;
-  { asked.state().q_eb } -> std::convertible_to<Eigen::Quaterniond>;
+  { asked.state() } -> std::convertible_to<earth::Pose>;
 };
 
 /// Tells the truth.
 class PerfectNavigator {
  public:
-  void step(const earth::ImuIncrement&, double) {}
-  void know(const Body::Pose& truth) { truth_ = truth; }
-  [[nodiscard]] const Body::Pose& state() const { return truth_; }
+  void step(const noise::ImuIncrement& /*exact*/, double /*dt*/) {}
+  void know(const earth::Pose& truth) { truth_ = truth; }
+  [[nodiscard]] const earth::Pose& state() const { return truth_; }
 
  private:
-  Body::Pose truth_;
+  earth::Pose truth_;
 };
 
 /// A filter that takes out a band, (s^2 + 2 depth s w + w^2)/(s^2 + 2 width s w + w^2), by the bilinear
@@ -95,13 +90,13 @@ class AttitudeControl {
  public:
   using Options = AttitudeControlOptions;
 
-  /// @throws std::invalid_argument for a vehicle that fails its check, a frequency, damping, period or
+  /// @throws SetupError for a vehicle that fails its check, a frequency, damping, period or
   /// least_thrust that is not positive, too many notches, or a notch above half the control rate.
-  AttitudeControl(const Vehicle&, const earth::Geodetic& site, const Options& options);
+  AttitudeControl(const Vehicle& vehicle, const earth::Geodetic& site, const Options& options);
 
   [[nodiscard]] Command command(const Seen& seen) { return command(seen, reference(seen.t)); }
   /// Towards another attitude than the program's, which is to turn with the program's rate.
-  [[nodiscard]] Command command(const Seen&, const Eigen::Quaterniond& q_eb_wanted);
+  [[nodiscard]] Command command(const Seen& seen, const Eigen::Quaterniond& q_eb_wanted);
   [[nodiscard]] Eigen::Quaterniond reference(double t) const;  ///< q_eb of the program
   [[nodiscard]] const Options& options() const { return options_; }
   /// Response of the filters at time t to angular frequency w [rad/s].
@@ -115,9 +110,9 @@ class AttitudeControl {
   struct Coefficients {
     double b0, b1, b2, a1, a2;
   };
-  [[nodiscard]] Eigen::Vector2d gain(const BurnState&) const;
-  [[nodiscard]] Coefficients coefficients(const Notch&, double t) const;
-  [[nodiscard]] Eigen::Vector2d filtered(const Eigen::Vector2d&, double t);
+  [[nodiscard]] Eigen::Vector2d gain(const BurnState& now) const;
+  [[nodiscard]] Coefficients coefficients(const Notch& notch, double t) const;
+  [[nodiscard]] Eigen::Vector2d filtered(const Eigen::Vector2d& input, double t);
 
   Vehicle vehicle_;
   Options options_;

@@ -74,40 +74,42 @@ void Dispersion::check(const Vehicle& vehicle) const {
   for (const Named& n : kAll) {
     const double sigma = this->*n.sigma;
     if (!(sigma >= 0) || !std::isfinite(sigma))
-      throw std::invalid_argument(fmt::format("dispersion of {} is {}, expected 0 or more", n.name, sigma));
+      throw SetupError(fmt::format("dispersion of {} is {}, expected 0 or more", n.name, sigma));
     if (n.relative && sigma * kFarthest >= 1)
-      throw std::invalid_argument(
+      throw SetupError(
           fmt::format("dispersion of {} is {}, expected below {:.3f}: draws reach {} sigma and must stay above 0",
                       n.name, sigma, 1 / kFarthest, kFarthest));
   }
   if ((1 - kFarthest * mass) * vehicle.lift_off_mass <= vehicle.propellant)
-    throw std::invalid_argument(
+    throw SetupError(
         fmt::format("dispersion of mass is {}: {} sigma below {} kg leave less than the propellant's {} kg", mass,
                     kFarthest, vehicle.lift_off_mass, vehicle.propellant));
 }
 
-Flight disperse(const Flight& flight, const Dispersion& d, std::uint64_t seed, std::uint64_t run) {
-  d.check(flight.vehicle);
+Flight disperse(const Flight& flight, const Dispersion& dispersion, std::uint64_t seed, std::uint64_t run) {
+  dispersion.check(flight.vehicle);
   const Draw draw(seed, run);
   const auto factor = [&](double sigma, Quantity q) { return sigma == 0 ? 1 : 1 + sigma * draw(q); };
   const auto offset = [&](double sigma, Quantity q) { return sigma == 0 ? 0 : sigma * draw(q); };
   Flight result = flight;
   Vehicle& v = result.vehicle;
-  v.specific_impulse *= factor(d.impulse, Quantity::impulse);
-  v.burn_time *= factor(d.burn_time, Quantity::burn_time);
-  v.lift_off_mass *= factor(d.mass, Quantity::mass);
-  if (const double f = factor(d.inertia, Quantity::inertia); f != 1)
+  v.specific_impulse *= factor(dispersion.impulse, Quantity::impulse);
+  v.burn_time *= factor(dispersion.burn_time, Quantity::burn_time);
+  v.lift_off_mass *= factor(dispersion.mass, Quantity::mass);
+  if (const double f = factor(dispersion.inertia, Quantity::inertia); f != 1)
     for (LookupTable* table : {&v.roll_inertia, &v.pitch_inertia, &v.yaw_inertia}) *table = table->scaled(f);
-  if (const double f = factor(d.axial_drag, Quantity::axial_drag); f != 1) v.axial_drag = v.axial_drag.scaled(f);
-  v.normal_force_slope *= factor(d.normal_force, Quantity::normal_force);
-  v.pressure_ahead += offset(d.pressure_ahead, Quantity::pressure_ahead);
-  if (const double shift = offset(d.centre_of_mass, Quantity::centre_of_mass); shift != 0)
+  if (const double f = factor(dispersion.axial_drag, Quantity::axial_drag); f != 1)
+    v.axial_drag = v.axial_drag.scaled(f);
+  v.normal_force_slope *= factor(dispersion.normal_force, Quantity::normal_force);
+  v.pressure_ahead += offset(dispersion.pressure_ahead, Quantity::pressure_ahead);
+  if (const double shift = offset(dispersion.centre_of_mass, Quantity::centre_of_mass); shift != 0)
     v.centre_of_mass = v.centre_of_mass.shifted(shift);
-  result.faults.thrust_misalignment += Eigen::Vector2d(offset(d.thrust_misalignment, Quantity::misalignment_pitch),
-                                                       offset(d.thrust_misalignment, Quantity::misalignment_yaw));
+  result.faults.thrust_misalignment +=
+      Eigen::Vector2d(offset(dispersion.thrust_misalignment, Quantity::misalignment_pitch),
+                      offset(dispersion.thrust_misalignment, Quantity::misalignment_yaw));
   result.world.wind.steady +=
-      Eigen::Vector3d(offset(d.wind, Quantity::wind_east), offset(d.wind, Quantity::wind_north), 0);
-  result.world.wind.gust.peak *= factor(d.gust, Quantity::gust);
+      Eigen::Vector3d(offset(dispersion.wind, Quantity::wind_east), offset(dispersion.wind, Quantity::wind_north), 0);
+  result.world.wind.gust.peak *= factor(dispersion.gust, Quantity::gust);
   return result;
 }
 

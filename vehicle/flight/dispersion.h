@@ -25,14 +25,15 @@ struct Dispersion {
   [[nodiscard]] bool none() const;
   /// Draws reach 8.57 sigma, and none is clamped: where one could leave a quantity that is to be positive, or
   /// a mass not above the propellant's, the dispersion is refused.
-  /// @throws std::invalid_argument naming the quantity, also for one that is negative or not finite.
-  void check(const Vehicle&) const;
+  /// @throws SetupError naming the quantity, also for one that is negative or not finite.
+  void check(const Vehicle& vehicle) const;
 };
 
 /// The flight as run number `run`, below 2^48, has it. Each quantity has a stream of its own, keyed by (seed,
 /// run): leaving one out does not change the others. Without dispersion it is the flight given, to the last
 /// bit.
-/// @throws std::invalid_argument as check().
-[[nodiscard]] Flight disperse(const Flight&, const Dispersion&, std::uint64_t seed, std::uint64_t run);
+/// @throws SetupError as check().
+[[nodiscard]] Flight disperse(const Flight& flight, const Dispersion& dispersion, std::uint64_t seed,
+                              std::uint64_t run);
 
 }  // namespace gyrobudget::inline v0::flight

@@ -19,38 +19,36 @@ struct NavigatorFaults {
 };
 
 /// How many periods the delay is, rounded.
-/// @throws std::invalid_argument for an axis that there is not, a time that is not a number, a delay below 0 or
+/// @throws SetupError for an axis that there is not, a time that is not a number, a delay below 0 or
 /// above 1e6 periods.
-[[nodiscard]] std::size_t check(const NavigatorFaults&, double period);
+[[nodiscard]] std::size_t check(const NavigatorFaults& faults, double period);
 
-/// A navigator with faults; the one inside must outlive it. Without faults it is as the one inside. Allocates
-/// in the beginning only.
+namespace detail {
+
+/// What fly() puts between navigator and controller: a navigator with faults. The one inside must outlive it. Without
+/// faults it is as the one inside. Allocates in the beginning only.
 template <Navigator N>
 class Faulty {
  public:
-  struct State {
-    Eigen::Vector3d p_eb_e, v_eb_e;
-    Eigen::Quaterniond q_eb;
-  };
-
-  /// @throws std::invalid_argument as check().
+  /// @throws SetupError as check().
   Faulty(N& inside, const NavigatorFaults& faults, double period)
       : inside_(inside), faults_(faults), late_(check(faults, period) + 1) {}
 
-  void step(const earth::ImuIncrement& exact, double dt) {
-    earth::ImuIncrement damaged = exact;
-    if (faults_.dead_gyro && t_ >= faults_.dead_gyro_at) damaged.angle[*faults_.dead_gyro] = 0;
+  void step(const noise::ImuIncrement& exact, double dt) {
+    noise::ImuIncrement damaged = exact;
+    if (faults_.dead_gyro && t_ >= faults_.dead_gyro_at)
+      damaged.angle[static_cast<std::size_t>(*faults_.dead_gyro)] = 0;
     inside_.step(damaged, dt);
     if constexpr (!requires { inside_.sensed(); }) sensed_ = damaged;
     t_ += dt;
     told_ = false;
   }
-  void know(const Body::Pose& truth) {
+  void know(const earth::Pose& truth) {
     if constexpr (requires { inside_.know(truth); }) inside_.know(truth);
     tell();
   }
-  [[nodiscard]] const State& state() const { return now_; }
-  [[nodiscard]] const earth::ImuIncrement& sensed() const {
+  [[nodiscard]] const earth::Pose& state() const { return now_; }
+  [[nodiscard]] const noise::ImuIncrement& sensed() const {
     if constexpr (requires { inside_.sensed(); })
       return inside_.sensed();
     else
@@ -62,8 +60,7 @@ class Faulty {
   void tell() {
     if (told_) return;
     told_ = true;
-    const auto& s = inside_.state();
-    const State present{s.p_eb_e, s.v_eb_e, s.q_eb};
+    const earth::Pose present = inside_.state();
     if (count_ == 0) late_.assign(late_.size(), present);
     late_[count_ % late_.size()] = present;
     ++count_;
@@ -72,12 +69,14 @@ class Faulty {
 
   N& inside_;
   NavigatorFaults faults_;
-  std::vector<State> late_;
-  State now_;
+  std::vector<earth::Pose> late_;
+  earth::Pose now_;
   std::size_t count_ = 0;
-  earth::ImuIncrement sensed_{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  noise::ImuIncrement sensed_;
   double t_ = 0;
   bool told_ = false;
 };
+
+}  // namespace detail
 
 }  // namespace gyrobudget::inline v0::flight

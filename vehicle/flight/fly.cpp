@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fly.h"
 
+#include "gyrobudget/vehicle/earth/vector.h"
 #include "gyrobudget/vehicle/flight/detail/burn.h"
 #include "gyrobudget/vehicle/flight/detail/height.h"
 
@@ -20,15 +21,16 @@ constexpr double kBelowPad = 0.5;  // [m]
 
 double checked_duration(const Flight& flight) {
   if (!(flight.period > 0) || !std::isfinite(flight.period))
-    throw std::invalid_argument(fmt::format("control period is {} s, but must be positive", flight.period));
-  const double duration = std::isnan(flight.duration) ? flight.vehicle.burn_time : flight.duration;
+    throw SetupError(fmt::format("control period is {} s, but must be positive", flight.period));
+  const double duration = asked_duration(flight);
   if (!(duration > 0) || !(duration / flight.period < 1e8))
-    throw std::invalid_argument(fmt::format("duration is {} s, but must be positive and below 1e8 periods", duration));
+    throw SetupError(fmt::format("duration is {} s, but must be positive and below 1e8 periods", duration));
   return duration;
 }
 
 bool sound(const Seen& s) {
-  return s.p_eb_e.allFinite() && s.v_eb_e.allFinite() && s.q_eb.coeffs().allFinite() && s.w_ib_b.allFinite();
+  return s.pose.p_eb_e.allFinite() && s.pose.v_eb_e.allFinite() && s.pose.q_eb.coeffs().allFinite() &&
+         s.w_ib_b.allFinite();
 }
 bool sound(const Command& c) { return std::isfinite(c.pitch) && std::isfinite(c.yaw) && std::isfinite(c.roll_moment); }
 
@@ -68,7 +70,7 @@ FlightInProgress::FlightInProgress(const Flight& flight)
       pad_height_(flight.world.site.height),
       body_(flight.vehicle, flight.world, at_ignition(flight), flight.integration, flight.faults),
       interval_(flight.period) {
-  increment_ = {Vector3d::Zero(), body_.imu().w_ib_b * interval_};
+  increment_ = {.angle = earth::array(body_.imu().sensed.w_ib_b * interval_)};
   const auto periods = static_cast<std::size_t>(std::ceil(duration_ / flight.period));
   if (flight.record_every > 0) result_.points.reserve(periods / static_cast<std::size_t>(flight.record_every) + 2);
   if (flight.keep_increments) result_.increments.reserve(periods);
@@ -76,7 +78,13 @@ FlightInProgress::FlightInProgress(const Flight& flight)
 
 void FlightInProgress::record(const Command& command, const Seen& seen) {
   const BodyState& s = body_.state();
-  result_.end = {s.t, body_.pose(), {seen.p_eb_e, seen.v_eb_e, seen.q_eb}, body_.flow(), command, s.deflection, s.bend};
+  result_.end = {.t = s.t,
+                 .truth = body_.pose(),
+                 .seen = seen.pose,
+                 .flow = body_.flow(),
+                 .command = command,
+                 .deflection = s.deflection,
+                 .bend = s.bend};
   result_.highest_pressure = std::max(result_.highest_pressure, result_.end.flow.dynamic_pressure);
 }
 
@@ -99,13 +107,14 @@ bool FlightInProgress::beyond_limits() {
 }
 
 void FlightInProgress::advance(const Command& command, const Seen& seen) {
+  if (!sound(seen) || !sound(command)) return end(Ended::not_finite);
   if (flight_.record_every > 0 && period_ % flight_.record_every == 0) {
     record(command, seen);
     result_.points.push_back(result_.end);
   }
   const double from = t();
   const double to = std::min(duration_, static_cast<double>(period_ + 1) * flight_.period);
-  if (!sound(seen) || !sound(command) || !body_.advance(command, to)) return end(Ended::not_finite);
+  if (!body_.advance(command, to)) return end(Ended::not_finite);
   command_ = command;
   interval_ = to - from;
   increment_ = body_.increment();
@@ -119,8 +128,7 @@ void FlightInProgress::advance(const Command& command, const Seen& seen) {
 FlightRecord FlightInProgress::finish(const Seen& seen) {
   Seen last = seen;
   if (!sound(last)) {  // what navigation told is no number: the truth stands there, and the account says so
-    const Body::Pose truth = body_.pose();
-    last = {t(), truth.p_eb_e, truth.v_eb_e, truth.q_eb, Vector3d::Zero()};
+    last = {.t = t(), .pose = body_.pose(), .w_ib_b = Vector3d::Zero()};
     result_.ended = Ended::not_finite;
   }
   record(command_, last);
@@ -149,7 +157,13 @@ std::string_view to_string(Ended ended) {
   return "not_finite";
 }
 
-Body::Pose pose_on_pad(const Flight& flight) {
+double asked_duration(const Flight& flight) {
+  return std::isnan(flight.duration) ? flight.vehicle.burn_time : flight.duration;
+}
+
+bool ends_early(const Flight& flight, double flown) { return flown < asked_duration(flight) - flight.period; }
+
+earth::Pose pose_on_pad(const Flight& flight) {
   return Body(flight.vehicle, flight.world, detail::at_ignition(flight), {.method = Method::exact}, flight.faults)
       .pose();
 }

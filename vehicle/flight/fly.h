@@ -2,6 +2,8 @@
 // The closed loop: vehicle, IMU, navigation, control.
 #pragma once
 
+#include "gyrobudget/vehicle/earth/vector.h"
+
 #include <limits>
 #include <string>
 #include <string_view>
@@ -29,11 +31,16 @@ struct Flight {
   bool keep_increments = false;                                           ///< of the exact IMU, one a period
 };
 
+/// How long a flight is to last: its duration, or where that is not a number to burnout [s].
+[[nodiscard]] double asked_duration(const Flight& flight);
+/// Whether a flight that lasted `flown` [s] ended more than a period before its time.
+[[nodiscard]] bool ends_early(const Flight& flight, double flown);
+
 /// One instant of a flight.
 struct FlightPoint {
   double t;
-  Body::Pose truth;  ///< of the IMU
-  Body::Pose seen;   ///< by navigation
+  earth::Pose truth;  ///< of the IMU
+  earth::Pose seen;   ///< by navigation
   Body::Flow flow;
   Command command;
   Eigen::Vector2d deflection;  ///< of the nozzle
@@ -49,14 +56,14 @@ enum class Ended {
 };
 
 /// "complete", "impact", "tumbling", "overload", "not_finite".
-[[nodiscard]] std::string_view to_string(Ended);
+[[nodiscard]] std::string_view to_string(Ended ended);
 
 struct FlightRecord {
   Ended ended = Ended::complete;
   std::string account;  ///< one sentence: how it ended, when and where
   FlightPoint end;      ///< last sound instant
   std::vector<FlightPoint> points;
-  std::vector<earth::ImuIncrement> increments;
+  std::vector<noise::ImuIncrement> increments;
   double highest_pressure = 0;    ///< dynamic, over the points [Pa]
   double largest_deflection = 0;  ///< of the nozzle, in one plane, over all periods [rad]
   double limited = 0;             ///< share of the periods in which a limit bound the nozzle's command
@@ -68,20 +75,20 @@ namespace detail {
 /// One flight without its controller and navigator.
 class FlightInProgress {
  public:
-  explicit FlightInProgress(const Flight&);
+  explicit FlightInProgress(const Flight& flight);
 
   [[nodiscard]] bool going() const { return going_; }
   [[nodiscard]] double t() const { return body_.state().t; }
-  [[nodiscard]] Body::Pose truth() const { return body_.pose(); }
-  [[nodiscard]] const earth::ImuIncrement& increment() const { return increment_; }
+  [[nodiscard]] earth::Pose truth() const { return body_.pose(); }
+  [[nodiscard]] const noise::ImuIncrement& increment() const { return increment_; }
   [[nodiscard]] double interval() const { return interval_; }
   /// Flies one period.
-  void advance(const Command&, const Seen&);
-  [[nodiscard]] FlightRecord finish(const Seen&);
+  void advance(const Command& command, const Seen& seen);
+  [[nodiscard]] FlightRecord finish(const Seen& seen);
 
  private:
-  void record(const Command&, const Seen&);
-  void end(Ended);
+  void record(const Command& command, const Seen& seen);
+  void end(Ended how);
   [[nodiscard]] bool beyond_limits();
 
   Flight flight_;
@@ -89,7 +96,7 @@ class FlightInProgress {
   double pad_height_;
   Body body_;
   FlightRecord result_;
-  earth::ImuIncrement increment_;
+  noise::ImuIncrement increment_;
   Command command_;
   double interval_;
   long period_ = 0;
@@ -100,17 +107,16 @@ class FlightInProgress {
 template <Navigator N>
 Seen look(const FlightInProgress& run, N& navigator) {
   if constexpr (requires { navigator.know(run.truth()); }) navigator.know(run.truth());
-  const auto& state = navigator.state();
-  Eigen::Vector3d angle = run.increment().angle;
+  noise::Vector3 angle = run.increment().angle;
   if constexpr (requires { navigator.sensed().angle; })
     if (run.t() > 0) angle = navigator.sensed().angle;
-  return {run.t(), state.p_eb_e, state.v_eb_e, state.q_eb, angle / run.interval()};
+  return {.t = run.t(), .pose = navigator.state(), .w_ib_b = earth::vector(angle) / run.interval()};
 }
 
 }  // namespace detail
 
 /// Pose of the IMU on the pad, at time 0: where navigation begins. @throws as Body.
-[[nodiscard]] Body::Pose pose_on_pad(const Flight&);
+[[nodiscard]] earth::Pose pose_on_pad(const Flight& flight);
 
 /// Flies to burnout, or until one of the limits ends it. Each period the navigator is asked, the controller
 /// commands, the body flies, and the navigator is given what an ideal IMU summed up. Allocates in the
@@ -121,7 +127,7 @@ Seen look(const FlightInProgress& run, N& navigator) {
 ///   flight::PerfectNavigator navigator;
 ///   const flight::FlightRecord record = flight::fly(plan, control, navigator);
 ///
-/// @throws std::invalid_argument as Body does, and for a period or duration that is not positive.
+/// @throws SetupError as Body does, and for a period or duration that is not positive.
 template <Controller C, Navigator N>
 [[nodiscard]] FlightRecord fly(const Flight& flight, C& controller, N& navigator) {
   detail::FlightInProgress run(flight);

@@ -25,14 +25,14 @@ TrajectoryControl::TrajectoryControl(const AttitudeControl& attitude, std::vecto
                                      const Options& options)
     : attitude_(attitude), waypoints_(std::move(waypoints)), options_(options) {
   if (waypoints_.size() < 2)
-    throw std::invalid_argument(
+    throw SetupError(
         fmt::format("a trajectory of {} waypoints cannot be followed: give at least 2", waypoints_.size()));
   for (std::size_t k = 1; k < waypoints_.size(); ++k)
     if (!(waypoints_[k].t > waypoints_[k - 1].t))
-      throw std::invalid_argument(
+      throw SetupError(
           fmt::format("times of waypoints must ascend, but {} s follows {} s", waypoints_[k].t, waypoints_[k - 1].t));
   if (!(options.frequency > 0) || !(options.damping > 0) || !(options.angle_limit > 0))
-    throw std::invalid_argument(
+    throw SetupError(
         fmt::format("guidance needs a frequency ({} rad/s), a damping ({}) and an angle ({} rad) that are positive",
                     options.frequency, options.damping, options.angle_limit));
 }
@@ -58,7 +58,7 @@ Command TrajectoryControl::command(const Seen& seen) {
       std::max(now.vacuum_thrust, attitude_.options().least_thrust * attitude_.vehicle().mean_thrust()) / now.mass;
   const double w = options_.frequency;
   const Vector3d acceleration =
-      w * w * (wanted.p_eb_e - seen.p_eb_e) + 2 * options_.damping * w * (wanted.v_eb_e - seen.v_eb_e);
+      w * w * (wanted.p_eb_e - seen.pose.p_eb_e) + 2 * options_.damping * w * (wanted.v_eb_e - seen.pose.v_eb_e);
   const Vector3d nose = program * Vector3d::UnitX();
   Vector3d turn = push > 0 ? Vector3d(nose.cross(acceleration) / push) : Vector3d(Vector3d::Zero());
   if (turn.norm() > options_.angle_limit) turn *= options_.angle_limit / turn.norm();

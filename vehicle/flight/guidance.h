@@ -17,7 +17,7 @@ struct Waypoint {
   Eigen::Vector3d v_eb_e;  ///< [m/s]
 };
 /// Those of a recorded flight, as it was in truth: a nominal one is the reference of the others.
-[[nodiscard]] std::vector<Waypoint> waypoints(const FlightRecord&);
+[[nodiscard]] std::vector<Waypoint> waypoints(const FlightRecord& record);
 
 struct GuidanceOptions {
   double frequency = 0.2;  ///< of the closed guidance loop [rad/s]: far below that of attitude
@@ -36,11 +36,11 @@ class TrajectoryControl {
  public:
   using Options = GuidanceOptions;
 
-  /// @throws std::invalid_argument for fewer than two waypoints, times not ascending, a frequency, damping or
+  /// @throws SetupError for fewer than two waypoints, times not ascending, a frequency, damping or
   /// limit that is not positive.
-  TrajectoryControl(const AttitudeControl&, std::vector<Waypoint>, const Options&);
+  TrajectoryControl(const AttitudeControl& attitude, std::vector<Waypoint> waypoints, const Options& options);
 
-  [[nodiscard]] Command command(const Seen&);
+  [[nodiscard]] Command command(const Seen& seen);
   /// Where to be at t; beyond the waypoints, where the outermost velocity leads.
   [[nodiscard]] Waypoint reference(double t) const;
 

@@ -49,37 +49,37 @@ double root(const G& g, double a, double b) {
 
 }  // namespace
 
-Complex open_loop(const Vehicle& v, const AttitudeControl& control, const Condition& c, double w) {
-  const BurnState now = burn_state(v, c.t);
+Complex open_loop(const Vehicle& vehicle, const AttitudeControl& control, const Condition& condition, double w) {
+  const BurnState now = burn_state(vehicle, condition.t);
   const auto& o = control.options();
   const Complex s(0, w);
   const Complex fade = 1.0 - std::exp(-s * o.period);
-  const Complex law = control.gain(c.t)[0] *
+  const Complex law = control.gain(condition.t)[0] *
                       (o.frequency * o.frequency + 2 * o.damping * o.frequency * fade / o.period) *
-                      control.filter_response(c.t, w);
-  const double wa = 2 * pi * v.actuator.frequency;
-  const Complex nozzle = wa * wa / (s * s + 2 * v.actuator.damping * wa * s + wa * wa) *
-                         std::exp(-s * v.actuator.delay) * fade / (s * o.period);
-  const double m = aerodynamic_stiffness(v, c, now.pitch_inertia);
-  Complex plant = c.thrust * now.centre_of_mass / now.pitch_inertia / (s * s - m);
-  if (v.bending) {
-    const double wb = mode_frequency(v, c);
-    plant += v.bending->slope_at_imu * v.bending->gimbal_deflection * c.thrust / now.mass /
-             (s * s + 2 * v.bending->damping * wb * s + wb * wb);
+                      control.filter_response(condition.t, w);
+  const double wa = 2 * pi * vehicle.actuator.frequency;
+  const Complex nozzle = wa * wa / (s * s + 2 * vehicle.actuator.damping * wa * s + wa * wa) *
+                         std::exp(-s * vehicle.actuator.delay) * fade / (s * o.period);
+  const double m = aerodynamic_stiffness(vehicle, condition, now.pitch_inertia);
+  Complex plant = condition.thrust * now.centre_of_mass / now.pitch_inertia / (s * s - m);
+  if (vehicle.bending) {
+    const double wb = mode_frequency(vehicle, condition);
+    plant += vehicle.bending->slope_at_imu * vehicle.bending->gimbal_deflection * condition.thrust / now.mass /
+             (s * s + 2 * vehicle.bending->damping * wb * s + wb * wb);
   }
   return law * nozzle * plant;
 }
 
-Margins margins(const Vehicle& v, const AttitudeControl& control, const Condition& c) {
-  const auto loop = [&](double w) { return open_loop(v, control, c, w); };
+Margins margins(const Vehicle& vehicle, const AttitudeControl& control, const Condition& condition) {
+  const auto loop = [&](double w) { return open_loop(vehicle, control, condition, w); };
   const auto size = [&](double w) { return std::abs(loop(w)) - 1; };
   const auto side = [&](double w) { return loop(w).imag(); };
-  Margins result{.t = c.t, .mode_factor = c.mode_factor};
-  const std::vector<double> w = grid(v, c, pi / control.options().period * (1 - 1e-9));
+  Margins result{.t = condition.t, .mode_factor = condition.mode_factor};
+  const std::vector<double> w = grid(vehicle, condition, pi / control.options().period * (1 - 1e-9));
   Complex before = loop(w.front());
   // Below the grid L is real: its crossing there, at w = 0, counts where the vehicle is unstable.
-  const double inertia = burn_state(v, c.t).pitch_inertia;
-  const bool unstable = aerodynamic_stiffness(v, c, inertia) >= 0;
+  const double inertia = burn_state(vehicle, condition.t).pitch_inertia;
+  const bool unstable = aerodynamic_stiffness(vehicle, condition, inertia) >= 0;
   if (before.real() < -1) result.gain_down = -1 / before.real();
   double turned = 0;
   for (std::size_t k = 1; k < w.size(); ++k) {

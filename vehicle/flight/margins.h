@@ -26,7 +26,8 @@ struct Condition {
 /// m = q S slope pressure_ahead/I. The first bracket has the gyros' mean over a period, the next the hold of
 /// the command. Left out: what the sampler folds back from above half its rate, and lateral drift of the
 /// vehicle, which is slower than 0.1 rad/s.
-[[nodiscard]] std::complex<double> open_loop(const Vehicle&, const AttitudeControl&, const Condition&, double w);
+[[nodiscard]] std::complex<double> open_loop(const Vehicle& vehicle, const AttitudeControl& control,
+                                             const Condition& condition, double w);
 
 /// How far the loop is from oscillating.
 struct Margins {
@@ -40,6 +41,6 @@ struct Margins {
 };
 /// Crossings are found on 4000 frequencies from 1 mrad/s to half the control rate, denser about the bending
 /// mode, and refined to 1e-10.
-[[nodiscard]] Margins margins(const Vehicle&, const AttitudeControl&, const Condition&);
+[[nodiscard]] Margins margins(const Vehicle& vehicle, const AttitudeControl& control, const Condition& condition);
 
 }  // namespace gyrobudget::inline v0::flight

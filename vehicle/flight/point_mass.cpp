@@ -41,7 +41,7 @@ class PointMass {
     Stream air;
     const Motion m = motion_at(x, t, &air);
     const earth::Moving here = earth::Inertial().to_ecef({x.head<3>(), x.tail<3>()}, t);
-    const Body::Pose pose{here.p, here.v, program_.reference(t)};
+    const earth::Pose pose{.p_eb_e = here.p, .v_eb_e = here.v, .q_eb = program_.reference(t)};
     const double sound = air.air.speed_of_sound;
     return {t,
             pose,
@@ -73,7 +73,7 @@ FlightRecord fly_point_mass(const Flight& flight, const AttitudeControl& program
   flight.vehicle.check();
   const double duration = std::isnan(flight.duration) ? flight.vehicle.burn_time : flight.duration;
   if (!(step > 0) || !(duration > 0) || !(duration / step < 1e8))
-    throw std::invalid_argument(
+    throw SetupError(
         fmt::format("step {} s and duration {} s must be positive, and fewer than 1e8 steps", step, duration));
   PointMass mass(flight, program);
   odeint::runge_kutta4<X, double, X, double, odeint::vector_space_algebra> stepper;

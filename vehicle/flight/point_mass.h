@@ -13,7 +13,7 @@ namespace gyrobudget::inline v0::flight {
 /// `seen` as in truth.
 /// Against fly() it saves nearly all the time and errs by what the attitude loop lets happen
 /// (tests/bench/flight_benchmark parts).
-/// @throws std::invalid_argument as fly() does, and for a step that is not positive.
-[[nodiscard]] FlightRecord fly_point_mass(const Flight&, const AttitudeControl& program, double step = 0.1);
+/// @throws SetupError as fly() does, and for a step that is not positive.
+[[nodiscard]] FlightRecord fly_point_mass(const Flight& flight, const AttitudeControl& program, double step = 0.1);
 
 }  // namespace gyrobudget::inline v0::flight

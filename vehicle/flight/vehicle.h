@@ -38,9 +38,17 @@ struct Bending {
   double slope_at_imu = -0.47;
 };
 
+/// A number that a flight, its vehicle or who steers it is set up with is out of its range, or several numbers cannot be
+/// together. The message has the value, the limit and the unit. Mistakes in the calling program are plain
+/// std::invalid_argument.
+class SetupError : public std::invalid_argument {
+ public:
+  using std::invalid_argument::invalid_argument;
+};
+
 /// What Vehicle::check found.
-struct VehicleError : std::invalid_argument {
-  VehicleError(std::string_view member, const std::string& message) : std::invalid_argument(message), number(member) {}
+struct VehicleError : SetupError {
+  VehicleError(std::string_view member, const std::string& message) : SetupError(message), number(member) {}
   std::string_view number;  ///< name of the member, "propellant" or "actuator.delay"
 };
 
@@ -81,7 +89,7 @@ struct BurnState {
   double roll_inertia, pitch_inertia, yaw_inertia;  ///< [kg m^2]
 };
 /// At a time after ignition; before it as at 0, after burn_time as at its end but without thrust.
-[[nodiscard]] BurnState burn_state(const Vehicle&, double t);
+[[nodiscard]] BurnState burn_state(const Vehicle& vehicle, double t);
 
 /// Where a number comes from.
 enum class Origin {

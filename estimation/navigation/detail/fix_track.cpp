@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fix_track.h"
 
+#include "gyrobudget/estimation/navigation/errors.h"
 #include "gyrobudget/vehicle/earth/frames.h"
 
 #include <fmt/format.h>
@@ -24,7 +25,7 @@ FixTrack::FixTrack(const Aid& aid, const std::vector<Fix>& fixes, std::int64_t o
     : aid_(aid), fixes_(fixes), origin_(origin) {
   for (std::size_t i = 1; i < fixes.size(); ++i) {
     if (fixes[i].stamp <= fixes[i - 1].stamp)
-      throw std::invalid_argument(
+      throw RecordingError(
           fmt::format("{}: fix {} is not after the one before, expected times that ascend", aid.name, i));
   }
 }

@@ -6,6 +6,7 @@
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/frames.h"
 #include "gyrobudget/vehicle/earth/gravity.h"
+#include "gyrobudget/vehicle/earth/vector.h"
 
 #include <fmt/format.h>
 
@@ -44,7 +45,7 @@ struct AtRest {
 };
 
 struct Piece {
-  std::span<const earth::ImuIncrement> increments;
+  std::span<const noise::ImuIncrement> increments;
   double seconds = 0;
 };
 
@@ -233,7 +234,7 @@ class Starter {
  private:
   using Cross = Eigen::Matrix<double, 3, Eigen::Dynamic>;
 
-  NavigationState& state() { return result_.result.state; }
+  earth::Pose& state() { return result_.result.state; }
 
   // What a fix says where an aid gives the quantity.
   template <typename Given>
@@ -321,8 +322,9 @@ class Starter {
     const auto k = static_cast<std::size_t>(std::clamp<std::ptrdiff_t>(
         end - imu.stamps.begin() - 1, 0, static_cast<std::ptrdiff_t>(imu.increments.size()) - 1));
     const double dt = static_cast<double>(imu.stamps[k + 1] - imu.stamps[k]) * kNanosecond;
-    w_eb_b_ = imu.increments[k].angle / dt - state().q_eb.conjugate() * Vector3d(0, 0, earth::wgs84::kEarthRate);
-    f_ib_b_ = imu.increments[k].velocity / dt;
+    w_eb_b_ = earth::vector(imu.increments[k].angle) / dt -
+              state().q_eb.conjugate() * Vector3d(0, 0, earth::wgs84::kEarthRate);
+    f_ib_b_ = earth::vector(imu.increments[k].velocity) / dt;
   }
 
   // --- Covariance ---
@@ -343,7 +345,7 @@ class Starter {
   }
 
   void covariance() {
-    const Instant at = instant();
+    const earth::Motion at = motion();
     if (is_the_aids(plan_.attitude, plan_.level_sigma || plan_.heading_sigma)) {
       const StartFromFix from =
           start_from({0, AttitudeFix{state().q_eb, aid_of(plan_.attitude).sigma, number(plan_.attitude)}}, at, model_);
@@ -383,9 +385,11 @@ class Starter {
     result_.result.covariance = result_.P0.topLeftCorner<kCoreStates, kCoreStates>();
   }
 
-  [[nodiscard]] Instant instant() {
+  [[nodiscard]] earth::Motion motion() {
     const Vector3d coriolis = 2 * Vector3d(0, 0, earth::wgs84::kEarthRate).cross(state().v_eb_e);
-    return {state(), w_eb_b_, state().q_eb * f_ib_b_ + earth::normal_gravity(state().p_eb_e) - coriolis};
+    return {.pose = state(),
+            .a_eb_e = state().q_eb * f_ib_b_ + earth::normal_gravity(state().p_eb_e) - coriolis,
+            .w_eb_b = w_eb_b_};
   }
 
   const Scenario& scenario_;

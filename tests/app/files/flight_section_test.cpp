@@ -151,8 +151,8 @@ TEST_F(FlightSection, ItsNominalFlightIsATrajectory) {
   const earth::Trajectory trajectory = files::planned_trajectory(scene);
   EXPECT_DOUBLE_EQ(trajectory.duration(), 20);
   const flight::FlightRecord record = fly_nominal(scene.flight->plan);
-  EXPECT_LT((trajectory.at(20).p_eb_e - record.end.truth.p_eb_e).norm(), 1e-6);
-  EXPECT_LT((trajectory.at(20).v_eb_e - record.end.truth.v_eb_e).norm(), 1e-3);
+  EXPECT_LT((trajectory.at(20).pose.p_eb_e - record.end.truth.p_eb_e).norm(), 1e-6);
+  EXPECT_LT((trajectory.at(20).pose.v_eb_e - record.end.truth.v_eb_e).norm(), 1e-3);
   const std::string short_one =
       message_of<InputError>([&] { (void)files::planned_trajectory(read(vehicle() + "until: 0.5 s\n")); });
   EXPECT_CONTAINS(short_one, "too short");
@@ -172,8 +172,8 @@ TEST_F(FlightSection, AFlightWrittenReadsAsATrajectory) {
   files::write_flight(path("flight.csv"), record, plan.flight.world.site, plan.control.azimuth, "a test");
   const earth::Trajectory back = files::read_trajectory(path("flight.csv"));
   EXPECT_NEAR(back.duration(), 10, 1e-9);
-  EXPECT_LT((back.at(7).p_eb_e - record.points[700].truth.p_eb_e).norm(), 1e-6);
-  EXPECT_LT(back.at(7).q_eb.angularDistance(record.points[700].truth.q_eb), 1e-7);
+  EXPECT_LT((back.at(7).pose.p_eb_e - record.points[700].truth.p_eb_e).norm(), 1e-6);
+  EXPECT_LT(back.at(7).pose.q_eb.angularDistance(record.points[700].truth.q_eb), 1e-7);
   const std::string head = content(path("flight.csv")).substr(0, 2000);
   for (const char* column :
        {"nose_elevation (deg)", "position_error_east (m)", "nozzle_pitch (deg)", "dynamic_pressure (Pa)", "thrust (N)"})

@@ -30,9 +30,9 @@ void expect_same(const Trajectory& found, const Trajectory& expected) {
   EXPECT_DOUBLE_EQ(found.duration(), expected.duration());
   for (const double part : {0., 0.3, 0.77, 1.}) {
     const auto a = found.at(part * found.duration()), b = expected.at(part * expected.duration());
-    EXPECT_LT((a.p_eb_e - b.p_eb_e).norm(), kSamePosition) << part;
-    EXPECT_LT((a.v_eb_e - b.v_eb_e).norm(), kSamePosition) << part;
-    EXPECT_LT(1 - std::abs(a.q_eb.dot(b.q_eb)), kSameAttitude) << part;
+    EXPECT_LT((a.pose.p_eb_e - b.pose.p_eb_e).norm(), kSamePosition) << part;
+    EXPECT_LT((a.pose.v_eb_e - b.pose.v_eb_e).norm(), kSamePosition) << part;
+    EXPECT_LT(1 - std::abs(a.pose.q_eb.dot(b.pose.q_eb)), kSameAttitude) << part;
   }
 }
 
@@ -123,8 +123,8 @@ TEST_F(TrajectoryFile, WrittenTruthComesBack) {
     EXPECT_EQ(read.duration(), 20);
     for (int k = 0; k <= 200; ++k) {
       const auto a = read.at(0.1 * k), b = turns.at(0.1 * k);
-      ASSERT_LT((a.p_eb_e - b.p_eb_e).norm(), kSamePosition) << k;
-      ASSERT_LT(1 - std::abs(a.q_eb.dot(b.q_eb)), kSameAttitude) << k;
+      ASSERT_LT((a.pose.p_eb_e - b.pose.p_eb_e).norm(), kSamePosition) << k;
+      ASSERT_LT(1 - std::abs(a.pose.q_eb.dot(b.pose.q_eb)), kSameAttitude) << k;
     }
   }
 }
@@ -147,7 +147,7 @@ constexpr const char* kRows =
 TEST_F(TrajectoryFile, FilesOfOthers) {
   const std::string head = "t (s),lat (deg),lon (deg),altitude (m),heading (deg),pitch (deg),roll (deg)\n";
   const auto here = read(head + kRows).at(2);
-  EXPECT_LT((here.p_eb_e - to_ecef(earth::Geodetic::from_degrees(10, 20, 120))).norm(), kSamePosition);
+  EXPECT_LT((here.pose.p_eb_e - to_ecef(earth::Geodetic::from_degrees(10, 20, 120))).norm(), kSamePosition);
   // Any order and unit, other columns, blanks as delimiters, nanoseconds of an epoch, a rounded quaternion.
   const auto other = read(
       "timestamp [ns]; q_x; q_y; q_z; q_w; height (km); temperature; longitude (rad); latitude (deg)\n"
@@ -156,7 +156,7 @@ TEST_F(TrajectoryFile, FilesOfOthers) {
       "1700000002000000001; 0; 0.7071; 0; 0.7071; 0.3; hot; 0; 10\n"
       "1700000003000000000; 0; -0.7071; 0; -0.7071; 0.4; hot; 0; 10\n");
   EXPECT_EQ(other.duration(), 3);
-  EXPECT_LT((other.at(1).p_eb_e - to_ecef(earth::Geodetic::from_degrees(10, 0, 200))).norm(), 1e-6);
+  EXPECT_LT((other.at(1).pose.p_eb_e - to_ecef(earth::Geodetic::from_degrees(10, 0, 200))).norm(), 1e-6);
 }
 
 TEST_F(TrajectoryFile, WhatIsWrongIsSaidWithItsLine) {

@@ -2,7 +2,7 @@
 // The forms of closed-loop flights, from studies that are flown here.
 #include "gyrobudget/app/report/flight.h"
 
-#include "gyrobudget/app/report/flight_numbers.h"
+#include "gyrobudget/app/report/flight_words.h"
 #include "gyrobudget/app/report/layout.h"
 #include "gyrobudget/app/report/page_parts.h"
 #include "gyrobudget/estimation/budget/error_budget.h"

@@ -20,7 +20,7 @@ int main() {
   } catch (const std::runtime_error&) {
     refused = true;
   }
-  const double gained = earth::ascent({}).increment(0, 83).velocity.x();  // (13 + 19)/2 77 + 19/2 6
+  const double gained = earth::ascent({}).increment(0, 83).velocity[0];  // (13 + 19)/2 77 + 19/2 6
   const bool sane = refused && std::abs(gained - 1289) < 1e-9 && std::abs(up + 9.7804) < 1e-3;
   std::printf("%s\n", sane ? "ok" : "wrong");
   return sane ? 0 : 1;

@@ -10,9 +10,9 @@ int main() {
   const auto imu = earth::stand({}).increments(10);
   const auto aligned = navigation::align(imu, 10, {});
   const auto truth = earth::stand({}).at(0);
-  navigation::Strapdown strapdown({truth.p_eb_e, truth.v_eb_e, truth.q_eb});
+  navigation::Strapdown strapdown(truth.pose);
   for (const auto& increment : imu) strapdown.step(increment, 10);
-  const double moved = (strapdown.state().p_eb_e - truth.p_eb_e).norm();
+  const double moved = (strapdown.state().p_eb_e - truth.pose.p_eb_e).norm();
   const bool sane = aligned.heading_observable && moved < 0.1;
   std::printf("%s\n", sane ? "ok" : "wrong");
   return sane ? 0 : 1;

@@ -166,12 +166,12 @@ struct Aided {
     std::vector<navigation::PlannedFix> fixes;
     for (const double t : navigation::fix_times({1, kDuration, 1, {{100, 150}}})) {
       const auto truth = path().at(t);
-      fixes.push_back({t, navigation::PositionFix{.p_eb_e = truth.p_eb_e,
+      fixes.push_back({t, navigation::PositionFix{.p_eb_e = truth.pose.p_eb_e,
                                                   .sigma = Vector3d::Constant(kPositionSigma),
                                                   .axes = C_el,
                                                   .lever_arm = {1, 0.5, -0.3},
                                                   .aid = 0}});
-      fixes.push_back({t, navigation::VelocityFix{.v_eb_e = truth.v_eb_e,
+      fixes.push_back({t, navigation::VelocityFix{.v_eb_e = truth.pose.v_eb_e,
                                                   .sigma = Vector3d::Constant(kVelocitySigma),
                                                   .axes = C_el,
                                                   .lever_arm = {1, 0.5, -0.3},
@@ -308,7 +308,7 @@ TEST(Budget, ChargesTheTiltToTheAccelerometerThatLevelled) {
   const Source levelled{.name = "accelerometer.turn_on_bias", .model = states.model, .initial = states.initial};
   const auto budget = budget::error_budget(timeline, std::vector{levelled}, design);
   const auto sigma = navigation::local_sigmas(budget.total.back(), frame.C_el());
-  const double g = earth::normal_gravity(truth.p_eb_e).norm();
+  const double g = earth::normal_gravity(truth.pose.p_eb_e).norm();
   const double expected = kBias * (kForce / g - 1) * kScene * kScene / 2;
   constexpr double kPhysics = 0.03;  // Earth's turn and gravity's gradient over 143 s
   EXPECT_NEAR(expected, 2.1, 0.05);
@@ -339,11 +339,11 @@ TEST(Budget, KnowsWhatEarthsRateCostsUncompensated) {
   const auto truth = path.at(0);
   navigation::Strapdown::Options options;
   options.earth_rate_in_attitude = false;
-  navigation::Strapdown navigator({truth.p_eb_e, truth.v_eb_e, truth.q_eb}, options);
+  navigation::Strapdown navigator(truth.pose, options);
   constexpr double kStep = 0.01;
   for (int k = 0; k < 8300; ++k) navigator.step(path.increment(k * kStep, (k + 1) * kStep), kStep);
   const auto end = path.at(83);
-  const Vector3d dp = end.p_eb_e - navigator.state().p_eb_e;
+  const Vector3d dp = end.pose.p_eb_e - navigator.state().p_eb_e;
 
   const auto frame = earth::LocalFrame::east_north_up(earth::alcantara().position);
   const auto sigma = at_end(path, budget::uncompensated_earth_rate(), 0.1);

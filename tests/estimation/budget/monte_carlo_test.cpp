@@ -60,7 +60,7 @@ TEST(MonteCarlo, PutsTimesOnSamplesWithTheTruthOfThatInstant) {
   options.report = {0.004, 2.0049};
   const auto place = [&](double t) {
     return navigation::PlannedFix{
-        t, navigation::PositionFix{.p_eb_e = path.at(t).p_eb_e, .sigma = Vector3d::Constant(0.01), .aid = 0}};
+        t, navigation::PositionFix{.p_eb_e = path.at(t).pose.p_eb_e, .sigma = Vector3d::Constant(0.01), .aid = 0}};
   };
   const Timeline timeline(path, {place(1.004), place(3.0149), place(5.036)}, options);
   budget::Design design;
@@ -124,7 +124,7 @@ TEST(MonteCarloOfACruise, StartsAtTheTrajectorysSpeed) {
   options.runs = 1;
   const auto flown = monte_carlo(timeline, {}, {}, pad_axes(), {}, {}, options);
   EXPECT_LT(flown.errors[0].back().head<3>().norm(), 1e-3);
-  EXPECT_NEAR(timeline.at(0).state.v_eb_e.norm(), 250, 3);
+  EXPECT_NEAR(timeline.at(0).pose.v_eb_e.norm(), 250, 3);
 }
 
 // Gyros that cannot see Earth's rate find no heading: such runs are counted, not flown from the truth.

@@ -211,7 +211,7 @@ TEST(ClosedLoop, AFlightTooShortToNavigateSaysSo) {
   flight::Plan plan;
   plan.flight.duration = 0.5;
   const Study s = study(plan, {}, strapdown_scene(mems()), {.runs = 4});
-  EXPECT_FALSE(s.notes.empty());
+  EXPECT_TRUE(s.too_short());
   EXPECT_FALSE(s.flown);
   EXPECT_TRUE(s.sensors.outcomes.empty());
 }
@@ -222,9 +222,11 @@ TEST(ClosedLoop, RefusedFixesAreCounted) {
   scene.aids.push_back({.name = "gnss", .sigma = Vector3d::Constant(0.01)});
   const Study s = study({}, {}, scene, {.runs = 2});
   for (const Outcome& o : s.sensors.outcomes) {
-    EXPECT_EQ(o.fixes, 84);  // at 0, 1 ... 83 s
-    EXPECT_GT(o.refused, 10);
+    EXPECT_EQ(o.fixes.given, 84);  // at 0, 1 ... 83 s
+    EXPECT_GT(o.fixes.refused, 10);
   }
+  EXPECT_EQ(s.sensors.fixes().given, 168);
+  EXPECT_TRUE(s.sensors.fixes().beyond_chance());
 }
 
 TEST(ClosedLoop, StopsWhenAsked) {

@@ -61,10 +61,9 @@ TEST_P(Vehicles, AnOffsetOfTheAttitude) {
 
 class StrapdownWithoutEarthRate {
  public:
-  explicit StrapdownWithoutEarthRate(const flight::Body::Pose& pose)
-      : strapdown_({pose.p_eb_e, pose.v_eb_e, pose.q_eb}, {.earth_rate_in_attitude = false}) {}
-  void step(const earth::ImuIncrement& increment, double dt) { strapdown_.step(increment, dt); }
-  [[nodiscard]] const navigation::NavigationState& state() const { return strapdown_.state(); }
+  explicit StrapdownWithoutEarthRate(const earth::Pose& pose) : strapdown_(pose, {.earth_rate_in_attitude = false}) {}
+  void step(const noise::ImuIncrement& increment, double dt) { strapdown_.step(increment, dt); }
+  [[nodiscard]] const earth::Pose& state() const { return strapdown_.state(); }
 
  private:
   navigation::Strapdown strapdown_;

@@ -29,9 +29,11 @@ constexpr double kEps = std::numeric_limits<double>::epsilon();
 
 // A body on its way, with terms of the gyro, of this aid and of another.
 struct World {
-  navigation::NavigationState state{
-      earth::to_ecef({0.7, 2.1, 3000}), {120, -200, 90}, earth::exp_rotation({0.4, -1.1, 2.0})};
-  Vector3d w_eb_b{0.3, -0.2, 0.5}, a_eb_e{3, -2, 1};
+  earth::Motion motion{.pose = {.p_eb_e = earth::to_ecef({0.7, 2.1, 3000}),
+                                .v_eb_e = {120, -200, 90},
+                                .q_eb = earth::exp_rotation({0.4, -1.1, 2.0})},
+                       .a_eb_e = {3, -2, 1},
+                       .w_eb_b = {0.3, -0.2, 0.5}};
   StateVector terms;
 };
 
@@ -59,20 +61,20 @@ constexpr int kBias = 3, kArm = 6, kTag = 9;  // of kAid among the terms
 World moved(World world, int state, double by) {
   StateVector x = StateVector::Zero(kCoreStates + world.terms.size());
   x[state] = by;
-  world.state.p_eb_e += x.segment<3>(0);
-  world.state.v_eb_e += x.segment<3>(kVelocity);
-  world.state.q_eb = earth::exp_rotation(x.segment<3>(kAttitude)) * world.state.q_eb;
+  world.motion.pose.p_eb_e += x.segment<3>(0);
+  world.motion.pose.v_eb_e += x.segment<3>(kVelocity);
+  world.motion.pose.q_eb = earth::exp_rotation(x.segment<3>(kAttitude)) * world.motion.pose.q_eb;
   world.terms += x.tail(world.terms.size());
-  world.w_eb_b -= x.segment<3>(kCoreStates);  // more bias in what is measured, less true rate
+  world.motion.w_eb_b -= x.segment<3>(kCoreStates);  // more bias in what is measured, less true rate
   return world;
 }
 
 // The pose that an aid late by the time tag sees.
 World later(World world) {
   const double t = world.terms[kTag];
-  world.state.p_eb_e += t * world.state.v_eb_e + t * t / 2 * world.a_eb_e;
-  world.state.v_eb_e += t * world.a_eb_e;
-  world.state.q_eb = world.state.q_eb * earth::exp_rotation(t * world.w_eb_b);
+  world.motion.pose.p_eb_e += t * world.motion.pose.v_eb_e + t * t / 2 * world.motion.a_eb_e;
+  world.motion.pose.v_eb_e += t * world.motion.a_eb_e;
+  world.motion.pose.q_eb = world.motion.pose.q_eb * earth::exp_rotation(t * world.motion.w_eb_b);
   return world;
 }
 
@@ -91,7 +93,7 @@ void expect_rows(const Measure& measure, double scale, double curvature, std::in
     world.terms[kBias + k] = 0.01 * (k + 1);
     world.terms[kArm + k] = 0;
   }
-  navigation::Estimate estimate{world.state, world.w_eb_b, world.a_eb_e, &m, world.terms.data()};
+  navigation::Estimate estimate{.motion = world.motion, .model = &m, .terms = world.terms.data()};
   const Measurement at_truth = measure(world, estimate);
   for (int i = 0; i < at_truth.rows; ++i) EXPECT_NEAR(at_truth.residual[i], 0, 4 * kEps * scale);
   for (int j = 0; j < m.states(); ++j) {
@@ -118,7 +120,7 @@ TEST(Aiding, PositionRowsAreDerivatives) {
   expect_rows(
       [](const World& truth, const navigation::Estimate& estimate) {
         const World seen = later(truth);
-        return measure(navigation::PositionFix{seen.state.p_eb_e + seen.state.q_eb * arm(truth) +
+        return measure(navigation::PositionFix{seen.motion.pose.p_eb_e + seen.motion.pose.q_eb * arm(truth) +
                                                    kAxes * truth.terms.segment<3>(kBias),
                                                kSigma, kAxes, kLeverArm, kAid},
                        estimate);
@@ -131,7 +133,8 @@ TEST(Aiding, VelocityRowsAreDerivatives) {
       [](const World& truth, const navigation::Estimate& estimate) {
         // Late by t, the antenna's swing about the IMU also turns: left out of the column, so held here.
         const World seen = later(truth);
-        return measure(navigation::VelocityFix{seen.state.v_eb_e + truth.state.q_eb * truth.w_eb_b.cross(arm(truth)) +
+        return measure(navigation::VelocityFix{seen.motion.pose.v_eb_e +
+                                                   truth.motion.pose.q_eb * truth.motion.w_eb_b.cross(arm(truth)) +
                                                    kAxes * truth.terms.segment<3>(kBias),
                                                kSigma, kAxes, kLeverArm, kAid},
                        estimate);
@@ -143,7 +146,8 @@ TEST(Aiding, HeightRowsAreDerivatives) {
   expect_rows(
       [](const World& truth, const navigation::Estimate& estimate) {
         return measure(
-            navigation::HeightFix{earth::to_geodetic(later(truth).state.p_eb_e).height + truth.terms[kBias], 2, kAid},
+            navigation::HeightFix{earth::to_geodetic(later(truth).motion.pose.p_eb_e).height + truth.terms[kBias], 2,
+                                  kAid},
             estimate);
       },
       6.4e6, 10, {kCoreStates + kBias + 1, kCoreStates + kBias + 2});  // a height has one bias, axis 0
@@ -156,9 +160,9 @@ TEST(Aiding, AttitudeRowsAreDerivatives) {
         const World seen = later(truth);
         World at = truth;
         const Vector3d mounting = at.terms.segment<3>(kBias) - Vector3d(0.01, 0.02, 0.03);
-        Measurement m =
-            measure(navigation::AttitudeFix{seen.state.q_eb * earth::exp_rotation(mounting), {1e-3, 2e-3, 3e-3}, kAid},
-                    estimate);
+        Measurement m = measure(
+            navigation::AttitudeFix{seen.motion.pose.q_eb * earth::exp_rotation(mounting), {1e-3, 2e-3, 3e-3}, kAid},
+            estimate);
         m.residual += Vector3d(0.01, 0.02, 0.03);
         return m;
       },
@@ -169,9 +173,9 @@ TEST(Aiding, VariancesAreThoseOfTheFix) {
   const auto m = model();
   const StateVector terms = StateVector::Zero(static_cast<Eigen::Index>(m.terms.size()));
   const World world;
-  const navigation::Estimate estimate{world.state, world.w_eb_b, world.a_eb_e, &m, terms.data()};
-  const auto position = measure(navigation::PositionFix{world.state.p_eb_e, kSigma, kAxes}, estimate);
-  const auto attitude = measure(navigation::AttitudeFix{world.state.q_eb, kSigma}, estimate);
+  const navigation::Estimate estimate{.motion = world.motion, .model = &m, .terms = terms.data()};
+  const auto position = measure(navigation::PositionFix{world.motion.pose.p_eb_e, kSigma, kAxes}, estimate);
+  const auto attitude = measure(navigation::AttitudeFix{world.motion.pose.q_eb, kSigma}, estimate);
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(position.row[i].variance, kSigma[static_cast<int>(i)] * kSigma[static_cast<int>(i)]);
     EXPECT_EQ(attitude.row[i].variance, kSigma[static_cast<int>(i)] * kSigma[static_cast<int>(i)]);
@@ -185,13 +189,16 @@ TEST(Aiding, RefusesASigmaThatIsNone) {
   const auto m = model();
   const StateVector terms = StateVector::Zero(static_cast<Eigen::Index>(m.terms.size()));
   const World world;
-  const navigation::Estimate estimate{world.state, world.w_eb_b, world.a_eb_e, &m, terms.data()};
+  const navigation::Estimate estimate{.motion = world.motion, .model = &m, .terms = terms.data()};
   for (const double bad :
        {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     const Vector3d sigma{1, bad, 1};
-    EXPECT_THROW((void)measure(navigation::PositionFix{world.state.p_eb_e, sigma}, estimate), std::invalid_argument);
-    EXPECT_THROW((void)measure(navigation::VelocityFix{world.state.v_eb_e, sigma}, estimate), std::invalid_argument);
-    EXPECT_THROW((void)measure(navigation::AttitudeFix{world.state.q_eb, sigma}, estimate), std::invalid_argument);
+    EXPECT_THROW((void)measure(navigation::PositionFix{world.motion.pose.p_eb_e, sigma}, estimate),
+                 std::invalid_argument);
+    EXPECT_THROW((void)measure(navigation::VelocityFix{world.motion.pose.v_eb_e, sigma}, estimate),
+                 std::invalid_argument);
+    EXPECT_THROW((void)measure(navigation::AttitudeFix{world.motion.pose.q_eb, sigma}, estimate),
+                 std::invalid_argument);
     EXPECT_THROW((void)measure(navigation::HeightFix{0, bad}, estimate), std::invalid_argument);
   }
 }

@@ -9,6 +9,7 @@
 #include "gyrobudget/vehicle/earth/frames.h"
 #include "gyrobudget/vehicle/earth/gravity.h"
 #include "gyrobudget/vehicle/earth/paths.h"
+#include "gyrobudget/vehicle/earth/vector.h"
 
 #include <gtest/gtest.h>
 
@@ -24,6 +25,7 @@
 namespace {
 
 using namespace gyrobudget;
+using earth::array;
 using earth::kDegree;
 using Eigen::Matrix3d;
 using Eigen::Quaterniond;
@@ -187,14 +189,14 @@ TEST(Alignment, IntervalHoldsMotionThatTheModelDoesNotKnow) {
   const StaticMeans truth = standing(q_nb, kLatitude, 1);
   const double phi = std::exp(-dt / 2);
   std::vector<double> normal(3 * kSamples);
-  std::vector<earth::ImuIncrement> imu(kSamples);
+  std::vector<noise::ImuIncrement> imu(kSamples);
   int inside = 0;
   for (std::uint64_t run = 0; run < kRuns; ++run) {
     noise::fill_normal({.seed = 3, .stream = run}, 0, normal);
     Vector3d wander = Vector3d::Zero();
     for (std::size_t k = 0; k < kSamples; ++k) {
       wander = phi * wander + 1e-6 * Vector3d(normal[3 * k], normal[3 * k + 1], normal[3 * k + 2]);
-      imu[k] = {truth.f_ib_b * dt, (truth.w_ib_b + wander) * dt};
+      imu[k] = {.angle = array((truth.w_ib_b + wander) * dt), .velocity = array(truth.f_ib_b * dt)};
     }
     const Alignment a = align(imu, dt, {.sensor = ideal(), .latitude = kLatitude});
     ASSERT_TRUE(a.heading_observable) << a.message;
@@ -275,10 +277,10 @@ TEST(Alignment, RingLaserInAParkedVehicle) {
   constexpr double kRate = 100;
   constexpr double kAngle = 0.1 / 3600 * kDegree;  // a count
   constexpr double kVelocity = 125 * kMicroG;
-  std::vector<earth::ImuIncrement> imu(counts[0].size());
+  std::vector<noise::ImuIncrement> imu(counts[0].size());
   for (std::size_t k = 0; k < imu.size(); ++k)  // from right, forward, up
-    imu[k] = {kVelocity * Vector3d(counts[4][k], counts[3][k], -counts[5][k]),
-              kAngle * Vector3d(counts[1][k], counts[0][k], -counts[2][k])};
+    imu[k] = {.angle = array(kAngle * Vector3d(counts[1][k], counts[0][k], -counts[2][k])),
+              .velocity = array(kVelocity * Vector3d(counts[4][k], counts[3][k], -counts[5][k]))};
   AlignmentOptions options{.sensor = ring_laser(), .latitude = 34.246048 * kDegree};
   const Alignment a = align(imu, 1 / kRate, options);
   ASSERT_TRUE(a.heading_observable) << a.message;
@@ -340,9 +342,9 @@ TEST(Alignment, MeansOfASimulatedImuScatterAsAssumed) {
         noise::Imu imu(sensor, dt, {.seed = 20261122, .run = run}, {.duration = T});
         Vector3d angle = Vector3d::Zero(), velocity = Vector3d::Zero();
         for (int k = 0; k < kSamples; ++k) {
-          const noise::ImuReading read = imu.next({});
-          angle += Eigen::Map<const Vector3d>(read.angle.data());
-          velocity += Eigen::Map<const Vector3d>(read.velocity.data());
+          const noise::ImuIncrement read = imu.next({});
+          angle += earth::vector(read.angle);
+          velocity += earth::vector(read.velocity);
         }
         sum += (angle / T).squaredNorm() + (velocity / T).squaredNorm();
       }
@@ -356,9 +358,10 @@ TEST(Alignment, RefusesMisuse) {
   constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   const StaticMeans good = standing(attitude(0, 0, 0), kLatitude, 60);
   const AlignmentOptions options{.sensor = ring_laser(), .latitude = kLatitude};
-  const std::vector<earth::ImuIncrement> imu(11, {good.f_ib_b, good.w_ib_b});
+  const noise::ImuIncrement one{.angle = array(good.w_ib_b), .velocity = array(good.f_ib_b)};
+  const std::vector<noise::ImuIncrement> imu(11, one);
   EXPECT_THROW((void)align(imu, 1, options), std::invalid_argument);
-  const std::vector<earth::ImuIncrement> enough(12, {good.f_ib_b, good.w_ib_b});
+  const std::vector<noise::ImuIncrement> enough(12, one);
   EXPECT_NO_THROW((void)align(enough, 1, options));
   EXPECT_THROW((void)align(enough, 0, options), std::invalid_argument);
   StaticMeans bad = good;

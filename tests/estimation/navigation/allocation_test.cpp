@@ -71,8 +71,7 @@ TEST(Allocation, TheLoopOfTheFilterAllocatesNothing) {
         }
         navigation::Filter::Options options;
         options.form = form;
-        navigation::Filter filter({start.p_eb_e, start.v_eb_e, start.q_eb}, model,
-                                  1e-6 * navigation::StateMatrix::Identity(states, states), options);
+        navigation::Filter filter(start.pose, model, 1e-6 * navigation::StateMatrix::Identity(states, states), options);
         const long before = allocations;
         int used = 0;
         for (std::size_t k = 0; k < imu.size(); ++k) {

@@ -33,7 +33,7 @@ struct Sums {
 struct Shared {
   const Scene& scene;
   earth::Trajectory path;
-  std::vector<earth::ImuIncrement> increments;
+  std::vector<noise::ImuIncrement> increments;
   std::vector<earth::TrajectoryPoint> truth;  // each second, from 0
   Matrix3d axes;
   navigation::SensorStates states;
@@ -46,8 +46,6 @@ earth::Trajectory turns(double duration) {
   cruise.duration = duration;
   return earth::cruise(cruise);
 }
-
-noise::Vector3 array(const Vector3d& v) { return {v[0], v[1], v[2]}; }
 
 // Row of a unit on every bias term of one gyro.
 navigation::StateVector total_bias(const navigation::ErrorStateModel& model, int axis) {
@@ -73,11 +71,7 @@ class OneRun {
     const auto per_second = static_cast<std::size_t>(std::lround(1 / shared_.scene.imu_interval));
     Vector3d true_bias = Vector3d::Zero(), estimate = Vector3d::Zero();
     for (std::size_t k = 0; k < shared_.increments.size(); ++k) {
-      const auto& truth = shared_.increments[k];
-      const auto read = imu_.next({array(truth.angle), array(truth.velocity)});
-      filter_.propagate(
-          {{read.velocity[0], read.velocity[1], read.velocity[2]}, {read.angle[0], read.angle[1], read.angle[2]}},
-          shared_.scene.imu_interval);
+      filter_.propagate(imu_.next(shared_.increments[k]), shared_.scene.imu_interval);
       for (int i = 0; i < 3; ++i) {
         true_bias[i] += imu_.gyro_bias()[static_cast<std::size_t>(i)] / static_cast<double>(per_second);
         estimate[i] += estimated_bias(i) / static_cast<double>(per_second);
@@ -115,9 +109,9 @@ class OneRun {
     return sigma * Vector3d(x, y, z);
   }
 
-  navigation::NavigationState start() {
+  earth::Pose start() {
     const auto& truth = shared_.truth[0];
-    navigation::NavigationState state{truth.p_eb_e, truth.v_eb_e, truth.q_eb};
+    earth::Pose state = truth.pose;
     state.p_eb_e += normals(kStartPosition);
     state.v_eb_e += normals(kStartVelocity);
     state.q_eb = earth::exp_rotation(normals(kStartTilt)) * state.q_eb;
@@ -138,8 +132,8 @@ class OneRun {
     const auto& truth = shared_.truth[second];
     const auto& state = filter_.state();
     Eigen::Matrix<double, 9, 1> error;
-    error << truth.p_eb_e - state.p_eb_e, truth.v_eb_e - state.v_eb_e,
-        earth::log_rotation(truth.q_eb * state.q_eb.conjugate());
+    error << truth.pose.p_eb_e - state.p_eb_e, truth.pose.v_eb_e - state.v_eb_e,
+        earth::log_rotation(truth.pose.q_eb * state.q_eb.conjugate());
     const CoreMatrix P = filter_.covariance().matrix().topLeftCorner<9, 9>();
     sums_.navigation.push_back(navigation::nees(error, P));
     double bias = 0;
@@ -154,8 +148,8 @@ class OneRun {
     const auto t = static_cast<double>(second);
     if (t >= shared_.scene.outage_from && t < shared_.scene.outage_to) return;
     const auto& truth = shared_.truth[second];
-    const Vector3d p = truth.p_eb_e + shared_.axes * normals(kPositionSigma);
-    const Vector3d v = truth.v_eb_e + shared_.axes * normals(kVelocitySigma);
+    const Vector3d p = truth.pose.p_eb_e + shared_.axes * normals(kPositionSigma);
+    const Vector3d v = truth.pose.v_eb_e + shared_.axes * normals(kVelocitySigma);
     const auto position = filter_.update(
         measure(navigation::PositionFix{.p_eb_e = p, .sigma = Vector3d::Constant(kPositionSigma), .axes = shared_.axes},
                 filter_.estimate()));

@@ -6,6 +6,7 @@
 #include "gyrobudget/estimation/navigation/strapdown.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/ellipsoid.h"
+#include "gyrobudget/vehicle/earth/vector.h"
 
 #include <gtest/gtest.h>
 
@@ -34,7 +35,7 @@ constexpr double kGradientError = 2e-4;  // of it, that its closed form leaves o
 using CoreVector = Eigen::Matrix<double, kCoreStates, 1>;
 
 struct Scene {
-  navigation::NavigationState state;
+  earth::Pose state;
   Vector3d w_ib_b, f_ib_b;
 };
 
@@ -48,24 +49,23 @@ Scene scene(double rate) {
   return s;
 }
 
-navigation::NavigationState moved(const navigation::NavigationState& from, const CoreVector& x) {
+earth::Pose moved(const earth::Pose& from, const CoreVector& x) {
   return {from.p_eb_e + x.segment<3>(kPosition), from.v_eb_e + x.segment<3>(kVelocity),
           earth::exp_rotation(x.segment<3>(kAttitude)) * from.q_eb};
 }
 
-CoreVector difference(const navigation::NavigationState& truth, const navigation::NavigationState& estimate) {
+CoreVector difference(const earth::Pose& truth, const earth::Pose& estimate) {
   CoreVector x;
   x << truth.p_eb_e - estimate.p_eb_e, truth.v_eb_e - estimate.v_eb_e,
       earth::log_rotation(truth.q_eb * estimate.q_eb.conjugate());
   return x;
 }
 
-navigation::NavigationState stepped(const navigation::NavigationState& from, const Vector3d& w, const Vector3d& f,
-                                    double dt) {
+earth::Pose stepped(const earth::Pose& from, const Vector3d& w, const Vector3d& f, double dt) {
   navigation::Strapdown::Options options;
   options.order = 1;
   navigation::Strapdown strapdown(from, options);
-  strapdown.step({dt * f, dt * w}, dt);
+  strapdown.step({.angle = earth::array(dt * w), .velocity = earth::array(dt * f)}, dt);
   return strapdown.state();
 }
 

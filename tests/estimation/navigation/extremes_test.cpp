@@ -244,10 +244,10 @@ TEST(Extremes, AutomaticFormLeavesBeforeDigitsAreLost) {
 
 TEST(Extremes, RefusalsAreClear) {
   const Place place;
-  const navigation::NavigationState start{place.p_eb_e, Vector3d::Zero(), place.q_eb};
+  const earth::Pose start{place.p_eb_e, Vector3d::Zero(), place.q_eb};
   const StateMatrix P0 = usual_variances(15).asDiagonal();
   navigation::Filter filter(start, with_biases(), P0);
-  const earth::ImuIncrement imu{{0, 0, 0}, {0, 0, 0}};
+  const noise::ImuIncrement imu;
   const navigation::PositionFix fix{place.p_eb_e + Vector3d(1, 2, 3), {1, 1, 1}};
 
   // An update before the first sample is one like others.
@@ -263,7 +263,7 @@ TEST(Extremes, RefusalsAreClear) {
   EXPECT_EQ((filter.covariance().matrix() - before).norm(), 0);
   for (const double dt : {-1e-9, -1.0, kNaN, kInfinity}) EXPECT_THROW(filter.propagate(imu, dt), std::invalid_argument);
   for (const double bad : {kNaN, kInfinity}) {
-    EXPECT_THROW(filter.propagate({{bad, 0, 0}, {0, 0, 0}}, 0.01), std::invalid_argument);
+    EXPECT_THROW(filter.propagate({.velocity = {bad, 0, 0}}, 0.01), std::invalid_argument);
     auto broken = fix;
     broken.p_eb_e.y() = bad;
     EXPECT_EQ(filter.update(measure(broken, filter.estimate())).status, Innovation::Status::not_finite);
@@ -272,7 +272,7 @@ TEST(Extremes, RefusalsAreClear) {
   EXPECT_EQ((filter.covariance().matrix() - before).norm(), 0);
 
   // A hundred seconds in one step
-  filter.propagate({100 * Vector3d(0, 0, 9.8), {0, 0, 0}}, 100);
+  filter.propagate({.velocity = {0, 0, 980}}, 100);
   EXPECT_TRUE(filter.covariance().matrix().allFinite());
   EXPECT_EQ(filter.time(), 100);
 

@@ -5,6 +5,7 @@
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/frames.h"
 #include "gyrobudget/vehicle/earth/paths.h"
+#include "gyrobudget/vehicle/earth/vector.h"
 
 #include <gtest/gtest.h>
 
@@ -36,9 +37,9 @@ navigation::ErrorStateModel biases_and_scale_factors() {
   return model;
 }
 
-navigation::NavigationState start_of(const earth::Trajectory& path) {
+earth::Pose start_of(const earth::Trajectory& path) {
   const auto p = path.at(0);
-  return {p.p_eb_e, p.v_eb_e, p.q_eb};
+  return p.pose;
 }
 
 navigation::StateMatrix diagonal(const navigation::ErrorStateModel& model, double p, double v, double psi, double bias,
@@ -73,21 +74,22 @@ TEST(Filter, FindsBiasesOfAPerfectIMUFromPositions) {
     int used = 0, fixes = 0;
     for (int k = 0; (k + 1) * dt <= cruise.duration; ++k) {
       auto imu = path.increment(k * dt, (k + 1) * dt);
-      imu.angle += dt * gyro_bias;
-      imu.velocity += dt * accelerometer_bias;
+      earth::vector(imu.angle) += dt * gyro_bias;
+      earth::vector(imu.velocity) += dt * accelerometer_bias;
       filter.propagate(imu, dt);
       if ((k + 1) % 50 == 0) {
         const auto truth = path.at((k + 1) * dt);
         ++fixes;
         used +=
-            filter.update(measure(navigation::PositionFix{truth.p_eb_e, Vector3d::Constant(0.1)}, filter.estimate()))
+            filter
+                .update(measure(navigation::PositionFix{truth.pose.p_eb_e, Vector3d::Constant(0.1)}, filter.estimate()))
                 .status == navigation::Innovation::Status::used;
       }
     }
     EXPECT_EQ(used, fixes);
     const auto truth = path.at(filter.time());
     const auto P = filter.covariance().matrix();
-    const Vector3d dp = truth.p_eb_e - filter.state().p_eb_e;
+    const Vector3d dp = truth.pose.p_eb_e - filter.state().p_eb_e;
     for (int i = 0; i < 3; ++i) {
       EXPECT_LT(std::abs(dp[i]), 4 * std::sqrt(P(i, i)));
       EXPECT_LT(std::abs(filter.term(i) - gyro_bias[i]), 4 * std::sqrt(P(9 + i, 9 + i)));

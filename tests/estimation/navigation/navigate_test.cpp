@@ -5,6 +5,7 @@
 #include "gyrobudget/noise/imu.h"
 #include "gyrobudget/vehicle/earth/frames.h"
 #include "gyrobudget/vehicle/earth/paths.h"
+#include "gyrobudget/vehicle/earth/vector.h"
 
 #include <gtest/gtest.h>
 
@@ -16,6 +17,7 @@ namespace gyrobudget::navigation {
 namespace {
 
 using earth::kDegree;
+using earth::vector;
 using Eigen::Vector3d;
 
 constexpr double kInterval = 0.01;                          // s
@@ -36,14 +38,14 @@ Recording record(const earth::Trajectory& truth, double interval = kInterval) {
 }
 
 Fix fix_of(Aid::Kind kind, const earth::TrajectoryPoint& at, double stamped) {
-  const earth::Geodetic place = earth::to_geodetic(at.p_eb_e);
+  const earth::Geodetic place = earth::to_geodetic(at.pose.p_eb_e);
   const Eigen::Matrix3d C_en = earth::C_e_ned(place.latitude, place.longitude);
   Fix fix;
   fix.stamp = stamp(stamped);
-  if (kind == Aid::Kind::position) fix.value = at.p_eb_e;
-  if (kind == Aid::Kind::velocity) fix.value = C_en.transpose() * at.v_eb_e;
+  if (kind == Aid::Kind::position) fix.value = at.pose.p_eb_e;
+  if (kind == Aid::Kind::velocity) fix.value = C_en.transpose() * at.pose.v_eb_e;
   if (kind == Aid::Kind::height) fix.value[0] = place.height;
-  fix.q_nb = Eigen::Quaterniond(C_en).conjugate() * at.q_eb;
+  fix.q_nb = Eigen::Quaterniond(C_en).conjugate() * at.pose.q_eb;
   return fix;
 }
 
@@ -71,11 +73,11 @@ earth::Trajectory flight() {
 Scenario scene_on(const earth::Trajectory& truth) {
   Scenario scene;
   const auto start = truth.at(0);
-  const earth::Geodetic place = earth::to_geodetic(start.p_eb_e);
+  const earth::Geodetic place = earth::to_geodetic(start.pose.p_eb_e);
   const Eigen::Matrix3d C_en = earth::C_e_ned(place.latitude, place.longitude);
   scene.alignment.position = place;
-  scene.alignment.velocity = Vector3d(C_en.transpose() * start.v_eb_e);
-  scene.alignment.attitude = earth::to_euler(Eigen::Quaterniond(C_en).conjugate() * start.q_eb);
+  scene.alignment.velocity = Vector3d(C_en.transpose() * start.pose.v_eb_e);
+  scene.alignment.attitude = earth::to_euler(Eigen::Quaterniond(C_en).conjugate() * start.pose.q_eb);
   scene.alignment.position_sigma = Vector3d::Constant(0.1);
   scene.alignment.velocity_sigma = Vector3d::Constant(0.01);
   scene.alignment.level_sigma = scene.alignment.heading_sigma = 1e-4;
@@ -131,14 +133,14 @@ TEST(NavigationRun, SmoothingBridgesAnOutage) {
   scene.aids = {aid(Aid::Kind::position, 0.1)};
   scene.aids[0].outages = {{5.5, 25.5}};
   Recording recording = record(truth);
-  for (auto& increment : recording.imu.increments) increment.velocity.x() += 0.02 * kInterval;
+  for (auto& increment : recording.imu.increments) increment.velocity[0] += 0.02 * kInterval;
   recording.fixes = {fixes(Aid::Kind::position, truth, 1, 1)};
   const auto filtered = navigate(scene, recording);
   scene.smooth = true;
   const auto smoothed = navigate(scene, recording);
   ASSERT_EQ(smoothed.solutions.size(), filtered.solutions.size());
   const auto error = [&](const navigation::Navigation& r, std::size_t i) {
-    return (truth.at(r.solutions[i].time).p_eb_e - r.solutions[i].state.p_eb_e).norm();
+    return (truth.at(r.solutions[i].time).pose.p_eb_e - r.solutions[i].state.p_eb_e).norm();
   };
   for (std::size_t i = 0; i < filtered.solutions.size(); ++i) {
     EXPECT_EQ(smoothed.solutions[i].time, filtered.solutions[i].time);
@@ -231,7 +233,7 @@ TEST(NavigationRun, AnAidMayGiveTheStart) {
   ASSERT_EQ(found.status, navigation::Navigation::Status::navigated) << found.why;
   EXPECT_NEAR(found.alignment.to, 4.25, 1e-9);
   const auto at = truth.at(found.solutions.back().time);
-  EXPECT_LT((found.solutions.back().state.p_eb_e - at.p_eb_e).norm(), 0.01);
+  EXPECT_LT((found.solutions.back().state.p_eb_e - at.pose.p_eb_e).norm(), 0.01);
   scene.alignment.start = 29.9;
   EXPECT_EQ(navigate(scene, recording).status, navigation::Navigation::Status::no_start);
 }
@@ -240,8 +242,8 @@ TEST(NavigationRun, AnAidMayGiveTheStart) {
 Recording pad(const earth::Trajectory& truth, const Vector3d& gyro_bias, const Vector3d& accelerometer_bias) {
   Recording recording = record(truth);
   for (auto& i : recording.imu.increments) {
-    i.angle += gyro_bias * kInterval;
-    i.velocity += accelerometer_bias * kInterval;
+    vector(i.angle) += gyro_bias * kInterval;
+    vector(i.velocity) += accelerometer_bias * kInterval;
   }
   return recording;
 }
@@ -350,12 +352,7 @@ std::pair<double, double> nees_of_self_aligned(noise::ErrorModel gyro, noise::Er
     noise::Imu imu(scene.sensor, dt, {.seed = 20261122, .run = i});
     Recording recording = ideal;
     for (auto& increment : recording.imu.increments) {
-      noise::ImuReading exact;
-      Eigen::Map<Vector3d>(exact.angle.data()) = increment.angle;
-      Eigen::Map<Vector3d>(exact.velocity.data()) = increment.velocity;
-      const noise::ImuReading read = imu.next(exact);
-      increment.angle = Eigen::Map<const Vector3d>(read.angle.data());
-      increment.velocity = Eigen::Map<const Vector3d>(read.velocity.data());
+      increment = imu.next(increment);
     }
     const auto found = navigate(scene, recording);
     if (found.status != navigation::Navigation::Status::navigated || found.reference->errors.size() != 2) return {0, 0};
@@ -395,11 +392,12 @@ TEST(NavigationRun, ASelfAlignedStartIsConsistentWithSensorsThatWander) {
 // What an antenna at the aid's lever arm has.
 Fix antenna_fix(const Aid& aid, const earth::TrajectoryPoint& at, double stamped) {
   Fix fix = fix_of(aid.kind, at, stamped);
-  const earth::Geodetic place = earth::to_geodetic(at.p_eb_e);
-  const Vector3d w_eb_b = at.w_ib_b - at.q_eb.conjugate() * Vector3d(0, 0, earth::wgs84::kEarthRate);
-  if (aid.kind == Aid::Kind::position) fix.value += at.q_eb * aid.lever_arm;
+  const earth::Geodetic place = earth::to_geodetic(at.pose.p_eb_e);
+  const Vector3d w_eb_b = at.sensed.w_ib_b - at.pose.q_eb.conjugate() * Vector3d(0, 0, earth::wgs84::kEarthRate);
+  if (aid.kind == Aid::Kind::position) fix.value += at.pose.q_eb * aid.lever_arm;
   if (aid.kind == Aid::Kind::velocity)
-    fix.value += earth::C_e_ned(place.latitude, place.longitude).transpose() * (at.q_eb * w_eb_b.cross(aid.lever_arm));
+    fix.value +=
+        earth::C_e_ned(place.latitude, place.longitude).transpose() * (at.pose.q_eb * w_eb_b.cross(aid.lever_arm));
   return fix;
 }
 
@@ -413,11 +411,11 @@ std::vector<Fix> antenna_fixes(const Aid& aid, const earth::Trajectory& truth, d
 Scenario from_gnss(const earth::Trajectory& truth) {
   Scenario scene;
   const auto start = truth.at(0.5);
-  const earth::Geodetic place = earth::to_geodetic(start.p_eb_e);
+  const earth::Geodetic place = earth::to_geodetic(start.pose.p_eb_e);
   const Eigen::Matrix3d C_en = earth::C_e_ned(place.latitude, place.longitude);
   scene.alignment.position = FromAid{0};
   scene.alignment.velocity = FromAid{1};
-  scene.alignment.attitude = earth::to_euler(Eigen::Quaterniond(C_en).conjugate() * start.q_eb);
+  scene.alignment.attitude = earth::to_euler(Eigen::Quaterniond(C_en).conjugate() * start.pose.q_eb);
   scene.aids = {aid(Aid::Kind::position, 0.05), aid(Aid::Kind::velocity, 0.02)};
   return scene;
 }
@@ -434,13 +432,13 @@ TEST(NavigationRun, TheLeverArmIsTakenOffTheStart) {
   ASSERT_EQ(found.status, navigation::Navigation::Status::navigated) << found.why;
   const auto at = truth.at(0.5);
   constexpr double kFrame = 2e-6;  // m: the attitude is given in axes of the antenna's place
-  EXPECT_LT((found.alignment.state.p_eb_e - at.p_eb_e).norm(), kFrame);
-  EXPECT_LT((found.alignment.state.v_eb_e - at.v_eb_e).norm(), 1e-3);
+  EXPECT_LT((found.alignment.state.p_eb_e - at.pose.p_eb_e).norm(), kFrame);
+  EXPECT_LT((found.alignment.state.v_eb_e - at.pose.v_eb_e).norm(), 1e-3);
   EXPECT_LT(largest_residual(found), 2e-3);
   // A heading that is off takes the lever arm off in a wrong direction: dp = [l x] psi.
   const CoreMatrix& P = found.alignment.covariance;
   const Eigen::Matrix3d psi = P.block<3, 3>(kAttitude, kAttitude);
-  const Eigen::Matrix3d arm = earth::skew(at.q_eb * scene.aids[0].lever_arm);
+  const Eigen::Matrix3d arm = earth::skew(at.pose.q_eb * scene.aids[0].lever_arm);
   EXPECT_LT((P.block<3, 3>(kPosition, kAttitude) - arm * psi).norm(), 1e-6 * (arm * psi).norm());
   const Eigen::Matrix3d expected = arm * psi * arm.transpose() + 0.05 * 0.05 * Eigen::Matrix3d::Identity();
   EXPECT_LT((P.block<3, 3>(kPosition, kPosition) - expected).norm(), 1e-6 * expected.norm());
@@ -511,8 +509,8 @@ TEST(NavigationRun, AStartFromGnssIsConsistent) {
   for (int i = 0; i < kManyRuns; ++i) {
     Recording recording = ideal;
     for (auto& increment : recording.imu.increments) {
-      increment.angle += draw(1e-5 * std::sqrt(kInterval));
-      increment.velocity += draw(1e-3 * std::sqrt(kInterval));
+      vector(increment.angle) += draw(1e-5 * std::sqrt(kInterval));
+      vector(increment.velocity) += draw(1e-3 * std::sqrt(kInterval));
     }
     const Vector3d bias = draw(0.3);
     Vector3d correlated = draw(0.2);
@@ -524,11 +522,11 @@ TEST(NavigationRun, AStartFromGnssIsConsistent) {
     for (Fix& fix : recording.fixes[1]) fix.value += draw(0.02);
     Scenario one = scene;
     const auto start = truth.at(0.5);
-    const earth::Geodetic place = earth::to_geodetic(start.p_eb_e);
+    const earth::Geodetic place = earth::to_geodetic(start.pose.p_eb_e);
     const Eigen::Matrix3d C_en = earth::C_e_ned(place.latitude, place.longitude);
     const Vector3d psi_n(0.002 * unit(engine), 0.002 * unit(engine), 0.03 * unit(engine));
     one.alignment.attitude =
-        earth::to_euler(earth::exp_rotation(psi_n) * (Eigen::Quaterniond(C_en).conjugate() * start.q_eb));
+        earth::to_euler(earth::exp_rotation(psi_n) * (Eigen::Quaterniond(C_en).conjugate() * start.pose.q_eb));
     const auto found = navigate(one, recording);
     ASSERT_EQ(found.status, navigation::Navigation::Status::navigated) << found.why;
     ASSERT_EQ(found.reference->errors.size(), 2U);
@@ -571,7 +569,7 @@ TEST(NavigationRun, AMemsIsAskedForItsHeading) {
 TEST(NavigationRun, ABodyThatMovesOrAWrongUnitIsNoAlignment) {
   const earth::Trajectory truth = earth::stand({.duration = 70});
   Recording recording = record(truth);
-  for (auto& i : recording.imu.increments) i.velocity *= 9.780327 / 9.80665;  // another g
+  for (auto& i : recording.imu.increments) vector(i.velocity) *= 9.780327 / 9.80665;  // another g
   const auto found = navigate(pad_scene(1e-9, 1e-4), recording);
   EXPECT_EQ(found.status, navigation::Navigation::Status::not_at_rest);
 }
@@ -586,7 +584,7 @@ TEST(NavigationRun, ZeroVelocityHoldsTheBody) {
   const auto found = navigate(scene, recording);
   EXPECT_EQ(found.aids.at(0).used, 90);
   EXPECT_LT(found.solutions.back().position_sigma.norm(), 1);
-  const double moved = (found.solutions.back().state.p_eb_e - truth.at(200).p_eb_e).norm();
+  const double moved = (found.solutions.back().state.p_eb_e - truth.at(200).pose.p_eb_e).norm();
   EXPECT_LT(moved, 3 * found.solutions.back().position_sigma.norm());
 }
 
@@ -617,17 +615,17 @@ TEST(NavigationRun, SigmasAreRightOverManyRuns) {
     Recording recording = ideal;
     const Vector3d gyro = draw(1e-4), accelerometer = draw(0.02);
     for (auto& increment : recording.imu.increments) {
-      increment.angle += kInterval * gyro + draw(1e-4 * std::sqrt(kInterval));
-      increment.velocity += kInterval * accelerometer + draw(1e-3 * std::sqrt(kInterval));
+      vector(increment.angle) += kInterval * gyro + draw(1e-4 * std::sqrt(kInterval));
+      vector(increment.velocity) += kInterval * accelerometer + draw(1e-3 * std::sqrt(kInterval));
     }
     Scenario one = scene;
     const auto start = truth.at(0);
-    const earth::Geodetic place = earth::to_geodetic(start.p_eb_e);
+    const earth::Geodetic place = earth::to_geodetic(start.pose.p_eb_e);
     const Eigen::Matrix3d C_en = earth::C_e_ned(place.latitude, place.longitude);
-    one.alignment.position = earth::to_geodetic(start.p_eb_e + draw(0.1));
-    one.alignment.velocity = Vector3d(C_en.transpose() * (start.v_eb_e + draw(0.01)));
+    one.alignment.position = earth::to_geodetic(start.pose.p_eb_e + draw(0.1));
+    one.alignment.velocity = Vector3d(C_en.transpose() * (start.pose.v_eb_e + draw(0.01)));
     one.alignment.attitude =
-        earth::to_euler(Eigen::Quaterniond(C_en).conjugate() * earth::exp_rotation(draw(1e-4)) * start.q_eb);
+        earth::to_euler(Eigen::Quaterniond(C_en).conjugate() * earth::exp_rotation(draw(1e-4)) * start.pose.q_eb);
     for (const Aid& a : one.aids) {
       // Fixes end before the truth's last instant, which the reference keeps exact.
       recording.fixes.push_back(fixes(a.kind, truth, 1, 1));

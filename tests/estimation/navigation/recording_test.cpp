@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/estimation/navigation/recording.h"
 
+#include "gyrobudget/vehicle/earth/vector.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -26,14 +28,14 @@ ImuSamples increments(const std::vector<std::int64_t>& ms, std::int64_t first_in
     const std::int64_t before = k == 0 ? ms[0] - first_interval_ms : ms[k - 1];
     const double a = static_cast<double>(before) * 1e-3, b = static_cast<double>(ms[k]) * 1e-3;
     samples.stamps.push_back(ms[k] * kMillisecond);
-    samples.values.push_back({{0, 0, 5 * (b - a)}, {angle(b) - angle(a), 0, 0}});
+    samples.values.push_back({.angle = {angle(b) - angle(a), 0, 0}, .velocity = {0, 0, 5 * (b - a)}});
   }
   return samples;
 }
 
 Vector3d sum_of_angles(const ImuLog& log) {
   return std::accumulate(log.increments.begin(), log.increments.end(), Vector3d(0, 0, 0),
-                         [](const Vector3d& sum, const auto& i) { return Vector3d(sum + i.angle); });
+                         [](const Vector3d& sum, const auto& i) { return Vector3d(sum + earth::vector(i.angle)); });
 }
 
 TEST(ImuLog, UnevenIncrementsKeepTheirOwnIntervals) {
@@ -43,7 +45,7 @@ TEST(ImuLog, UnevenIncrementsKeepTheirOwnIntervals) {
   EXPECT_EQ(log.stamps[3], 32 * kMillisecond);
   EXPECT_EQ(log.gaps, 0);
   EXPECT_NEAR(sum_of_angles(log).x(), angle(0.05), kRounding);
-  EXPECT_NEAR(log.increments[2].velocity.z(), 5 * 0.012, kRounding);
+  EXPECT_NEAR(log.increments[2].velocity[2], 5 * 0.012, kRounding);
   EXPECT_DOUBLE_EQ(log.typical_interval, 0.01);
 }
 
@@ -62,7 +64,7 @@ TEST(ImuLog, AGapIsBridgedByAStraightRate) {
 
 TEST(ImuLog, SamplesWithoutANumberAreBridgedTooAndEndsAreCut) {
   ImuSamples samples = increments({10, 20, 30, 40, 50, 60}, 10);
-  samples.values[0].angle.y() = samples.values[2].velocity.z() = samples.values[5].angle.x() = kNaN;
+  samples.values[0].angle[1] = samples.values[2].velocity[2] = samples.values[5].angle[0] = kNaN;
   const ImuLog log = imu_log(samples);
   EXPECT_EQ(log.stamps.front(), 10 * kMillisecond);
   EXPECT_EQ(log.stamps.back(), 50 * kMillisecond);
@@ -97,7 +99,7 @@ TEST(ImuLog, RefusesWhatIsNoLog) {
   EXPECT_THROW((void)imu_log(increments({10, 10, 20}, 10)), std::invalid_argument);
   EXPECT_THROW((void)imu_log(increments({10, 5, 20}, 10)), std::invalid_argument);
   ImuSamples none = increments({10, 20, 30}, 10);
-  for (auto& value : none.values) value.angle.x() = kNaN;
+  for (auto& value : none.values) value.angle[0] = kNaN;
   EXPECT_THROW((void)imu_log(none), std::invalid_argument);
   ImuSamples mixed = increments({10, 20, 30}, 10);
   mixed.gyro = SampleKind::instant;

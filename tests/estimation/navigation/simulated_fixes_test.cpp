@@ -30,8 +30,8 @@ Aid aid(Aid::Kind kind, double sigma) {
 // East, north, up error of a position fix of an antenna at the IMU.
 Vector3d position_error(const navigation::Fix& fix, const earth::Trajectory& path) {
   const auto truth = path.at(static_cast<double>(fix.stamp) * 1e-9);
-  const auto at = earth::to_geodetic(truth.p_eb_e);
-  return earth::C_e_enu(at.latitude, at.longitude).transpose() * (fix.value - truth.p_eb_e);
+  const auto at = earth::to_geodetic(truth.pose.p_eb_e);
+  return earth::C_e_enu(at.latitude, at.longitude).transpose() * (fix.value - truth.pose.p_eb_e);
 }
 
 }  // namespace
@@ -71,7 +71,7 @@ TEST(SimulatedFixes, StampAsTheAidDoes) {
   gnss.time_tag = -0.25;  // stamps are late: this is added to them
   const auto fixes = simulated_fixes(gnss, 0, path, 1, 0);
   EXPECT_EQ(fixes[4].stamp, 4'250'000'000);
-  EXPECT_LT((fixes[4].value - path.at(4).p_eb_e).norm(), 1e-6);
+  EXPECT_LT((fixes[4].value - path.at(4).pose.p_eb_e).norm(), 1e-6);
 }
 
 TEST(SimulatedFixes, KeepToValidityAndOutages) {
@@ -90,13 +90,13 @@ TEST(SimulatedFixes, MeasureVelocityAndAttitudeInTheirAxes) {
   Aid velocity = aid(Aid::Kind::velocity, 1e-12);
   velocity.lever_arm = {0, 2, 0};
   const auto truth = path.at(7);
-  const auto at = earth::to_geodetic(truth.p_eb_e);
-  const Matrix3d C_en = earth::C_e_ned(at.latitude, at.longitude), C_eb = truth.q_eb.toRotationMatrix();
-  const Vector3d w_eb_b = truth.w_ib_b - C_eb.transpose() * Vector3d(0, 0, earth::wgs84::kEarthRate);
-  const Vector3d expected = C_en.transpose() * (truth.v_eb_e + C_eb * w_eb_b.cross(velocity.lever_arm));
+  const auto at = earth::to_geodetic(truth.pose.p_eb_e);
+  const Matrix3d C_en = earth::C_e_ned(at.latitude, at.longitude), C_eb = truth.pose.q_eb.toRotationMatrix();
+  const Vector3d w_eb_b = truth.sensed.w_ib_b - C_eb.transpose() * Vector3d(0, 0, earth::wgs84::kEarthRate);
+  const Vector3d expected = C_en.transpose() * (truth.pose.v_eb_e + C_eb * w_eb_b.cross(velocity.lever_arm));
   EXPECT_LT((simulated_fixes(velocity, 0, path, 1, 0)[7].value - expected).norm(), 1e-9);
   const auto attitude = simulated_fixes(aid(Aid::Kind::attitude, 1e-12), 0, path, 1, 0)[7];
-  EXPECT_LT(earth::log_rotation(Eigen::Quaterniond(C_en) * attitude.q_nb * truth.q_eb.conjugate()).norm(), 1e-10);
+  EXPECT_LT(earth::log_rotation(Eigen::Quaterniond(C_en) * attitude.q_nb * truth.pose.q_eb.conjugate()).norm(), 1e-10);
 }
 
 TEST(SimulatedFixes, AreTheSameForASeedAndARun) {

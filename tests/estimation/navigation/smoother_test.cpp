@@ -6,6 +6,7 @@
 #include "gyrobudget/estimation/navigation/filter.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/paths.h"
+#include "gyrobudget/vehicle/earth/vector.h"
 
 #include <gtest/gtest.h>
 
@@ -71,7 +72,7 @@ TEST(Smoother, IsThatOfRauchTungAndStriebel) {
     const StateMatrix P0 = 4 * StateMatrix::Identity(kStates, kStates);
     navigation::Covariance ours(P0, form);
     navigation::FilterHistory record(kStates);
-    const navigation::NavigationState nowhere{{0, 0, 0}, {0, 0, 0}, Eigen::Quaterniond::Identity()};
+    const earth::Pose nowhere{{0, 0, 0}, {0, 0, 0}, Eigen::Quaterniond::Identity()};
     std::vector<Moment> moments(kSteps);
     std::vector<Dense> moves;
     StateVector x = StateVector::Zero(kStates);
@@ -171,8 +172,8 @@ TEST(Smoother, ErrorsAreThoseClaimed) {
     normal.fill(x);
     x = x.cwiseProduct(sigma).eval();
     const auto at0 = path.at(0);
-    const navigation::NavigationState start{at0.p_eb_e - x.segment<3>(0), at0.v_eb_e - x.segment<3>(3),
-                                            (earth::exp_rotation(-x.segment<3>(6)) * at0.q_eb).normalized()};
+    const earth::Pose start{at0.pose.p_eb_e - x.segment<3>(0), at0.pose.v_eb_e - x.segment<3>(3),
+                            (earth::exp_rotation(-x.segment<3>(6)) * at0.pose.q_eb).normalized()};
     navigation::Filter filter(start, model, StateMatrix(sigma.cwiseAbs2().asDiagonal()));
     navigation::FilterHistory record(kSize);
     filter.record(&record);
@@ -180,8 +181,8 @@ TEST(Smoother, ErrorsAreThoseClaimed) {
     for (int k = 0; k < static_cast<int>(imu.size()); ++k) {
       auto measured = imu[static_cast<std::size_t>(k)];
       for (int i = 0; i < 3; ++i) {
-        measured.angle[i] += kDt * x[9 + i] + 1e-5 * std::sqrt(kDt) * normal();
-        measured.velocity[i] += kDt * x[12 + i] + 1e-3 * std::sqrt(kDt) * normal();
+        earth::vector(measured.angle)[i] += kDt * x[9 + i] + 1e-5 * std::sqrt(kDt) * normal();
+        earth::vector(measured.velocity)[i] += kDt * x[12 + i] + 1e-3 * std::sqrt(kDt) * normal();
       }
       filter.propagate(measured, kDt);
       if (std::find(kept.begin(), kept.end(), k + 1) != kept.end()) {
@@ -192,18 +193,18 @@ TEST(Smoother, ErrorsAreThoseClaimed) {
         Vector3d noise;
         normal.fill(noise);
         filter.update(
-            measure(navigation::PositionFix{path.at((k + 1) * kDt).p_eb_e + noise, fix_sigma}, filter.estimate()));
+            measure(navigation::PositionFix{path.at((k + 1) * kDt).pose.p_eb_e + noise, fix_sigma}, filter.estimate()));
       }
     }
     const auto smoothed = smooth(record);
     for (std::size_t e = 0; e < smoothed.size(); ++e) {
       const auto truth = path.at(smoothed[e].time);
       StateVector off(kSize);
-      off << truth.p_eb_e - smoothed[e].state.p_eb_e, truth.v_eb_e - smoothed[e].state.v_eb_e,
-          earth::log_rotation(truth.q_eb * smoothed[e].state.q_eb.conjugate()), x.tail(6) - smoothed[e].terms;
+      off << truth.pose.p_eb_e - smoothed[e].state.p_eb_e, truth.pose.v_eb_e - smoothed[e].state.v_eb_e,
+          earth::log_rotation(truth.pose.q_eb * smoothed[e].state.q_eb.conjugate()), x.tail(6) - smoothed[e].terms;
       nees[e] += off.dot(smoothed[e].P.llt().solve(off));
       error[e] += off.head<3>().squaredNorm();
-      filter_error[e] += (truth.p_eb_e - filter_positions[e]).squaredNorm();
+      filter_error[e] += (truth.pose.p_eb_e - filter_positions[e]).squaredNorm();
     }
   }
   const boost::math::chi_squared law(kRuns * kSize);
@@ -234,7 +235,7 @@ TEST(Smoother, RefusesWhatItCannotSmooth) {
 
   navigation::ErrorStateModel model;
   model.terms.resize(3);
-  const navigation::NavigationState start{earth::to_ecef({0, 0, 0}), {0, 0, 0}, Eigen::Quaterniond::Identity()};
+  const earth::Pose start{earth::to_ecef({0, 0, 0}), {0, 0, 0}, Eigen::Quaterniond::Identity()};
   const StateMatrix P0 = StateMatrix::Identity(kStates, kStates);
   navigation::Filter filter(start, model, P0);
   EXPECT_THROW(filter.keep_epoch(), std::logic_error);

@@ -5,6 +5,7 @@
 
 #include "gyrobudget/vehicle/earth/frames.h"
 #include "gyrobudget/vehicle/earth/paths.h"
+#include "gyrobudget/vehicle/earth/vector.h"
 
 #include <gtest/gtest.h>
 
@@ -38,8 +39,8 @@ Samples sampled(const Trajectory& path, double h) {
     const double t = std::min(path.duration(), k * h + (k % count == 0 ? 0 : 0.2 * h * std::sin(5.0 * k)));
     const TrajectoryPoint p = path.at(t);
     s.times.push_back(1000 + t);
-    s.p_eb_e.push_back(p.p_eb_e);
-    s.q_eb.push_back(k % 2 == 0 ? p.q_eb : Quaterniond(-p.q_eb.coeffs()));
+    s.p_eb_e.push_back(p.pose.p_eb_e);
+    s.q_eb.push_back(k % 2 == 0 ? p.pose.q_eb : Quaterniond(-p.pose.q_eb.coeffs()));
   }
   return s;
 }
@@ -51,8 +52,8 @@ TEST(Sampled, PassesThroughEverySample) {
   const Trajectory spline = through_samples(s.times, s.p_eb_e, s.q_eb);
   for (std::size_t k = 0; k < s.times.size(); ++k) {
     const TrajectoryPoint p = spline.at(s.times[k] - s.times[0]);
-    ASSERT_LE((p.p_eb_e - s.p_eb_e[k]).norm(), 4e-9);
-    ASSERT_LE(turn_between(p.q_eb, s.q_eb[k]), 1e-14);
+    ASSERT_LE((p.pose.p_eb_e - s.p_eb_e[k]).norm(), 4e-9);
+    ASSERT_LE(turn_between(p.pose.q_eb, s.q_eb[k]), 1e-14);
   }
 }
 
@@ -65,8 +66,9 @@ TEST(Sampled, IsOfFourthOrderAndItsForceOfSecond) {
     for (double t = 5; t < 55; t += 0.0137) {
       const TrajectoryPoint a = spline.at(t);
       const TrajectoryPoint b = path.at(t);
-      worst = worst.cwiseMax(Eigen::Vector4d((a.p_eb_e - b.p_eb_e).norm(), turn_between(a.q_eb, b.q_eb),
-                                             (a.w_ib_b - b.w_ib_b).norm(), (a.f_ib_b - b.f_ib_b).norm()));
+      worst = worst.cwiseMax(
+          Eigen::Vector4d((a.pose.p_eb_e - b.pose.p_eb_e).norm(), turn_between(a.pose.q_eb, b.pose.q_eb),
+                          (a.sensed.w_ib_b - b.sensed.w_ib_b).norm(), (a.sensed.f_ib_b - b.sensed.f_ib_b).norm()));
     }
     return worst;
   };
@@ -91,11 +93,11 @@ TEST(Sampled, MeetsCubicsExactly) {
     const std::vector<Quaterniond> level(count, Quaterniond::Identity());
     const Trajectory spline = through_samples(std::span(times).first(count), std::span(positions).first(count), level);
     for (double t = 0; t <= times[count - 1]; t += 0.05) {
-      EXPECT_LE((spline.at(t).p_eb_e - p(t)).norm(), 1e-8);
-      EXPECT_LE(
-          (spline.at(t).v_eb_e - (Vector3d(100, 5, -3) + Vector3d(2, 4, 6) * t + Vector3d(0.3, -0.6, 0.15) * t * t))
-              .norm(),
-          1e-7);
+      EXPECT_LE((spline.at(t).pose.p_eb_e - p(t)).norm(), 1e-8);
+      EXPECT_LE((spline.at(t).pose.v_eb_e -
+                 (Vector3d(100, 5, -3) + Vector3d(2, 4, 6) * t + Vector3d(0.3, -0.6, 0.15) * t * t))
+                    .norm(),
+                1e-7);
     }
   }
 }
@@ -107,8 +109,8 @@ TEST(Sampled, ForceAndRateAreContinuousAtSamples) {
     const double t = s.times[k] - s.times[0];
     const TrajectoryPoint before = spline.at(t - 1e-9);
     const TrajectoryPoint after = spline.at(t + 1e-9);
-    ASSERT_LE((before.f_ib_b - after.f_ib_b).norm(), 1e-6);
-    ASSERT_LE((before.w_ib_b - after.w_ib_b).norm(), 1e-8);
+    ASSERT_LE((before.sensed.f_ib_b - after.sensed.f_ib_b).norm(), 1e-6);
+    ASSERT_LE((before.sensed.w_ib_b - after.sensed.w_ib_b).norm(), 1e-8);
   }
 }
 
@@ -123,8 +125,8 @@ TEST(Sampled, GeodeticSamplesAreTheSame) {
   const Trajectory a = through_samples(s.times, s.p_eb_e, s.q_eb);
   const Trajectory b = through_samples(s.times, places, q_nb);
   for (double t = 0; t <= 60; t += 0.31) {
-    ASSERT_LE((a.at(t).p_eb_e - b.at(t).p_eb_e).norm(), 2e-8);
-    ASSERT_LE(turn_between(a.at(t).q_eb, b.at(t).q_eb), 1e-13);
+    ASSERT_LE((a.at(t).pose.p_eb_e - b.at(t).pose.p_eb_e).norm(), 2e-8);
+    ASSERT_LE(turn_between(a.at(t).pose.q_eb, b.at(t).pose.q_eb), 1e-13);
   }
 }
 
@@ -136,19 +138,19 @@ TEST(Sampled, IncrementsAreTheIntegralsOfTheSpline) {
     const double a = s.times[k] - s.times[0];
     const double b = s.times[k + 1] - s.times[0];
     const auto sum = [&](int n) {
-      ImuIncrement total{Vector3d::Zero(), Vector3d::Zero()};
+      noise::ImuIncrement total;
       for (int j = 0; j < n; ++j) {
         const TrajectoryPoint p = spline.at(a + (b - a) * (j + 0.5) / n);
-        total.velocity += p.f_ib_b * (b - a) / n;
-        total.angle += p.w_ib_b * (b - a) / n;
+        vector(total.velocity) += p.sensed.f_ib_b * (b - a) / n;
+        vector(total.angle) += p.sensed.w_ib_b * (b - a) / n;
       }
       return total;
     };
-    const ImuIncrement coarse = sum(500);
-    const ImuIncrement fine = sum(1000);
-    const ImuIncrement ours = spline.increment(a, b);
-    EXPECT_LE((ours.velocity - (4 * fine.velocity - coarse.velocity) / 3).norm(), 1e-11);
-    EXPECT_LE((ours.angle - (4 * fine.angle - coarse.angle) / 3).norm(), 1e-12);
+    const noise::ImuIncrement coarse = sum(500);
+    const noise::ImuIncrement fine = sum(1000);
+    const noise::ImuIncrement ours = spline.increment(a, b);
+    EXPECT_LE((vector(ours.velocity) - (4 * vector(fine.velocity) - vector(coarse.velocity)) / 3).norm(), 1e-11);
+    EXPECT_LE((vector(ours.angle) - (4 * vector(fine.angle) - vector(coarse.angle)) / 3).norm(), 1e-12);
   }
 }
 

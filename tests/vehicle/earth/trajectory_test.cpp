@@ -6,6 +6,7 @@
 #include "gyrobudget/vehicle/earth/frames.h"
 #include "gyrobudget/vehicle/earth/gravity.h"
 #include "gyrobudget/vehicle/earth/paths.h"
+#include "gyrobudget/vehicle/earth/vector.h"
 
 #include <gtest/gtest.h>
 
@@ -74,13 +75,13 @@ TEST(Stand, AtRestSensesEarthAlone) {
     const Vector3d f = -C_be * normal_gravity(to_ecef(place));
     const Vector3d w = C_be * Vector3d(0, 0, wgs84::kEarthRate);
     const TrajectoryPoint p = rest.at(uniform(0, 100));
-    ASSERT_EQ(p.p_eb_e, to_ecef(place));
-    ASSERT_EQ(p.v_eb_e, Vector3d::Zero());
-    ASSERT_LE((p.f_ib_b - f).norm(), 16 * kEpsilon * 9.8);
-    ASSERT_LE((p.w_ib_b - w).norm(), 16 * kEpsilon * wgs84::kEarthRate);
-    const ImuIncrement one = rest.increment(3.5, 3.75);
-    ASSERT_LE((one.velocity - f / 4).norm(), 16 * kEpsilon * 9.8);
-    ASSERT_LE((one.angle - w / 4).norm(), 16 * kEpsilon * wgs84::kEarthRate);
+    ASSERT_EQ(p.pose.p_eb_e, to_ecef(place));
+    ASSERT_EQ(p.pose.v_eb_e, Vector3d::Zero());
+    ASSERT_LE((p.sensed.f_ib_b - f).norm(), 16 * kEpsilon * 9.8);
+    ASSERT_LE((p.sensed.w_ib_b - w).norm(), 16 * kEpsilon * wgs84::kEarthRate);
+    const noise::ImuIncrement one = rest.increment(3.5, 3.75);
+    ASSERT_LE((vector(one.velocity) - f / 4).norm(), 16 * kEpsilon * 9.8);
+    ASSERT_LE((vector(one.angle) - w / 4).norm(), 16 * kEpsilon * wgs84::kEarthRate);
   }
 }
 
@@ -121,13 +122,14 @@ TEST(Stand, ConingIncrementsAreTheClosedForm) {
           const Vector3d own(-2 * std::pow(std::sin(angle / 2), 2) * w * span,
                              std::sin(angle) * (std::cos(w * b) - std::cos(w * a)),
                              std::sin(angle) * (std::sin(w * b) - std::sin(w * a)));
-          const ImuIncrement one = coning.increment(a, b);
+          const noise::ImuIncrement one = coning.increment(a, b);
           // Phases up to 2 pi 5000 round by eps each; the closed form divides by w what it takes from them.
           const double phase = kEpsilon * (8 + w * b);
-          ASSERT_LE((one.angle - own - C * w_ie_n).norm(),
+          ASSERT_LE((vector(one.angle) - own - C * w_ie_n).norm(),
                     4 * angle * phase * (1 + w * span) + 8 * kEpsilon * w * dt * angle)
               << frequency << " " << angle << " " << dt;
-          ASSERT_LE((one.velocity - C * f_n).norm(), 20 * (phase * std::min(angle, 1.0) / w + 16 * kEpsilon * dt));
+          ASSERT_LE((vector(one.velocity) - C * f_n).norm(),
+                    20 * (phase * std::min(angle, 1.0) / w + 16 * kEpsilon * dt));
         }
     }
 }
@@ -147,10 +149,10 @@ TEST(Stand, SpinIncrementsAreTheClosedForm) {
     const Matrix3d K = skew(axis);
     const Matrix3d C = span * Matrix3d::Identity() + (std::cos(rate * b) - std::cos(rate * a)) / rate * K +
                        (span - (std::sin(rate * b) - std::sin(rate * a)) / rate) * K * K;
-    const ImuIncrement one = spin.increment(a, b);
+    const noise::ImuIncrement one = spin.increment(a, b);
     const double phase = kEpsilon * (8 + rate * b) / rate;
-    EXPECT_LE((one.angle - rate * span * axis - C * w_ie_n).norm(), 16 * kEpsilon * rate * dt + 1e-4 * phase);
-    EXPECT_LE((one.velocity - C * f_n).norm(), 10 * (16 * kEpsilon * dt + 4 * phase));
+    EXPECT_LE((vector(one.angle) - rate * span * axis - C * w_ie_n).norm(), 16 * kEpsilon * rate * dt + 1e-4 * phase);
+    EXPECT_LE((vector(one.velocity) - C * f_n).norm(), 10 * (16 * kEpsilon * dt + 4 * phase));
   }
 }
 
@@ -162,7 +164,7 @@ TEST(Stand, UncorrectedScullingIsHalfTheProduct) {
       stand({.vibration = {.sculling_angle = angle, .sculling_acceleration = acceleration, .sculling_frequency = 5},
              .duration = 10});
   // f_z = -g cos(roll) - sin(roll) f_y, with f_y = -acceleration sin, averaged over whole periods.
-  const double mean = (sculling.increment(0, 10).velocity - still.increment(0, 10).velocity).z() / 10;
+  const double mean = (sculling.increment(0, 10).velocity[2] - still.increment(0, 10).velocity[2]) / 10;
   EXPECT_NEAR(mean, angle * acceleration / 2 + 9.78 * angle * angle / 4, 1e-3 * angle * acceleration);
 }
 
@@ -177,15 +179,15 @@ TEST(Cruise, EastAlongTheEquatorIsAnOrbit) {
     for (double t = 0; t <= 36000; t += 1800) {
       const TrajectoryPoint p = flight.at(t);
       const double longitude = 0.5 + speed / r * t;
-      ASSERT_LE((p.p_eb_e - r * Vector3d(std::cos(longitude), std::sin(longitude), 0)).norm(),
+      ASSERT_LE((p.pose.p_eb_e - r * Vector3d(std::cos(longitude), std::sin(longitude), 0)).norm(),
                 1e-8 + kEpsilon * speed * t);
-      ASSERT_NEAR(p.v_eb_e.norm(), speed, 1e-11);
-      ASSERT_LE((p.w_ib_b - Vector3d(0, -rate, 0)).norm(), 1e-17);
-      ASSERT_LE((p.f_ib_b - Vector3d(0, 0, rate * rate * r - pull)).norm(), 1e-13);
+      ASSERT_NEAR(p.pose.v_eb_e.norm(), speed, 1e-11);
+      ASSERT_LE((p.sensed.w_ib_b - Vector3d(0, -rate, 0)).norm(), 1e-17);
+      ASSERT_LE((p.sensed.f_ib_b - Vector3d(0, 0, rate * rate * r - pull)).norm(), 1e-13);
     }
-    const ImuIncrement whole = flight.increment(0, 36000);
-    ASSERT_NEAR(whole.angle.y(), -rate * 36000, 1e-12);
-    ASSERT_NEAR(whole.velocity.z(), (rate * rate * r - pull) * 36000, 1e-8);
+    const noise::ImuIncrement whole = flight.increment(0, 36000);
+    ASSERT_NEAR(whole.angle[1], -rate * 36000, 1e-12);
+    ASSERT_NEAR(whole.velocity[2], (rate * rate * r - pull) * 36000, 1e-8);
   }
 }
 
@@ -193,12 +195,12 @@ TEST(Cruise, KeepsHeightLevelAndSpeedOverThePole) {
   const Trajectory flight = cruise({.start = {1.2, 0.4, 9000}, .azimuth = 0, .speed = 300, .duration = 3600 * 4});
   for (double t = 0; t <= flight.duration(); t += 60) {
     const TrajectoryPoint p = flight.at(t);
-    const Geodetic here = to_geodetic(p.p_eb_e);
+    const Geodetic here = to_geodetic(p.pose.p_eb_e);
     ASSERT_NEAR(here.height, 9000, 1e-8);
-    ASSERT_NEAR(p.v_eb_e.norm(), 300, 3);
-    const Matrix3d C_eb = p.q_eb.toRotationMatrix();
+    ASSERT_NEAR(p.pose.v_eb_e.norm(), 300, 3);
+    const Matrix3d C_eb = p.pose.q_eb.toRotationMatrix();
     ASSERT_LE((C_eb.col(2) + up_e(here.latitude, here.longitude)).norm(), 1e-14);
-    ASSERT_LE((p.v_eb_e / p.v_eb_e.norm() - C_eb.col(0)).norm(), 1e-12);
+    ASSERT_LE((p.pose.v_eb_e / p.pose.v_eb_e.norm() - C_eb.col(0)).norm(), 1e-12);
   }
 }
 
@@ -209,21 +211,21 @@ TEST(Cruise, TurnsAsHardAsAskedAndCoordinated) {
   double hardest = 0;
   for (double t = 0; t <= 60; t += 0.1) {
     const TrajectoryPoint p = flight.at(t);
-    const Geodetic here = to_geodetic(p.p_eb_e);
+    const Geodetic here = to_geodetic(p.pose.p_eb_e);
     ASSERT_NEAR(here.height, 10000, 1e-8);
-    const Matrix3d C_bn = p.q_eb.toRotationMatrix().transpose() * C_en(here);
+    const Matrix3d C_bn = p.pose.q_eb.toRotationMatrix().transpose() * C_en(here);
     // Forward is along the track, and sideways only what gravity's 9.78 beside 9.807, heading off the centre
     // line and Coriolis leave.
-    ASSERT_NEAR((p.q_eb.conjugate() * p.v_eb_e).normalized().x(), 1, 1e-5);
-    ASSERT_LE(std::abs(p.f_ib_b.y()), 0.06 * acceleration) << t;
-    const Vector3d f_n = C_bn.transpose() * p.f_ib_b;
+    ASSERT_NEAR((p.pose.q_eb.conjugate() * p.pose.v_eb_e).normalized().x(), 1, 1e-5);
+    ASSERT_LE(std::abs(p.sensed.f_ib_b.y()), 0.06 * acceleration) << t;
+    const Vector3d f_n = C_bn.transpose() * p.sensed.f_ib_b;
     hardest = std::max(hardest, f_n.head<2>().norm());
   }
   EXPECT_NEAR(hardest, acceleration, 0.02 * acceleration);
   // A positive acceleration first turns left: the left wing down.
   const TrajectoryPoint early = flight.at(1);
-  const Geodetic here = to_geodetic(early.p_eb_e);
-  EXPECT_LT(to_euler(Quaterniond(C_en(here)).conjugate() * early.q_eb).roll, -0.01);
+  const Geodetic here = to_geodetic(early.pose.p_eb_e);
+  EXPECT_LT(to_euler(Quaterniond(C_en(here)).conjugate() * early.pose.q_eb).roll, -0.01);
 }
 
 TEST(Climb, GoesStraightUp) {
@@ -232,19 +234,19 @@ TEST(Climb, GoesStraightUp) {
   const auto pad = LocalFrame::launch_plane(options.site, options.azimuth);
   for (double t = 0; t <= 60; t += 1) {
     const TrajectoryPoint p = flight.at(t);
-    const Vector3d local = pad.from_ecef(p.p_eb_e);
+    const Vector3d local = pad.from_ecef(p.pose.p_eb_e);
     ASSERT_NEAR(local.z(), 6 * t * t, 4e-9);
     ASSERT_LE(local.head<2>().norm(), 4e-9);
-    ASSERT_NEAR(p.f_ib_b.x(), 12 + normal_gravity(p.p_eb_e).norm(), 1e-5);
+    ASSERT_NEAR(p.sensed.f_ib_b.x(), 12 + normal_gravity(p.pose.p_eb_e).norm(), 1e-5);
     // Climbing, the body gains on nothing to the east: Coriolis 2 omega v cos L pushes it there.
-    const Vector3d f_l = pad.C_el().transpose() * (p.q_eb * p.f_ib_b);
+    const Vector3d f_l = pad.C_el().transpose() * (p.pose.q_eb * p.sensed.f_ib_b);
     ASSERT_NEAR(f_l.x(), 2 * wgs84::kEarthRate * 12 * t * std::cos(options.site.latitude), 1e-4);
   }
 }
 
 TEST(Ascent, LastsAsLongAsItMay) {
   const Trajectory longest = ascent({.duration = kLongestAscent});
-  EXPECT_TRUE(longest.at(kLongestAscent).v_eb_e.allFinite());
+  EXPECT_TRUE(longest.at(kLongestAscent).pose.v_eb_e.allFinite());
   EXPECT_THROW((void)ascent({.duration = std::nextafter(kLongestAscent, 1e6)}), std::invalid_argument);
 }
 
@@ -255,7 +257,7 @@ TEST(Ascent, FollowsItsProgram) {
   const auto euler = [&](double t) {
     Matrix3d C_plane;  // downrange, right, down
     C_plane << pad.C_el().col(0), -pad.C_el().col(1), -pad.C_el().col(2);
-    return to_euler(Quaterniond(C_plane).conjugate() * flight.at(t).q_eb);
+    return to_euler(Quaterniond(C_plane).conjugate() * flight.at(t).pose.q_eb);
   };
   EXPECT_NEAR(euler(0).pitch, pi / 2, 1e-14);
   EXPECT_NEAR(euler(7.9).pitch, pi / 2, 1e-14);
@@ -263,19 +265,19 @@ TEST(Ascent, FollowsItsProgram) {
   EXPECT_NEAR(euler(83).pitch, 50 * kDegree, 1e-14);
   EXPECT_NEAR(euler(60).yaw, 0, 1e-14);
   EXPECT_NEAR(euler(60).roll, 0, 1e-14);
-  EXPECT_NEAR(flight.at(0).f_ib_b.x(), 13, 1e-14);
-  EXPECT_NEAR(flight.at(77).f_ib_b.x(), 19, 1e-13);
-  EXPECT_NEAR(flight.at(80).f_ib_b.x(), 9.5, 1e-13);
-  EXPECT_NEAR(flight.at(83).f_ib_b.x(), 0, 1e-13);
+  EXPECT_NEAR(flight.at(0).sensed.f_ib_b.x(), 13, 1e-14);
+  EXPECT_NEAR(flight.at(77).sensed.f_ib_b.x(), 19, 1e-13);
+  EXPECT_NEAR(flight.at(80).sensed.f_ib_b.x(), 9.5, 1e-13);
+  EXPECT_NEAR(flight.at(83).sensed.f_ib_b.x(), 0, 1e-13);
   // Integrals of the program by hand: (13 + 19)/2 77 + 19/2 6.
-  EXPECT_NEAR(flight.increment(0, 83).velocity.x(), 16 * 77 + 57, 1e-10);
-  EXPECT_LE(flight.increment(0, 83).velocity.tail<2>().norm(), 1e-12);
-  EXPECT_EQ(flight.at(0).v_eb_e, Vector3d::Zero());
-  const Vector3d end = pad.from_ecef(flight.at(83).p_eb_e);
+  EXPECT_NEAR(flight.increment(0, 83).velocity[0], 16 * 77 + 57, 1e-10);
+  EXPECT_LE(vector(flight.increment(0, 83).velocity).tail<2>().norm(), 1e-12);
+  EXPECT_EQ(flight.at(0).pose.v_eb_e, Vector3d::Zero());
+  const Vector3d end = pad.from_ecef(flight.at(83).pose.p_eb_e);
   EXPECT_GT(end.x(), 5e3);
   EXPECT_GT(end.z(), 1e4);
   // To the east Earth's rate falls on pitch: 0.347 degrees in all, against the body that follows the plane.
-  EXPECT_NEAR((flight.increment(0, 83).angle.y() + 40 * kDegree) / kDegree, -0.3465, 5e-4);
+  EXPECT_NEAR((flight.increment(0, 83).angle[1] + 40 * kDegree) / kDegree, -0.3465, 5e-4);
 }
 
 // --- Every path ------------------------------------------------------------------------------------------
@@ -286,11 +288,12 @@ struct InertialState {
 };
 
 /// p'' = C_ib f + gravitation, q' = q (0, w)/2, by the classical Runge-Kutta method in inertial axes.
-InertialState derivative(const InertialState& s, const TrajectoryPoint& sensed) {
+InertialState derivative(const InertialState& s, const TrajectoryPoint& at) {
   const Inertial inertial;
-  const Matrix3d C_ie = inertial.C_ie(sensed.t);
-  const Quaterniond rate(0, sensed.w_ib_b.x() / 2, sensed.w_ib_b.y() / 2, sensed.w_ib_b.z() / 2);
-  return {s.v, s.q_ib.normalized() * sensed.f_ib_b + C_ie * normal_gravitation(C_ie.transpose() * s.p), s.q_ib * rate};
+  const Matrix3d C_ie = inertial.C_ie(at.t);
+  const auto& [f_ib_b, w_ib_b] = at.sensed;
+  const Quaterniond rate(0, w_ib_b.x() / 2, w_ib_b.y() / 2, w_ib_b.z() / 2);
+  return {s.v, s.q_ib.normalized() * f_ib_b + C_ie * normal_gravitation(C_ie.transpose() * s.p), s.q_ib * rate};
 }
 
 InertialState plus(const InertialState& s, double h, const InertialState& d) {
@@ -305,8 +308,8 @@ TEST(EveryPath, IsWhatItsSensorsIntegrateTo) {
   const Inertial inertial;
   for (const Case& c : all_paths()) {
     const TrajectoryPoint start = c.trajectory.at(0);
-    const Moving moving = inertial.from_ecef({start.p_eb_e, start.v_eb_e}, 0);
-    InertialState s{moving.p, moving.v, start.q_eb};
+    const Moving moving = inertial.from_ecef({start.pose.p_eb_e, start.pose.v_eb_e}, 0);
+    InertialState s{moving.p, moving.v, start.pose.q_eb};
     const int steps = static_cast<int>(std::lround(c.trajectory.duration() / kStep));
     TrajectoryPoint now = start;
     for (int k = 0; k < steps; ++k) {
@@ -324,10 +327,10 @@ TEST(EveryPath, IsWhatItsSensorsIntegrateTo) {
       now = c.trajectory.at(end);
     }
     const Moving end = inertial.to_ecef({s.p, s.v}, now.t);
-    EXPECT_LE((end.p - now.p_eb_e).norm(), kPosition) << c.name;
-    EXPECT_LE((end.v - now.v_eb_e).norm(), kPosition) << c.name;
+    EXPECT_LE((end.p - now.pose.p_eb_e).norm(), kPosition) << c.name;
+    EXPECT_LE((end.v - now.pose.v_eb_e).norm(), kPosition) << c.name;
     const Quaterniond q_eb = Quaterniond(inertial.C_ie(now.t).transpose()) * s.q_ib;
-    EXPECT_LE(log_rotation(q_eb.conjugate() * now.q_eb).norm(), kAttitude) << c.name;
+    EXPECT_LE(log_rotation(q_eb.conjugate() * now.pose.q_eb).norm(), kAttitude) << c.name;
   }
 }
 
@@ -335,27 +338,30 @@ TEST(EveryPath, VelocityIsTheDerivativeOfPosition) {
   constexpr double h = 1e-3;  // errs by h^2/6 of the jerk, at most 2 m/s^2 (44 rad/s)
   for (const Case& c : all_paths())
     for (const double t : {0.5, 3.3, 7.0, 9.9}) {
-      const Vector3d numeric = (c.trajectory.at(t + h).p_eb_e - c.trajectory.at(t - h).p_eb_e) / (2 * h);
-      EXPECT_LE((numeric - c.trajectory.at(t).v_eb_e).norm(), 2e-5) << c.name;
+      const Vector3d numeric = (c.trajectory.at(t + h).pose.p_eb_e - c.trajectory.at(t - h).pose.p_eb_e) / (2 * h);
+      EXPECT_LE((numeric - c.trajectory.at(t).pose.v_eb_e).norm(), 2e-5) << c.name;
     }
 }
 
 TEST(EveryPath, IncrementsAddUpInWhateverPieces) {
   for (const Case& c : all_paths()) {
     const double T = 10;
-    const ImuIncrement whole = c.trajectory.increment(0, T);
+    const noise::ImuIncrement whole = c.trajectory.increment(0, T);
     for (const double interval : {0.001, 0.01, 0.1, 0.7, 5.0}) {
-      ImuIncrement sum{Vector3d::Zero(), Vector3d::Zero()};
+      noise::ImuIncrement sum;
       const auto all = c.trajectory.increments(interval);
       const std::size_t count = std::min(all.size(), static_cast<std::size_t>(std::floor(T / interval * (1 + 1e-12))));
       for (std::size_t k = 0; k < count; ++k) {
-        sum.velocity += all[k].velocity;
-        sum.angle += all[k].angle;
+        vector(sum.velocity) += vector(all[k].velocity);
+        vector(sum.angle) += vector(all[k].angle);
       }
-      const ImuIncrement rest = c.trajectory.increment(std::min(T, static_cast<double>(count) * interval), T);
+      const noise::ImuIncrement rest = c.trajectory.increment(std::min(T, static_cast<double>(count) * interval), T);
       const double rounding = 4 * kEpsilon * std::sqrt(static_cast<double>(count) + 100);  // of a running sum
-      EXPECT_LE((sum.velocity + rest.velocity - whole.velocity).norm(), rounding * 200) << c.name << " " << interval;
-      EXPECT_LE((sum.angle + rest.angle - whole.angle).norm(), rounding * (1 + whole.angle.norm())) << c.name;
+      EXPECT_LE((vector(sum.velocity) + vector(rest.velocity) - vector(whole.velocity)).norm(), rounding * 200)
+          << c.name << " " << interval;
+      EXPECT_LE((vector(sum.angle) + vector(rest.angle) - vector(whole.angle)).norm(),
+                rounding * (1 + vector(whole.angle).norm()))
+          << c.name;
     }
   }
 }
@@ -370,17 +376,17 @@ TEST(EveryPath, IncrementsNavigateBackToIt) {
   for (const Case& c : all_paths()) {
     const auto imu = c.trajectory.increments(kInterval);
     const TrajectoryPoint start = c.trajectory.at(0);
-    Moving s = inertial.from_ecef({start.p_eb_e, start.v_eb_e}, 0);
-    Quaterniond q_ib = start.q_eb;
-    Vector3d last_gain_i = q_ib * imu.front().velocity;
-    ImuIncrement last = imu.front();
+    Moving s = inertial.from_ecef({start.pose.p_eb_e, start.pose.v_eb_e}, 0);
+    Quaterniond q_ib = start.pose.q_eb;
+    Vector3d last_gain_i = q_ib * vector(imu.front().velocity);
+    noise::ImuIncrement last = imu.front();
     const std::size_t count = std::min<std::size_t>(imu.size(), 20000);
     for (std::size_t k = 0; k < count; ++k) {
-      const ImuIncrement& now = imu[k];
-      const Vector3d turn = now.angle + last.angle.cross(now.angle) / 12;
-      const Vector3d gain = now.velocity + now.angle.cross(now.velocity) / 2 +
-                            now.angle.cross(now.angle.cross(now.velocity)) / 6 +
-                            (last.angle.cross(now.velocity) + last.velocity.cross(now.angle)) / 12;
+      const noise::ImuIncrement& now = imu[k];
+      const auto a = vector(now.angle), v = vector(now.velocity);
+      const auto last_a = vector(last.angle), last_v = vector(last.velocity);
+      const Vector3d turn = a + last_a.cross(a) / 12;
+      const Vector3d gain = v + a.cross(v) / 2 + a.cross(a.cross(v)) / 6 + (last_a.cross(v) + last_v.cross(a)) / 12;
       const Matrix3d C_ie = inertial.C_ie((static_cast<double>(k) + 0.5) * kInterval);
       const Vector3d half_way = s.p + kInterval / 2 * s.v;
       const Vector3d pull = C_ie * normal_gravitation(C_ie.transpose() * half_way);
@@ -397,7 +403,7 @@ TEST(EveryPath, IncrementsNavigateBackToIt) {
     const double t = static_cast<double>(count) * kInterval;
     const TrajectoryPoint truth = c.trajectory.at(t);
     const Moving end = inertial.to_ecef(s, t);
-    EXPECT_LE((end.p - truth.p_eb_e).norm(), kPosition) << c.name;
+    EXPECT_LE((end.p - truth.pose.p_eb_e).norm(), kPosition) << c.name;
   }
 }
 
@@ -414,7 +420,7 @@ TEST(Trajectory, RefusesTimesOutside) {
   EXPECT_THROW(static_cast<void>(rest.increments(-1)), std::invalid_argument);
   EXPECT_THROW(static_cast<void>(rest.increments(1e-12)), std::invalid_argument);
   EXPECT_THROW(Trajectory(nullptr), std::invalid_argument);
-  EXPECT_EQ(rest.increment(3, 3).angle, Vector3d::Zero());
+  EXPECT_EQ(rest.increment(3, 3).angle, noise::Vector3{});
   EXPECT_EQ(rest.increments(0.1).size(), 100U);
   EXPECT_EQ(rest.increments(3).size(), 3U);
   EXPECT_EQ(rest.increments(11).size(), 0U);

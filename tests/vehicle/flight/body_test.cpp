@@ -4,6 +4,7 @@
 
 #include "gyrobudget/vehicle/earth/frames.h"
 #include "gyrobudget/vehicle/earth/gravity.h"
+#include "gyrobudget/vehicle/earth/vector.h"
 
 #include <gtest/gtest.h>
 
@@ -117,18 +118,18 @@ TEST(Body, FallsOverTheRotatingEarth) {
   constexpr double kTime = 20;
   const auto place = earth::Geodetic::from_degrees(45, 20, 10000);
   Body body(inert(), kVacuum, on_pad(place, 0, 0), kPrecise);
-  earth::ImuIncrement sum{Vector3d::Zero(), Vector3d::Zero()};
+  noise::ImuIncrement sum;
   for (int k = 1; k <= 20; ++k) {
     ASSERT_TRUE(body.advance({}, k));
-    sum.velocity += body.increment().velocity;
+    earth::vector(sum.velocity) += earth::vector(body.increment().velocity);
   }
   const auto here = earth::Inertial().to_ecef({body.state().p_ib_i, body.state().v_ib_i}, kTime);
   EXPECT_LT((here.p - fall_in_ecef(earth::to_ecef(place), kTime)).norm(), 2e-8);  // 20 roundings of 1 nm
   const Vector3d enu = earth::LocalFrame::east_north_up(place).from_ecef(here.p);
   const double g = earth::normal_gravity(earth::to_ecef(place)).norm();
   const double east = kEarthRate * g * std::pow(kTime, 3) / 3 * std::cos(45 * earth::kDegree);
-  EXPECT_NEAR(enu.x() / east, 1, 1e-3);  // next terms: gravity's gradient and omega t
-  EXPECT_EQ(sum.velocity.norm(), 0);     // a falling accelerometer senses nothing
+  EXPECT_NEAR(enu.x() / east, 1, 1e-3);       // next terms: gravity's gradient and omega t
+  EXPECT_EQ(sum.velocity, noise::Vector3{});  // a falling accelerometer senses nothing
 }
 
 TEST(Body, GainsTheSpeedOfTsiolkovsky) {
@@ -143,7 +144,7 @@ TEST(Body, GainsTheSpeedOfTsiolkovsky) {
   Vector3d sum = Vector3d::Zero();
   for (int k = 1; k <= 100; ++k) {
     ASSERT_TRUE(body.advance({}, k));  // the burn ends within the 83rd or goes on to its end: exactly there
-    sum += body.increment().velocity;
+    sum += earth::vector(body.increment().velocity);
   }
   EXPECT_NEAR(sum.x(), 277 * kStandardGravity * std::log(28.0 / 16.0), 1e-9);
   EXPECT_LT(sum.tail<2>().norm(), 1e-12);
@@ -155,7 +156,7 @@ TEST(Body, ThrustCutLeavesThePropellant) {
   Vector3d sum = Vector3d::Zero();
   for (int k = 1; k <= 30; ++k) {
     ASSERT_TRUE(body.advance({}, k));
-    sum += body.increment().velocity;
+    sum += earth::vector(body.increment().velocity);
   }
   const double left = burn_state(v, 20.005).mass;
   // The IMU's own motion against the centre of mass adds the change of its speed.

@@ -5,10 +5,12 @@
 
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/frames.h"
+#include "gyrobudget/vehicle/earth/vector.h"
 #include "gyrobudget/vehicle/flight/margins.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <deque>
 #include <numbers>
@@ -173,7 +175,8 @@ TEST(Flight, IncrementsSumUpToWhatTheImuDid) {
   const FlightRecord record = fly_perfect(plan, {.notches = {Notch{plan.vehicle.bending->frequency}}});
   ASSERT_EQ(record.increments.size(), 2000U);
   Eigen::Quaterniond q = record.points.front().truth.q_eb;  // inertial axes are Earth's at time 0
-  for (const earth::ImuIncrement& increment : record.increments) q = q * earth::exp_rotation(increment.angle);
+  for (const noise::ImuIncrement& increment : record.increments)
+    q = q * earth::exp_rotation(earth::vector(increment.angle));
   const Eigen::Quaterniond q_ie = earth::exp_rotation({0, 0, earth::wgs84::kEarthRate * 20});
   EXPECT_LT(q.angularDistance(q_ie * record.end.truth.q_eb), 1e-7);
 }
@@ -376,29 +379,29 @@ TEST(Extremes, LaunchFromThePoleIsLikeAnyOther) {
 /// Attitude from spoiled gyros, by their increments.
 struct SpoiledGyro {
   PerfectNavigator truth;
-  Body::Pose told;
+  earth::Pose told;
   Eigen::Quaterniond q_ib;
-  earth::ImuIncrement last;
+  noise::ImuIncrement last;
   double t = 0;
   double saturation = 1e9;  ///< [rad/s]
   bool dead_pitch = false;
   bool begun = false;
 
-  void know(const Body::Pose& pose) {
+  void know(const earth::Pose& pose) {
     truth.know(pose);
     if (!begun) q_ib = pose.q_eb;
     begun = true;
     told = {pose.p_eb_e, pose.v_eb_e, earth::exp_rotation({0, 0, -earth::wgs84::kEarthRate * t}) * q_ib};
   }
-  void step(const earth::ImuIncrement& exact, double dt) {
+  void step(const noise::ImuIncrement& exact, double dt) {
     last = exact;
-    last.angle = last.angle.cwiseMin(saturation * dt).cwiseMax(-saturation * dt);
-    if (dead_pitch) last.angle.y() = 0;
-    q_ib = q_ib * earth::exp_rotation(last.angle);
+    for (double& angle : last.angle) angle = std::clamp(angle, -saturation * dt, saturation * dt);
+    if (dead_pitch) last.angle[1] = 0;
+    q_ib = q_ib * earth::exp_rotation(earth::vector(last.angle));
     t += dt;
   }
-  [[nodiscard]] const earth::ImuIncrement& sensed() const { return last; }
-  [[nodiscard]] const Body::Pose& state() const { return told; }
+  [[nodiscard]] const noise::ImuIncrement& sensed() const { return last; }
+  [[nodiscard]] const earth::Pose& state() const { return told; }
 };
 
 TEST(Extremes, SaturatedAndDeadGyrosHaveAnAccount) {
@@ -415,13 +418,13 @@ TEST(Extremes, SaturatedAndDeadGyrosHaveAnAccount) {
 }
 
 struct LateNavigator {
-  std::deque<Body::Pose> poses;
-  void know(const Body::Pose& pose) {
+  std::deque<earth::Pose> poses;
+  void know(const earth::Pose& pose) {
     poses.push_back(pose);
     if (poses.size() > 1000) poses.pop_front();
   }
-  void step(const earth::ImuIncrement&, double) {}
-  [[nodiscard]] const Body::Pose& state() const { return poses.front(); }
+  void step(const noise::ImuIncrement& /*exact*/, double /*dt*/) {}
+  [[nodiscard]] const earth::Pose& state() const { return poses.front(); }
 };
 
 TEST(Extremes, NavigationTenSecondsLate) {
@@ -435,13 +438,13 @@ TEST(Extremes, NavigationTenSecondsLate) {
 
 struct BrokenNavigator : PerfectNavigator {
   int steps = 0;
-  Body::Pose pose;
-  void step(const earth::ImuIncrement&, double) { ++steps; }
-  void know(const Body::Pose& truth) {
+  earth::Pose pose;
+  void step(const noise::ImuIncrement& /*exact*/, double /*dt*/) { ++steps; }
+  void know(const earth::Pose& truth) {
     pose = truth;
     if (steps >= 100) pose.q_eb.w() = NAN;
   }
-  [[nodiscard]] const Body::Pose& state() const { return pose; }
+  [[nodiscard]] const earth::Pose& state() const { return pose; }
 };
 
 TEST(Extremes, NonsenseFromNavigationEndsTheFlight) {

@@ -23,8 +23,8 @@ Flown fly_both(Flight plan, const AttitudeControl::Options& options) {
   PerfectNavigator perfect;
   const FlightRecord with_truth = fly(plan, first, perfect);
   AttitudeControl second(plan.vehicle, plan.world.site, options);
-  const Body::Pose pad = pose_on_pad(plan);
-  Strapdown strapdown({pad.p_eb_e, pad.v_eb_e, pad.q_eb});
+  const earth::Pose pad = pose_on_pad(plan);
+  Strapdown strapdown(pad);
   return {with_truth, fly(plan, second, strapdown)};
 }
 

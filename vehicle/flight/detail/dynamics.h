@@ -5,6 +5,7 @@
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/frames.h"
 #include "gyrobudget/vehicle/earth/gravity.h"
+#include "gyrobudget/vehicle/earth/vector.h"
 #include "gyrobudget/vehicle/flight/body.h"
 
 #include <cmath>
@@ -201,25 +202,25 @@ struct Dynamics {
     }
   }
 
-  [[nodiscard]] static X pack(const BodyState& b, const earth::ImuIncrement& sum) {
+  [[nodiscard]] static X pack(const BodyState& b, const noise::ImuIncrement& sum) {
     X x;
     x.template segment<3>(kP) = b.p_ib_i;
     x.template segment<3>(kV) = b.v_ib_i;
     x.template segment<4>(kQ) = b.q_ib.coeffs();
     x.template segment<3>(kW) = b.w_ib_b;
-    x.template segment<3>(kAngle) = sum.angle;
-    x.template segment<3>(kVelocity) = sum.velocity;
+    x.template segment<3>(kAngle) = earth::vector(sum.angle);
+    x.template segment<3>(kVelocity) = earth::vector(sum.velocity);
     if constexpr (kActuator) x.template segment<4>(kDeflection) << b.deflection, b.deflection_rate;
     if constexpr (kBending) x.template segment<4>(kBend) << b.bend, b.bend_rate;
     return x;
   }
-  static void unpack(const X& x, BodyState& b, earth::ImuIncrement& sum) {
+  static void unpack(const X& x, BodyState& b, noise::ImuIncrement& sum) {
     b.p_ib_i = x.template segment<3>(kP);
     b.v_ib_i = x.template segment<3>(kV);
     b.q_ib = Quaterniond(x.template segment<4>(kQ)).normalized();
     b.w_ib_b = x.template segment<3>(kW);
-    sum.angle = x.template segment<3>(kAngle);
-    sum.velocity = x.template segment<3>(kVelocity);
+    earth::vector(sum.angle) = x.template segment<3>(kAngle);
+    earth::vector(sum.velocity) = x.template segment<3>(kVelocity);
     if constexpr (kActuator) {
       b.deflection = x.template segment<2>(kDeflection);
       b.deflection_rate = x.template segment<2>(kDeflection + 2);

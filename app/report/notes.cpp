@@ -6,15 +6,24 @@
 
 #include <cmath>
 
-namespace gyrobudget::inline v0::cli {
+namespace gyrobudget::inline v0::report {
 
-void note_refused(std::vector<std::string>& notes, std::int64_t fixes, std::int64_t refused) {
-  constexpr double kByChance = 1e-3;  // far above any gate's share of right fixes
-  const double share = fixes > 0 ? static_cast<double>(refused) / static_cast<double>(fixes) : 0;
-  if (share <= kByChance) return;
+void note_scene(std::vector<std::string>& notes, const std::string& no_heading,
+                std::span<const budget::OutOfRange> out_of_range) {
+  if (!no_heading.empty()) notes.push_back(no_heading);
+  for (const budget::OutOfRange& o : out_of_range) {
+    const bool gyro = o.carrier == navigation::Carrier::gyro;
+    notes.push_back(fmt::format(
+        "{} {} is cut off from {:.4g} s on: it senses up to {:.3g} {} where its range is {:.3g}; the covariance knows nothing of that and does not hold, look at Monte Carlo",
+        gyro ? "gyro" : "accelerometer", "xyz"[o.axis], o.from, o.peak, gyro ? "rad/s" : "m/s^2", o.range));
+  }
+}
+
+void note_refused(std::vector<std::string>& notes, const budget::FixCount& fixes) {
+  if (!fixes.beyond_chance()) return;
   notes.push_back(fmt::format(
       "the filters of Monte Carlo refused {:.3g} % of their fixes: something is wrong that they are not designed for, such as errors of the world beside sensors that are ideal; linear covariance takes every fix. 'filter: {{gate: 0}}' has Monte Carlo take them too",
-      100 * share));
+      100 * fixes.refused_share()));
 }
 
 void note_faults(std::vector<std::string>& notes, const flight::Plan& plan) {
@@ -30,17 +39,23 @@ void note_faults(std::vector<std::string>& notes, const flight::Plan& plan) {
     notes.push_back(fmt::format("faults: {}; the nominal flight has none of them", fmt::join(what, ", ")));
 }
 
-void note_lost(std::vector<std::string>& notes, const std::string& kind, const closed_loop::Flights& flights) {
+void note_lost(std::vector<std::string>& notes, std::string_view kind, const closed_loop::Flights& flights) {
   constexpr std::size_t kNamed = 3;
   if (flights.lost() == 0) return;
   std::vector<std::string> named;
   for (std::size_t run = 0; run < flights.outcomes.size() && named.size() < kNamed; ++run) {
     const closed_loop::Outcome& o = flights.outcomes[run];
-    if (o.aligned && !o.counts()) named.push_back(fmt::format("run {} {} at {:.4g} s", run, to_string(o.ended), o.t));
+    if (o.lost()) named.push_back(fmt::format("run {} {} at {:.4g} s", run, to_string(o.ended), o.t));
   }
   notes.push_back(fmt::format("{}: {} of {} flights were lost and are in no sigma: {}{}", kind, flights.lost(),
                               flights.outcomes.size(), fmt::join(named, ", "),
                               named.size() < static_cast<std::size_t>(flights.lost()) ? ", ..." : ""));
 }
 
-}  // namespace gyrobudget::inline v0::cli
+void note_short_flight(std::vector<std::string>& notes, const flight::Flight& flight, double duration) {
+  if (!flight::ends_early(flight, duration)) return;
+  notes.push_back(fmt::format("the flight ends at {:.4g} s and not at {:.4g} s: gyrobudget fly says why", duration,
+                              flight::asked_duration(flight)));
+}
+
+}  // namespace gyrobudget::inline v0::report
