@@ -20,9 +20,9 @@ struct AlignmentTime {
 /// the first of these that meets the limit and the one before it by bisection, to kAlignmentExact. A limit that only durations
 /// between two of these meet is missed. Takes a second or two for the shipped ascents.
 /// @throws navigation::SetupError for a scene that does not align itself, a limit not above 0, and as budget_scene.
-[[nodiscard]] AlignmentTime alignment_time(const navigation::Scenario&, const earth::Trajectory&, const BudgetQuestion&,
-                                           double at, const Eigen::Matrix<double, 3, Eigen::Dynamic>& axes,
-                                           double limit);
+[[nodiscard]] AlignmentTime alignment_time(const navigation::Scenario& scenario, const earth::Trajectory& trajectory,
+                                           const BudgetQuestion& question, double at,
+                                           const Eigen::Matrix<double, 3, Eigen::Dynamic>& axes, double limit);
 inline constexpr double kShortestAlignment = 10;   ///< [s]
 inline constexpr double kLongestAlignment = 3600;  ///< [s]
 inline constexpr double kAlignmentFactor = 1.5, kAlignmentExact = 0.01;

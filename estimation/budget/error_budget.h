@@ -66,7 +66,7 @@ struct Source {
   std::optional<OfSensor> sensor;
   /// Where given, each term's effect is multiplied by it [any unit]: errors that are fixed in other axes than
   /// the body's, such as Earth's rate left out or an error of gravity.
-  std::function<double(const navigation::StepInput&, std::size_t term)> shape;
+  std::function<double(const navigation::StepInput& input, std::size_t term)> shape;
   bool sensed = true;  ///< false: the navigator makes it, no sensor: an alignment of what is sensed is free of it
 };
 
@@ -86,7 +86,7 @@ struct FrozenGains {
   std::optional<AlignmentGain> alignment;            ///< of the attitude at the start; none: by no sensor
 };
 /// @throws navigation::SetupError for fixes without a design, and what Covariance refuses.
-[[nodiscard]] FrozenGains frozen_gains(const Timeline&, const std::optional<Design>&);
+[[nodiscard]] FrozenGains frozen_gains(const Timeline& timeline, const std::optional<Design>& design);
 
 struct Budget {
   struct Contribution {
@@ -103,9 +103,11 @@ struct Budget {
 /// Each source's own states s beside p, v, psi and the filter's estimates, x -> Phi x + G eps over a step and
 /// x -> (I - K H) x + K eps at each row of a fix with the frozen gain K, carry P -> F P F^T + Q; p [m], v [m/s] and
 /// psi [rad] of it at the times of interest are the source's line. Time: steps x sources x states^2.
-/// @throws std::invalid_argument for sources whose initial covariance does not fit their terms, more states than
-/// navigation::kMaxStates together with the filter's, fixes without a design, and errors that grow beyond all numbers.
-[[nodiscard]] Budget error_budget(const Timeline&, std::span<const Source>, const FrozenGains&);
-[[nodiscard]] Budget error_budget(const Timeline&, std::span<const Source>, const std::optional<Design>& = {});
+/// @throws std::invalid_argument for sources whose initial covariance does not fit their terms and more states than
+/// navigation::kMaxStates together with the filter's; navigation::SetupError for fixes without a design;
+/// navigation::Diverged for errors that grow beyond all numbers.
+[[nodiscard]] Budget error_budget(const Timeline& timeline, std::span<const Source> sources, const FrozenGains& gains);
+[[nodiscard]] Budget error_budget(const Timeline& timeline, std::span<const Source> sources,
+                                  const std::optional<Design>& design = {});
 
 }  // namespace gyrobudget::inline v0::budget

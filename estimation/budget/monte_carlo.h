@@ -19,7 +19,7 @@ namespace gyrobudget::inline v0::budget {
 /// Samples that an IMU cut off at its range, by body axis x, y, z.
 struct Saturated {
   std::array<std::uint64_t, 3> gyro = {}, accelerometer = {};
-  Saturated& operator+=(const Saturated&);
+  Saturated& operator+=(const Saturated& more);
   [[nodiscard]] std::uint64_t sum() const;
 };
 
@@ -107,8 +107,9 @@ struct MonteCarlo {
 /// Time: 1 to 3 us a sample and run, mostly the filter's covariance (Filter::Options::covariance_interval).
 /// @throws navigation::SetupError for runs < 1, an interval that is not positive or longer than the trajectory, and
 /// what Imu, Filter and Covariance refuse.
-[[nodiscard]] MonteCarlo monte_carlo(const Timeline&, const noise::SensorModel&, const InitialErrors&,
-                                     const Eigen::Matrix3d& C_el, const std::optional<Design>&,
-                                     const MonteCarlo::AidErrors&, const MonteCarlo::Options&);
+[[nodiscard]] MonteCarlo monte_carlo(const Timeline& timeline, const noise::SensorModel& sensor,
+                                     const InitialErrors& initial, const Eigen::Matrix3d& C_el,
+                                     const std::optional<Design>& design, const MonteCarlo::AidErrors& aids,
+                                     const MonteCarlo::Options& options);
 
 }  // namespace gyrobudget::inline v0::budget

@@ -69,11 +69,12 @@ struct BudgetQuestion {
 };
 
 /// What a scene asks by itself: its world, and whether its strapdown knows of Earth's rate.
-[[nodiscard]] BudgetQuestion question_of(const navigation::Scenario&, double imu_interval);
+[[nodiscard]] BudgetQuestion question_of(const navigation::Scenario& scenario, double imu_interval);
 
 /// @throws navigation::SetupError for what Timeline, sensor_states and check(Aid) refuse, a rest where the trajectory
 /// moves, a start from an aid that has no fix at 0 s, and more than a year.
-[[nodiscard]] BudgetScene budget_scene(const navigation::Scenario&, const earth::Trajectory&, const BudgetQuestion&);
+[[nodiscard]] BudgetScene budget_scene(const navigation::Scenario& scenario, const earth::Trajectory& trajectory,
+                                       const BudgetQuestion& question);
 
 /// A source that may be left out before the long computation, and what that changes.
 struct Negligible {
@@ -86,16 +87,16 @@ struct Negligible {
 /// `times` by more than `tolerance` of it. By the adjoint, exact at these times, gains frozen. Sources that have no
 /// response are always taken out; none is where one grows beyond all numbers. Times must be times of interest of the timeline.
 /// @throws navigation::SetupError unless 0 <= tolerance < 1.
-[[nodiscard]] std::vector<Negligible> leave_out(BudgetScene&, const FrozenGains&, std::span<const double> times,
-                                                double tolerance);
+[[nodiscard]] std::vector<Negligible> leave_out(BudgetScene& scene, const FrozenGains& gains,
+                                                std::span<const double> times, double tolerance);
 
 /// dR/dp p/R of the total's position rss R at times[i] by each source's size p: its share of the variance.
-[[nodiscard]] std::vector<double> shares(const Budget&, std::size_t i);
+[[nodiscard]] std::vector<double> shares(const Budget& budget, std::size_t i);
 
 /// By how much a source may be larger or smaller (a factor of its size) so that the root sum square of position over the
 /// axes in `axes` (columns) at times[i] is `limit` [m]; infinite where it plays no part, 0 where the others alone
 /// exceed the limit.
-[[nodiscard]] double allowed_factor(const Budget&, std::size_t i, std::string_view source,
+[[nodiscard]] double allowed_factor(const Budget& budget, std::size_t i, std::string_view source,
                                     const Eigen::Matrix<double, 3, Eigen::Dynamic>& axes, double limit);
 
 }  // namespace gyrobudget::inline v0::budget

@@ -10,12 +10,14 @@
 namespace gyrobudget::inline v0::budget {
 
 /// Options with what the scene says: vibration, filter, alignment and the errors of its world, which are drawn once a run.
-[[nodiscard]] MonteCarlo::Options whole_scene(const BudgetScene&, const navigation::Scenario&, MonteCarlo::Options);
+[[nodiscard]] MonteCarlo::Options whole_scene(const BudgetScene& scene, const navigation::Scenario& scenario,
+                                              MonteCarlo::Options options);
 
 /// The scene with all that is wrong in it. Of the options runs, seed, imu_interval and progress count; all else is the
 /// scene's. A source that was left out (leave_out) is flown all the same but for those of the world.
 /// @throws std::invalid_argument as monte_carlo.
-[[nodiscard]] MonteCarlo fly(const BudgetScene&, const navigation::Scenario&, MonteCarlo::Options);
+[[nodiscard]] MonteCarlo fly(const BudgetScene& scene, const navigation::Scenario& scenario,
+                             MonteCarlo::Options options);
 
 /// The scene with one source wrong and all else right. The filter keeps the design of the whole scene, so its gains are
 /// those of the budget; its covariance moves in the budget's steps (Timeline). The random numbers of a sensor's error
@@ -23,7 +25,7 @@ namespace gyrobudget::inline v0::budget {
 /// the rest. Nothing for what no flight has: a heading at the start that is in the filter's P0 alone, as an alignment on
 /// the pad finds none and none is given.
 /// @throws std::invalid_argument as monte_carlo.
-[[nodiscard]] std::optional<MonteCarlo> fly_alone(const BudgetScene&, const navigation::Scenario&, const Source&,
-                                                  MonteCarlo::Options);
+[[nodiscard]] std::optional<MonteCarlo> fly_alone(const BudgetScene& scene, const navigation::Scenario& scenario,
+                                                  const Source& source, MonteCarlo::Options options);
 
 }  // namespace gyrobudget::inline v0::budget

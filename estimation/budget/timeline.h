@@ -27,7 +27,7 @@ class Timeline {
   /// the end before.
   /// @throws navigation::SetupError for a step or pad out of range, a step below 1e-6 of the scene, times outside the
   /// scene, a pad before a trajectory that starts faster than 1 mm/s.
-  Timeline(earth::Trajectory, std::vector<navigation::PlannedFix> fixes, const Options&);
+  Timeline(earth::Trajectory trajectory, std::vector<navigation::PlannedFix> fixes, const Options& options);
 
   [[nodiscard]] const earth::Trajectory& trajectory() const { return trajectory_; }
   [[nodiscard]] double start() const { return -pad_; }
@@ -38,7 +38,7 @@ class Timeline {
   [[nodiscard]] navigation::Instant at(double time) const;
 
  private:
-  void cut(const Options&);
+  void cut(const Options& options);
   [[nodiscard]] Step make_step(double from, double to) const;
 
   earth::Trajectory trajectory_;

@@ -26,7 +26,7 @@ namespace gyrobudget::inline v0::closed_loop {
 class TiltResponse {
  public:
   /// Along the plan's nominal flight, whose record it keeps. @throws std::invalid_argument as fly_nominal().
-  explicit TiltResponse(const flight::Plan&);
+  explicit TiltResponse(const flight::Plan& plan);
 
   using Tilt = std::function<Eigen::Vector3d(double t)>;
   /// Departure at the end in e axes [m]; psi in rad, e axes.
@@ -52,7 +52,7 @@ class TiltResponse {
     [[nodiscard]] Eigen::Vector3d across(const Eigen::Vector3d& u) const { return u - C.col(0).dot(u) * C.col(0); }
   };
   [[nodiscard]] const Point& point(double t) const;
-  [[nodiscard]] Eigen::Vector3d answer(const Tilt&, std::size_t from = 0) const;
+  [[nodiscard]] Eigen::Vector3d answer(const Tilt& psi, std::size_t from = 0) const;
 
   flight::FlightRecord nominal_;
   std::vector<Point> points_;

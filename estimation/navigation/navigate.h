@@ -126,8 +126,8 @@ struct Navigation {
 /// with the attitude of the start. Where no fix holds just then it is interpolated, and the fix behind is used no more.
 ///
 /// Earth rate, gravity and the rest as in strapdown.h and filter.h. The same bytes for the same input.
-/// What is asked is the scene's: filter, smoothing, times of solutions, reference. It takes 1 to 3 us a sample, several
-/// times that with Scenario::smooth, which keeps the covariance of every solution.
+/// What is asked is the scene's: filter, smoothing, times of solutions, reference. Scenario::smooth keeps the covariance
+/// of every solution in memory, n^2 numbers of 8 bytes for n states.
 ///
 /// What the data cannot answer is Navigation::status, with the solutions up to there; so is an estimate that leaves what
 /// can be computed (Diverged, earth::OutsideDomain).
