@@ -79,16 +79,10 @@ Json sigma_json(const navigation::Solution& s) {
 
 Json nis_json(const NavigationResult& r) {
   Json aids = Json::array();
-  double sum = 0, dof = 0, inside = 0, tested = 0;
   for (const auto& a : r.run.aids) {
     const Aid& aid = r.scenario.aids[a.aid];
     const double unit = aid.kind == Aid::Kind::attitude ? kDegree : 1;
     const bool any = a.used > 0;
-    const auto used = static_cast<double>(a.used), all = static_cast<double>(a.used + a.gated);
-    sum += a.nis_mean * used;
-    dof += used * a.rows;
-    inside += a.inside_95 * all;
-    tested += all;
     aids.push_back({{"name", aid.name},
                     {"dof", a.rows},
                     {"used", a.used},
@@ -98,14 +92,13 @@ Json nis_json(const NavigationResult& r) {
                     {"mean", any ? finite(a.nis_mean) : Json(nullptr)},
                     {"low", any ? finite(a.nis_low) : Json(nullptr)},
                     {"high", any ? finite(a.nis_high) : Json(nullptr)},
-                    {"inside_95", all > 0 ? finite(a.inside_95) : Json(nullptr)},
+                    {"inside_95", a.used + a.gated > 0 ? finite(a.inside_95) : Json(nullptr)},
                     {"unit", unit_of(aid.kind)},
                     {"residual_mean", any ? list(a.residual_mean / unit, a.rows) : Json(nullptr)},
                     {"residual_rms", any ? list(a.residual_rms / unit, a.rows) : Json(nullptr)}});
   }
-  return {{"mean", dof > 0 ? finite(sum / dof) : Json(nullptr)},
-          {"inside_95", tested > 0 ? finite(inside / tested) : Json(nullptr)},
-          {"aids", aids}};
+  const navigation::NisSummary nis = r.run.nis();
+  return {{"mean", finite(nis.mean)}, {"inside_95", finite(nis.inside_95)}, {"aids", aids}};
 }
 
 Json states_json(const NavigationResult& r) {

@@ -101,8 +101,7 @@ std::string final_solution(const NavigationResult& r) {
 std::string refused(const NavigationResult& r) {
   std::string out;
   for (const auto& a : r.run.aids) {
-    constexpr std::int64_t kMany = 10;
-    if (kMany * a.gated <= a.used + a.gated) continue;
+    if (!a.many_refused()) continue;
     out += wrapped(
         fmt::format(
             "{} of {} fixes of {} were refused by the gate. The filter is surer than it should be: look at the start, at the sensor file, at this aid's sigma, axes and units.",

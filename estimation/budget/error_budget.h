@@ -103,8 +103,9 @@ struct Budget {
 /// Each source's own states s beside p, v, psi and the filter's estimates, x -> Phi x + G eps over a step and
 /// x -> (I - K H) x + K eps at each row of a fix with the frozen gain K, carry P -> F P F^T + Q; p [m], v [m/s] and
 /// psi [rad] of it at the times of interest are the source's line. Time: steps x sources x states^2.
-/// @throws std::invalid_argument for sources whose initial covariance does not fit their terms, more states than
-/// navigation::kMaxStates together with the filter's, fixes without a design, and errors that grow beyond all numbers.
+/// @throws std::invalid_argument for sources whose initial covariance does not fit their terms and more states than
+/// navigation::kMaxStates together with the filter's; navigation::SetupError for fixes without a design;
+/// navigation::Diverged for errors that grow beyond all numbers.
 [[nodiscard]] Budget error_budget(const Timeline& timeline, std::span<const Source> sources, const FrozenGains& gains);
 [[nodiscard]] Budget error_budget(const Timeline& timeline, std::span<const Source> sources,
                                   const std::optional<Design>& design = {});

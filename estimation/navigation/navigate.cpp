@@ -536,6 +536,18 @@ class Runner {
 
 }  // namespace
 
+NisSummary Navigation::nis() const {
+  double sum = 0, dof = 0, inside = 0, tested = 0;
+  for (const AidSummary& a : aids) {
+    const auto used = static_cast<double>(a.used), all = static_cast<double>(a.used + a.gated);
+    sum += a.nis_mean * used;
+    dof += used * a.rows;
+    inside += a.inside_95 * all;
+    tested += all;
+  }
+  return {sum / dof, inside / tested};
+}
+
 Navigation navigate(const Scenario& scenario, const Recording& recording) {
   check(scenario, recording);
   return Runner(scenario, recording).run();

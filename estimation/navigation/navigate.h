@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
-// From a scene and what was recorded to a navigation solution, with what the innovations say of it.
+// From a scene and what was recorded to a navigation solution in one call, with what the innovations say of it.
+//
+//     const navigation::Navigation found = navigation::navigate(scenario, recording);
+//     if (found.status == navigation::Navigation::Status::navigated) use(found.solutions);
 #pragma once
 
 #include <optional>
@@ -15,7 +18,7 @@ namespace gyrobudget::inline v0::navigation {
 /// The estimate at one time, with one sigma of each error.
 struct Solution {
   double time = 0;  ///< of the scene [s]
-  earth::Pose state;
+  NavigationState state;
   Eigen::Vector3d position_sigma;  ///< east, north, up at the place [m]
   Eigen::Vector3d velocity_sigma;  ///< [m/s]
   Eigen::Vector3d attitude_sigma;  ///< about east, north, up [rad]
@@ -46,6 +49,15 @@ struct AidSummary {
   double inside_95 = 0;              ///< share of those used, and gated, below the 95 % point of chi-square
   Eigen::Vector3d residual_mean = Eigen::Vector3d::Zero();  ///< of those used, in the aid's components
   Eigen::Vector3d residual_rms = Eigen::Vector3d::Zero();
+
+  /// More than a tenth of the fixes: the filter is surer than it should be.
+  [[nodiscard]] bool many_refused() const { return 10 * gated > used + gated; }
+};
+
+/// The innovations of all aids in sum.
+struct NisSummary {
+  double mean = 0;       ///< NIS of those used over their degrees of freedom: 1 where the filter's sigmas are right
+  double inside_95 = 0;  ///< share of those used, and gated, below the 95 % point of chi-square
 };
 
 /// Solution less reference, east, north, up: truth minus estimate has the other sign.
@@ -72,7 +84,7 @@ struct ReferenceSummary {
 /// How the alignment went.
 struct AlignmentResult {
   double from = 0, to = 0;  ///< [s]; the same where the start is given
-  earth::Pose state;
+  NavigationState state;
   CoreMatrix covariance = CoreMatrix::Zero();  ///< in the order of error_state.h
   std::vector<std::string> words;              ///< what a person should know of it
 };
@@ -97,6 +109,9 @@ struct Navigation {
   std::vector<AidSummary> aids;           ///< those that are used, by number
   std::optional<ReferenceSummary> reference;
   std::int64_t steps = 0;  ///< of the strapdown
+
+  /// Not a number, each of it, where no fix was used, or none was tested.
+  [[nodiscard]] NisSummary nis() const;
 };
 
 /// Offline: alignment, filter, solutions at k solution_interval after the alignment and at Scenario::at.
@@ -111,9 +126,14 @@ struct Navigation {
 /// with the attitude of the start. Where no fix holds just then it is interpolated, and the fix behind is used no more.
 ///
 /// Earth rate, gravity and the rest as in strapdown.h and filter.h. The same bytes for the same input.
-/// @throws std::invalid_argument for a scene whose numbers are out of range, more than 1e7 solutions or fixes of rest,
-/// aids and fixes that are not one for
-/// one, or numbers of aids that there are not. What the data cannot answer is Navigation::status.
+/// What is asked is the scene's: filter, smoothing, times of solutions, reference. Scenario::smooth keeps the covariance
+/// of every solution in memory, n^2 numbers of 8 bytes for n states.
+///
+/// What the data cannot answer is Navigation::status, with the solutions up to there; so is an estimate that leaves what
+/// can be computed (Diverged, earth::OutsideDomain).
+/// @throws SetupError for a scene whose numbers are out of range, numbers of aids that there are not, more than 1e7
+/// solutions or fixes of rest, and smoothing of considered states; RecordingError for aids and fixes that are not one for
+/// one, or do not ascend; std::invalid_argument for increments that are not finite, which imu_log() never leaves.
 [[nodiscard]] Navigation navigate(const Scenario& scenario, const Recording& recording);
 
 }  // namespace gyrobudget::inline v0::navigation

@@ -2,6 +2,7 @@
 // The forms of a budget, from small hand-made ones; tests/cli runs the program.
 #include "gyrobudget/app/report/budget.h"
 
+#include "gyrobudget/app/report/budget_words.h"
 #include "gyrobudget/app/report/page_parts.h"
 
 #include <gtest/gtest.h>
@@ -33,53 +34,72 @@ CoreMatrix diagonal(double position, double velocity, double attitude) {
 // Two sources, 3 m and 4 m each way, at 0 s and 10 s; everything asked for.
 BudgetResult full() {
   BudgetResult r{.scene = "a.yaml", .name = "a </script> scene", .sensor = "s.yaml", .command = "gyrobudget budget"};
-  r.at = 10;
-  r.at_index = 1;
-  r.budget.times = {0, 10};
-  r.budget.steps = 12345;
+  r.study.at = 10;
+  r.study.at_index = 1;
+  r.study.budget.times = {0, 10};
+  r.study.budget.steps = 12345;
   const CoreMatrix zero = CoreMatrix::Zero(), three = diagonal(3, 0.3, 0.03), four = diagonal(4, 0.4, 0.04);
-  r.budget.lines = {{"gyro.arw", {zero, three}}, {"accelerometer.bias_instability", {zero, four}}};
-  r.budget.total = {zero, three + four};
-  r.budget.claimed = {zero, diagonal(4.5, 0.5, 0.05)};
-  r.aided = true;
-  r.pad = 600;
-  r.tolerance = 0.001;
-  r.left_out = {{"initial.position", 0.01, "1e-6 of the total's variance at most"}};
-  r.not_modelled = {{"gyro.range", "no state holds it"}};
+  r.study.budget.lines = {{"gyro.arw", {zero, three}}, {"accelerometer.bias_instability", {zero, four}}};
+  r.study.budget.total = {zero, three + four};
+  r.study.budget.claimed = {zero, diagonal(4.5, 0.5, 0.05)};
+  r.study.aided = true;
+  r.study.pad = 600;
+  r.study.tolerance = 0.001;
+  r.study.left_out = {{"initial.position", 0.01, 1e-6}, {"gyro.rrw", 0, 0}};
+  r.study.not_modelled = {{"gyro.range", "no state holds it"}};
   r.notes = {"a note"};
-  r.exact = std::vector<CoreMatrix>{three, four};
-  r.monte_carlo = BudgetResult::MonteCarlo{.runs = 100,
-                                           .seed = 7,
-                                           .covariance = diagonal(5, 0.5, 0.05),
-                                           .nees = {.mean = 9.1, .dof = 9, .left_out = {}},
-                                           .points = {{1, 2, 3}, {-1, 0, 2}}};
-  r.limit = BudgetResult::Limit{.text = "rss < 10 m",
-                                .component = "rss",
-                                .limit = 10,
-                                .found = 5 * std::sqrt(3),
-                                .factors = {std::numeric_limits<double>::infinity(), 1.5}};
+  r.study.exact = std::vector<CoreMatrix>{three, four};
+  r.study.monte_carlo = budget::Study::Flown{.runs = 100,
+                                             .seed = 7,
+                                             .covariance = diagonal(5, 0.5, 0.05),
+                                             .nees = {.mean = 9.1, .dof = 9, .left_out = {}},
+                                             .points = {{1, 2, 3}, {-1, 0, 2}}};
+  r.limit = "rss < 10 m";
+  r.study.limit = budget::Study::Limit{.component = budget::Component::rss,
+                                       .limit = 10,
+                                       .found = 5 * std::sqrt(3),
+                                       .factors = {std::numeric_limits<double>::infinity(), 1.5}};
   return r;
 }
 
 // No source has an effect: nothing to divide by.
 BudgetResult empty() {
   BudgetResult r = full();
-  for (auto& line : r.budget.lines) line.covariance.assign(2, CoreMatrix::Zero());
-  r.budget.total.assign(2, CoreMatrix::Zero());
-  r.exact = std::vector<CoreMatrix>(2, CoreMatrix::Zero());
-  r.monte_carlo->nees = {.mean = std::numeric_limits<double>::quiet_NaN(), .dof = 0, .left_out = {}};
+  for (auto& line : r.study.budget.lines) line.covariance.assign(2, CoreMatrix::Zero());
+  r.study.budget.total.assign(2, CoreMatrix::Zero());
+  r.study.exact = std::vector<CoreMatrix>(2, CoreMatrix::Zero());
+  r.study.monte_carlo->nees = {.mean = std::numeric_limits<double>::quiet_NaN(), .dof = 0, .left_out = {}};
   return r;
 }
 
 }  // namespace
 
-TEST(BudgetReport, ComponentsAreAxes) {
-  const BudgetResult r = full();
-  EXPECT_DOUBLE_EQ(position_sigma(r, r.budget.total[1], "east"), 5);
-  EXPECT_DOUBLE_EQ(position_sigma(r, r.budget.total[1], "crossrange"), 5);
-  EXPECT_DOUBLE_EQ(position_sigma(r, r.budget.total[1], "horizontal"), 5 * std::sqrt(2));
-  EXPECT_DOUBLE_EQ(position_sigma(r, r.budget.total[1], "rss"), 5 * std::sqrt(3));
-  EXPECT_THROW((void)position_sigma(r, r.budget.total[1], "sideways"), std::invalid_argument);
+TEST(BudgetReport, NotesSayWhatTheStudyFound) {
+  BudgetResult r = full();
+  EXPECT_EQ(budget_notes(r), r.notes);
+  r.sensor.clear();
+  budget::Study& s = r.study;
+  s.no_heading = "no heading";
+  s.out_of_range = {{.carrier = navigation::Carrier::accelerometer, .axis = 2, .from = 3, .peak = 40, .range = 30}};
+  s.large_attitude = {.axis = 1, .sigma = 0.2, .time = 9};
+  s.runs = {.asked = 20, .flown = 11, .unaligned = 2, .fixes = {.given = 100, .refused = 1}};
+  s.stopped = true;
+  const auto notes = budget_notes(r);
+  // In the order of the program, what moves first.
+  const std::vector<std::string> parts{"a note",
+                                       "no heading",
+                                       "accelerometer z is cut off from 3 s on",
+                                       "the IMU is ideal",
+                                       "the attitude about north has a sigma of 11.5 deg at 9 s",
+                                       "2 runs of Monte Carlo found no heading",
+                                       "Monte Carlo was interrupted: 11 of 20 runs",
+                                       "refused 1 % of their fixes"};
+  ASSERT_EQ(notes.size(), parts.size());
+  for (std::size_t i = 0; i < parts.size(); ++i) EXPECT_NE(notes[i].find(parts[i]), std::string::npos) << notes[i];
+  s.stopped_at = 1;
+  EXPECT_NE(budget_notes(r).back().find("interrupted at accelerometer.bias_instability"), std::string::npos);
+  s.runs.fixes.refused = 0;
+  EXPECT_EQ(budget_notes(r).size(), parts.size() - 1);
 }
 
 TEST(BudgetReport, JsonHasTheNumbersThatWentIn) {
@@ -97,6 +117,8 @@ TEST(BudgetReport, JsonHasTheNumbersThatWentIn) {
   EXPECT_NEAR(j["sources"][0]["share"].get<double>(), 9.0 / 25, 1e-12);
   EXPECT_NEAR(j["sources"][1]["exact_position_rss_m"].get<double>(), 4 * std::sqrt(3), 1e-12);
   EXPECT_EQ(j["left_out"][0]["bound_position_m"], 0.01);
+  EXPECT_EQ(j["left_out"][0]["why"], "1e-06 of the total's variance at most");
+  EXPECT_EQ(j["left_out"][1]["why"], "has no effect in this scene");
   EXPECT_EQ(j["not_modelled"][0]["what"], "gyro.range");
   EXPECT_EQ(j["steps"], 12345);
   EXPECT_EQ(j["limit"]["met"], true);
@@ -109,10 +131,10 @@ TEST(BudgetReport, JsonHasTheNumbersThatWentIn) {
   EXPECT_EQ(j["notes"][0], "a note");
 
   BudgetResult bare = full();
-  bare.exact.reset();
-  bare.monte_carlo.reset();
-  bare.limit.reset();
-  bare.budget.claimed.clear();
+  bare.study.exact.reset();
+  bare.study.monte_carlo.reset();
+  bare.study.limit.reset();
+  bare.study.budget.claimed.clear();
   const Json nothing = Json::parse(budget_json({bare}));
   tests::expect_schema(nothing);
   for (const auto* field : {"claimed", "limit", "monte_carlo"}) EXPECT_TRUE(nothing[field].is_null()) << field;

@@ -221,6 +221,22 @@ TEST(FlightReport, ResultsAreToldApart) {
   EXPECT_EQ(flight_names(alike)[1], "folder/a.yaml, folder/mems.yaml");
 }
 
+TEST(FlightReport, NotesSayWhatTheStudyFound) {
+  const auto said = [](const FlightResult& r, std::string_view part) {
+    return std::ranges::any_of(notes_of(r), [&](const auto& note) { return note.find(part) != std::string::npos; });
+  };
+  EXPECT_EQ(notes_of(full()), full().notes);
+  EXPECT_TRUE(said(lost(), "faults: gyro y dead from 5 s on"));
+  EXPECT_TRUE(said(lost(), "sensors: 3 of 3 flights were lost"));
+  EXPECT_TRUE(said(fallen(), "no flights were compared") || said(fallen(), "too short to navigate"));
+  FlightResult r = full();
+  r.study.stopped = true;
+  r.study.runs = 2;
+  EXPECT_TRUE(said(r, "interrupted: 2 of 3 flights of each kind"));
+  for (auto& o : r.study.sensors.outcomes) o.fixes = {.given = 50, .refused = 1};
+  EXPECT_TRUE(said(r, "refused 2 % of their fixes"));
+}
+
 TEST(FlightReport, NotesAreTheirsWhoHaveThem) {
   std::vector<FlightResult> two{ideal(), without_runs()};
   two[0].notes = {"of both", "of one"};
@@ -295,64 +311,6 @@ TEST(FlightReport, ThePageIsWholeAndLoadsNothing) {
     EXPECT_EQ(shown["nominal_trajectory"]["program_deg"][0], 90);
     EXPECT_EQ(shown["growth"].is_null(), !r->study.budget);
   }
-}
-
-// The nose in the launch plane's axes, turned by hand.
-TEST(FlightReport, AttitudeIsRegularOnThePad) {
-  const Eigen::Matrix3d C = earth::LocalFrame::launch_plane({0.1, 0.2, 0}, 0.3).C_el();
-  const auto body = [&](double pitch, double yaw, double roll) {
-    const Eigen::Matrix3d C_lb =
-        (Eigen::AngleAxisd(pitch, Vector3d::UnitY()) * Eigen::AngleAxisd(yaw, Vector3d::UnitZ()) *
-         Eigen::AngleAxisd(roll, Vector3d::UnitX()))
-            .toRotationMatrix();
-    return Eigen::Quaterniond(C * Vector3d(1, -1, -1).asDiagonal() * C_lb);
-  };
-  constexpr double kRounding = 1e-14;
-  for (const double pitch : {90.0, 50.0, 120.0, -10.0})
-    for (const double yaw : {0.0, 0.4, -30.0})
-      for (const double roll : {0.0, 5.0, -170.0}) {
-        const LaunchAttitude a = launch_attitude(body(pitch * kDegree, yaw * kDegree, roll * kDegree), C);
-        EXPECT_NEAR(a.pitch, pitch * kDegree, kRounding);
-        EXPECT_NEAR(a.yaw, yaw * kDegree, kRounding);
-        EXPECT_NEAR(a.roll, roll * kDegree, kRounding);
-      }
-}
-
-TEST(FlightReport, TheEllipseHasItsAzimuthFromNorth) {
-  // Major axis along 30 degrees from north, whatever the launch plane.
-  for (const double launch : {0.0, 90.0, 200.0}) {
-    const double left_of_downrange = (launch - 30) * kDegree;
-    const Eigen::Vector2d axis(std::cos(left_of_downrange), std::sin(left_of_downrange));
-    Eigen::Matrix3d P = Eigen::Matrix3d::Zero();
-    P.topLeftCorner<2, 2>() = Eigen::Matrix2d::Identity() * 4 + axis * axis.transpose() * 5;
-    const Ellipse e = ellipse(P, launch * kDegree);
-    EXPECT_NEAR(e.semi_major, 3, 1e-12);
-    EXPECT_NEAR(e.semi_minor, 2, 1e-12);
-    EXPECT_NEAR(e.azimuth / kDegree, 30, 1e-9);
-  }
-}
-
-TEST(FlightReport, TheLeastMarginsAreFound) {
-  closed_loop::MarginsAt m;
-  m.points = {{.t = 1, .gain_up = 10, .gain_down = 0, .phase = 1, .stable = true},
-              {.t = 2, .gain_up = 4, .gain_down = 0.5, .phase = 0.53, .stable = true},
-              {.t = 3, .gain_up = 5, .gain_down = 0.1, .phase = 0.6, .stable = true}};
-  const auto least = least_margins(m);
-  ASSERT_EQ(least.size(), 1U);
-  EXPECT_NEAR(least[0].gain_up, 20 * std::log10(4), 1e-12);
-  EXPECT_EQ(least[0].gain_up_at, 2);
-  EXPECT_NEAR(least[0].gain_down, 20 * std::log10(2), 1e-12);
-  EXPECT_NEAR(least[0].phase, 0.53 / kDegree, 1e-12);  // 30.4 degrees
-  EXPECT_TRUE(least[0].met());
-  for (const auto& [member, value] : {std::pair{&flight::Margins::phase, 0.52},
-                                      {&flight::Margins::gain_up, 1.99},
-                                      {&flight::Margins::gain_down, 0.51}}) {
-    auto worse = m;
-    worse.points[2].*member = value;
-    EXPECT_FALSE(least_margins(worse)[0].met());
-  }
-  m.points[0].stable = false;
-  EXPECT_FALSE(least_margins(m)[0].met());
 }
 
 TEST(FlightReport, InputsHaveUnitsAndFaults) {

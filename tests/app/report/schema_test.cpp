@@ -77,7 +77,7 @@ Paper paper() {
 NavigationResult navigation() {
   NavigationResult result{.scene = "a.yaml", .source = "imu.csv", .command = "gyrobudget navigate a.yaml"};
   result.recording.imu.stamps = {0, 10'000'000};
-  result.run.status = navigation::Run::Status::no_start;
+  result.run.status = navigation::Navigation::Status::no_start;
   result.run.why = "the aid that the alignment needs has no fix";
   return result;
 }
@@ -86,9 +86,9 @@ NavigationResult navigation() {
 BudgetResult budget() {
   BudgetResult result{.scene = "a.yaml", .command = "gyrobudget budget a.yaml"};
   const navigation::CoreMatrix nine = 9 * navigation::CoreMatrix::Identity();
-  result.budget.times = {0};
-  result.budget.lines = {{"gyro.arw", {nine}}};
-  result.budget.total = {nine};
+  result.study.budget.times = {0};
+  result.study.budget.lines = {{"gyro.arw", {nine}}};
+  result.study.budget.total = {nine};
   return result;
 }
 

@@ -9,6 +9,8 @@
 #include <oneapi/tbb/global_control.h>
 
 #include <algorithm>
+#include <limits>
+#include <stdexcept>
 #include <tuple>
 
 #include "../../vehicle/flight/allocations.h"
@@ -154,6 +156,58 @@ TEST(ClosedLoop, TheLoopWithTheFilterAllocatesNothing) {
     return allocations() - before;
   };
   EXPECT_EQ(counted(3), counted(12));
+}
+
+budget::SimulatedScene simulated(double duration) {
+  const navigation::Scenario scene = strapdown_scene(mems());
+  flight::Plan plan;
+  plan.flight.duration = duration;
+  const auto made = budget::budget_scene(scene, trajectory(fly_nominal(plan)), {});
+  return {made.timeline, scene.sensor, made.initial, made.C_enu, made.design, made.aids, {}};
+}
+
+// The scene that it was made of is gone.
+TEST(InertialNavigator, KeepsWhatItNavigates) {
+  InertialNavigator navigator(simulated(3), 0);
+  const Vector3d start = navigator.state().p_eb_e;
+  navigator.step({Vector3d(-9.8 * 0.01, 0, 0), Vector3d::Zero()}, 0.01);
+  EXPECT_LT((navigator.state().p_eb_e - start).norm(), 1);
+  EXPECT_FALSE(navigator.diverged());
+}
+
+TEST(InertialNavigator, TellsNoNumberOnceItHasDiverged) {
+  InertialNavigator navigator(simulated(3), 0);
+  navigator.step({Vector3d(1e300, 0, 0), Vector3d::Zero()}, 0.01);
+  EXPECT_TRUE(navigator.diverged());
+  EXPECT_FALSE(navigator.state().p_eb_e.allFinite());
+  navigator.step({Vector3d::Zero(), Vector3d::Zero()}, 0.01);  // nor ever again
+  EXPECT_FALSE(navigator.state().q_eb.coeffs().allFinite());
+  // An increment that is no number is a mistake of who calls.
+  InertialNavigator other(simulated(3), 0);
+  EXPECT_THROW(other.step({Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()), Vector3d::Zero()}, 0.01),
+               std::invalid_argument);
+}
+
+TEST(ClosedLoop, WhatACallerThrowsPassesThrough) {
+  class Mistake : public std::invalid_argument {
+   public:
+    using std::invalid_argument::invalid_argument;
+  };
+  Options options{.runs = 1, .margins = false};
+  options.progress = [](int, int) -> bool { throw Mistake("of the caller"); };
+  flight::Plan plan;
+  plan.flight.duration = 5;
+  EXPECT_THROW((void)study(plan, kDispersion, strapdown_scene(mems()), options), Mistake);
+}
+
+TEST(ClosedLoop, PointsAreAsDenseAsAsked) {
+  flight::Plan plan;
+  plan.flight.duration = 5;
+  const Study s = study(plan, {}, {}, {.margins = false, .record_rate = 20});
+  ASSERT_TRUE(s.flown);
+  EXPECT_NEAR(s.flown->points[1].t - s.flown->points[0].t, 0.05, 1e-9);
+  const Study whole = study(plan, {}, {}, {.margins = false, .record_rate = 1e9});  // not more than every period
+  EXPECT_NEAR(whole.flown->points[1].t - whole.flown->points[0].t, plan.flight.period, 1e-9);
 }
 
 // What the controller is told late is no error of navigation.

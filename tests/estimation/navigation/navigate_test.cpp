@@ -10,8 +10,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <random>
 #include <stdexcept>
+#include <utility>
 
 namespace gyrobudget::navigation {
 namespace {
@@ -89,6 +91,55 @@ double largest_residual(const navigation::Navigation& run) {
   for (const auto& at : run.innovations)
     largest = std::max(largest, at.innovation.residual.head(at.innovation.rows).cwiseAbs().maxCoeff());
   return largest;
+}
+
+// A push that no estimate survives: numbers that overflow are an answer, and solutions end there.
+TEST(NavigationRun, ASolutionThatLeavesAllNumbersHasFailed) {
+  const earth::Trajectory truth = flight();
+  for (const bool smooth : {false, true}) {
+    Scenario scene = scene_on(truth);
+    scene.smooth = smooth;
+    Recording recording = record(truth);
+    recording.imu.increments[1500].velocity[0] = 1e300;
+    const auto found = navigate(scene, recording);
+    EXPECT_EQ(found.status, Navigation::Status::failed);
+    EXPECT_EQ(found.why.rfind("at 15", 0), 0U) << found.why;
+    ASSERT_FALSE(found.solutions.empty());
+    EXPECT_LE(found.solutions.back().time, 15.1);
+  }
+}
+
+// An increment that is no number is a mistake of who made the recording, imu_log() leaves none: it is no answer.
+TEST(NavigationRun, AMistakeOfTheCallerIsNoAnswer) {
+  const earth::Trajectory truth = flight();
+  Recording recording = record(truth);
+  recording.imu.increments[1500].angle[2] = std::numeric_limits<double>::quiet_NaN();
+  try {
+    (void)navigate(scene_on(truth), recording);
+    FAIL() << "it went through";
+  } catch (const earth::OutsideDomain&) {
+    FAIL() << "of another kind";
+  } catch (const Diverged&) {
+    FAIL() << "of another kind";
+  } catch (const std::invalid_argument& error) {
+    EXPECT_NE(std::string(error.what()).find("not finite"), std::string::npos) << error.what();
+  }
+}
+
+TEST(NavigationRun, ErrorsHaveTheNamesOfWhatIsWrong) {
+  const earth::Trajectory truth = flight();
+  Scenario scene = scene_on(truth);
+  Recording recording = record(truth);
+  scene.solution_interval = 0;
+  EXPECT_THROW((void)navigate(scene, recording), SetupError);
+  scene = scene_on(truth);
+  scene.aids = {aid(Aid::Kind::position, 1)};
+  EXPECT_THROW((void)navigate(scene, recording), RecordingError) << "no list of its fixes";
+  recording.fixes = {fixes(Aid::Kind::position, truth, 1, 1)};
+  std::swap(recording.fixes[0][0], recording.fixes[0][1]);
+  EXPECT_THROW((void)navigate(scene, recording), RecordingError) << "times do not ascend";
+  scene.aids[0].sigma.setZero();
+  EXPECT_THROW((void)navigate(scene, recording), SetupError);
 }
 
 TEST(NavigationRun, FixesBetweenSamplesMeetTheTruthThere) {

@@ -282,7 +282,8 @@ void expect_sound(const FlightRecord& record) {
   EXPECT_FALSE(record.account.empty());
   for (const FlightPoint& p : record.points) {
     EXPECT_TRUE(p.truth.p_eb_e.allFinite() && p.truth.v_eb_e.allFinite() && p.truth.q_eb.coeffs().allFinite());
-    EXPECT_TRUE(p.seen.p_eb_e.allFinite() && p.deflection.allFinite() && std::isfinite(p.flow.angle_of_attack));
+    EXPECT_TRUE(p.seen.p_eb_e.allFinite() && p.seen.v_eb_e.allFinite() && p.seen.q_eb.coeffs().allFinite());
+    EXPECT_TRUE(p.deflection.allFinite() && std::isfinite(p.flow.angle_of_attack));
   }
 }
 
@@ -457,10 +458,32 @@ TEST(Extremes, NonsenseFromNavigationEndsTheFlight) {
   EXPECT_NEAR(record.end.t, 1, 1e-9);
 }
 
+// A body that leaves what can be computed ends its flight; a mistake in who steers it is none of that.
+TEST(Extremes, AMistakeOfTheControllerIsNoEndOfTheFlight) {
+  struct Mistaken {
+    Command command(const Seen& seen) const {
+      if (seen.t > 1) throw std::invalid_argument("of the controller");
+      return {};
+    }
+  } controller;
+  Flight plan;
+  PerfectNavigator navigator;
+  EXPECT_THROW((void)fly(plan, controller, navigator), std::invalid_argument);
+}
+
+TEST(Flight, KnowsHowLongItIsToLast) {
+  Flight plan;
+  EXPECT_EQ(asked_duration(plan), plan.vehicle.burn_time);
+  plan.duration = 20;
+  EXPECT_EQ(asked_duration(plan), 20);
+  EXPECT_FALSE(ends_early(plan, 20 - 0.9 * plan.period));
+  EXPECT_TRUE(ends_early(plan, 20 - 1.1 * plan.period));
+}
+
 TEST(Flight, RefusesMisuse) {
   Flight plan;
   plan.period = 0;
-  EXPECT_THROW((void)fly_perfect(plan), std::invalid_argument);
+  EXPECT_THROW((void)fly_perfect(plan), SetupError);
   plan.period = 0.01;
   plan.duration = -1;
   EXPECT_THROW((void)fly_perfect(plan), std::invalid_argument);
