@@ -6,6 +6,7 @@
 #include "gyrobudget/app/log/log.h"
 #include "gyrobudget/estimation/calibration/calibrate.h"
 #include "gyrobudget/estimation/fit/fit.h"
+#include "gyrobudget/estimation/fit/plan.h"
 #include "gyrobudget/estimation/fit/requirement.h"
 #include "gyrobudget/noise/bielas.h"
 #include "gyrobudget/noise/sensor.h"
@@ -109,11 +110,7 @@ struct PlanArguments {
   std::string sensor;
   double rate_hz = 100;
   std::optional<double> duration_s;
-  struct Wish {
-    noise::Term term = noise::Term::flicker;
-    double relative_std = 0.1;
-  };
-  std::vector<Wish> wishes;
+  std::vector<fit::PlanOptions::Wish> wishes;
 };
 
 struct AccuracyArguments {

@@ -33,6 +33,11 @@ void say(const Common& common, std::string_view line) {
 
 void print(std::string_view text) { text::write_file("-", text); }
 
+void write_page(const std::string& path, std::string_view page, const Common& common) {
+  text::write_file(path, page);
+  say(common, "report page: " + path);
+}
+
 Progress::Progress(const Common& common, std::string of_what)
     : of_what_(std::move(of_what)), shown_(!common.quiet && isatty(STDERR_FILENO) == 1) {}
 

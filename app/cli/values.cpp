@@ -114,7 +114,7 @@ ShapedTerms shaped_terms(const std::string& text) {
 }
 
 // "B=10%"
-PlanArguments::Wish wish(const std::string& text) {
+fit::PlanOptions::Wish wish(const std::string& text) {
   const auto parts = split(text, '=');
   if (parts.size() != 2) throw std::invalid_argument(fmt::format("--want '{}': write TERM=ACCURACY, e.g. B=10%", text));
   const double accuracy = quantity("--want", parts[1], noise::dimension::kNumber);

@@ -40,7 +40,7 @@ struct ShapedTerms {
 };
 [[nodiscard]] ShapedTerms shaped_terms(const std::string& text);
 /// "B=10%" of --want.
-[[nodiscard]] PlanArguments::Wish wish(const std::string& text);
+[[nodiscard]] fit::PlanOptions::Wish wish(const std::string& text);
 /// One of --methods.
 [[nodiscard]] fit::Method method_named(const std::string& name);
 /// "oadev,mdev" or "all" of --estimator, each once.

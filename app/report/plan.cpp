@@ -13,7 +13,6 @@ namespace gyrobudget::inline v0::report {
 namespace {
 
 constexpr auto kGyro = noise::Signal::angular_rate;
-constexpr double kReached = 0.10;  // the fit reaches the bound below this
 
 std::string hours(double seconds) {
   if (!std::isfinite(seconds)) return "never";
@@ -25,7 +24,7 @@ std::string hours(double seconds) {
 
 std::string percent(double relative) {
   if (!std::isfinite(relative) || relative > 10) return "> 1000 %";
-  return fmt::format("{}{:.3g} %", relative > kReached ? ">= " : "", 100 * relative);
+  return fmt::format("{}{:.3g} %", relative > fit::kBoundReached ? ">= " : "", 100 * relative);
 }
 
 nlohmann::ordered_json number(double x) {
@@ -34,9 +33,10 @@ nlohmann::ordered_json number(double x) {
 
 }  // namespace
 
-std::string plan_table(const Plan& plan) {
+std::string plan_table(const PlanStudy& study) {
+  const fit::Plan& plan = study.plan;
   std::string text =
-      fmt::format("{}: what a record at {:g} Hz buys (one sigma of each coefficient)\n\n", plan.sensor, plan.rate_hz);
+      fmt::format("{}: what a record at {:g} Hz buys (one sigma of each coefficient)\n\n", study.sensor, study.rate_hz);
   if (!plan.rows.empty()) {
     text += fmt::format("  {:>10}", "record");
     for (const auto& t : plan.terms) text += fmt::format("  {:>18}", noise::label(kGyro, t.term));
@@ -66,13 +66,14 @@ std::string plan_table(const Plan& plan) {
   return text;
 }
 
-std::string plan_json(const Plan& plan) {
+std::string plan_json(const PlanStudy& study) {
+  const fit::Plan& plan = study.plan;
   nlohmann::ordered_json json;
   json["schema"] = "gyrobudget.plan/1";
   json["version"] = kVersion;
-  json["command"] = plan.command;
-  json["sensor"] = plan.sensor;
-  json["rate_hz"] = plan.rate_hz;
+  json["command"] = study.command;
+  json["sensor"] = study.sensor;
+  json["rate_hz"] = study.rate_hz;
   json["durations"] = nlohmann::ordered_json::array();
   for (const auto& row : plan.rows) {
     nlohmann::ordered_json entry{{"duration_s", row.duration_s}};
@@ -86,7 +87,7 @@ std::string plan_json(const Plan& plan) {
     json["answers"].push_back({{"parameter", noise::key(kGyro, answer.term)},
                                {"relative_std", answer.relative_std},
                                {"duration_s", number(answer.duration_s)},
-                               {"lower_bound", answer.relative_std > kReached}});
+                               {"lower_bound", answer.relative_std > fit::kBoundReached}});
   }
   return json.dump(2) + "\n";
 }
