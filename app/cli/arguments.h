@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "gyrobudget/allan/analysis.h"
 #include "gyrobudget/allan/estimator.h"
 #include "gyrobudget/app/files/trajectory_file.h"
 #include "gyrobudget/app/log/log.h"
@@ -77,19 +78,17 @@ struct CurveArguments {
 };
 
 struct AllanArguments {
-  enum class Psd { welch, multitaper };
-
   Common common;
   Pictures pictures;
   CurveArguments curve;
   std::vector<std::string> segments;  ///< further logs, pooled with the first into one curve
   std::optional<double> gap_s;        ///< each log is cut where more than this is missing
   std::vector<allan::Estimator> estimators{allan::Estimator::oadev};
-  std::int64_t overlap = 0;         ///< terms begin every m/overlap samples; 0: at every sample, of a stream every m/16
-  std::optional<Psd> psd;           ///< beside the deviation, in the page and the JSON
-  std::optional<double> dynamic_s;  ///< window of the dynamic deviation
-  bool stream = false;              ///< read piece by piece, in constant memory
-  bool follow = false;              ///< stream, and show the table while the log grows
+  std::int64_t overlap = 0;  ///< terms begin every m/overlap samples; 0: at every sample, of a stream every m/16
+  std::optional<allan::SpectrumMethod> psd;  ///< beside the deviation, in the page and the JSON
+  std::optional<double> dynamic_s;           ///< window of the dynamic deviation
+  bool stream = false;                       ///< read piece by piece, in constant memory
+  bool follow = false;                       ///< stream, and show the table while the log grows
 };
 
 struct CalibrateArguments {

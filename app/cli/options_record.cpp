@@ -55,7 +55,7 @@ void add_views(CLI::App& app, Texts& texts) {
 
 void finish_views(AllanArguments& a, const Texts& texts) {
   if (!texts.psd.empty()) {
-    a.psd = texts.psd == "welch" ? AllanArguments::Psd::welch : AllanArguments::Psd::multitaper;
+    a.psd = texts.psd == "welch" ? allan::SpectrumMethod::welch : allan::SpectrumMethod::multitaper;
   }
   if (!texts.window.empty()) a.dynamic_s = duration("--dynamic", texts.window);
   const std::string option = a.psd ? "--psd" : "--dynamic";

@@ -20,6 +20,7 @@ enum Exit : int {
 [[nodiscard]] int run(const SimulateArguments&);         ///< sensor file -> log
 [[nodiscard]] int run_flight(const SimulateArguments&);  ///< with `flight`: sensor file, trajectory -> log
 [[nodiscard]] int run(const AllanArguments&);            ///< log -> deviations
+[[nodiscard]] int run_stream(const AllanArguments&);     ///< with `stream`: read piece by piece, in constant memory
 [[nodiscard]] int run(const CalibrateArguments&);        ///< log -> datasheet
 [[nodiscard]] int run(const PlanArguments&);             ///< sensor file -> recording time or accuracy
 [[nodiscard]] int run(const AccuracyArguments&);         ///< sensor file -> how wrong the fits are
