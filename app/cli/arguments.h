@@ -9,8 +9,8 @@
 #include "gyrobudget/estimation/fit/fit.h"
 #include "gyrobudget/estimation/fit/plan.h"
 #include "gyrobudget/estimation/fit/requirement.h"
-#include "gyrobudget/noise/bielas.h"
 #include "gyrobudget/noise/sensor.h"
+#include "gyrobudget/noise/simulation.h"
 
 #include <cstdint>
 #include <optional>
@@ -47,23 +47,16 @@ struct FlightArguments {
 };
 
 struct SimulateArguments {
-  enum class Model { spectral, gauss_markov, jerath, imu_sensor, bielas };
-
   Common common;
   std::string sensor;
   double duration_s = 0;  ///< infinite: until the reader has enough; 0: the whole trajectory
   double rate_hz = 100;
-  Model model = Model::spectral;
-  std::string model_name = "spectral";   ///< as typed
-  std::optional<std::int64_t> taps;      ///< of the 1/f filter; unset: the model's own
-  bool single_sided = false;             ///< model 2
-  noise::Bielas::Bias variant = {};      ///< model 3
-  std::optional<bool> rate_random_walk;  ///< model 3; unset: as the variant has it
-  double correlation_time_s = 100;       ///< model 3, gauss_markov
-  std::uint64_t skipped = 0;             ///< samples left out at the start
+  noise::SimulationModel model;
+  std::string model_name = "spectral";  ///< as typed
+  std::uint64_t skipped = 0;            ///< samples left out at the start
   std::uint64_t seed = 1;
-  std::vector<std::string> axes;  ///< x, y, z
-  std::string unit;               ///< of the gyro columns; empty: rad/s
+  std::vector<int> axes;  ///< 0, 1, 2 for x, y, z
+  std::string unit;       ///< of the gyro columns; empty: rad/s
   std::string output = "-";
   log::Format format = log::Format::csv;
   std::optional<FlightArguments> flight;
