@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "plan.h"
 
+#include "gyrobudget/app/text/text.h"
 #include "gyrobudget/noise/sensor.h"
 #include "gyrobudget/noise/version.h"
 
@@ -14,12 +15,8 @@ namespace {
 
 constexpr auto kGyro = noise::Signal::angular_rate;
 
-std::string hours(double seconds) {
-  if (!std::isfinite(seconds)) return "never";
-  constexpr double kTwoMinutes = 120;
-  if (seconds < kTwoMinutes) return fmt::format("{:.3g} s", seconds);
-  const double h = seconds / 3600;
-  return h < 1 ? fmt::format("{:.3g} min", 60 * h) : fmt::format("{:.3g} h", h);
+std::string length(double seconds) {
+  return std::isfinite(seconds) ? text::duration_text(seconds, text::DurationForm::planned) : "never";
 }
 
 std::string percent(double relative) {
@@ -46,7 +43,7 @@ std::string plan_table(const PlanStudy& study) {
     }
     text += "\n";
     for (const auto& row : plan.rows) {
-      text += fmt::format("  {:>10}", hours(row.duration_s));
+      text += fmt::format("  {:>10}", length(row.duration_s));
       for (const double x : row.relative_std) text += fmt::format("  {:>18}", percent(x));
       text += "\n";
     }
@@ -55,7 +52,7 @@ std::string plan_table(const PlanStudy& study) {
   for (const auto& answer : plan.answers) {
     if (std::isfinite(answer.duration_s)) {
       text += fmt::format("{} to {:.3g} %: record {}.\n", noise::label(kGyro, answer.term), 100 * answer.relative_std,
-                          hours(answer.duration_s));
+                          length(answer.duration_s));
     } else {
       text += fmt::format("{} to {:.3g} %: no record of 1e15 samples would do.\n", noise::label(kGyro, answer.term),
                           100 * answer.relative_std);
