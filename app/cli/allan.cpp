@@ -21,10 +21,10 @@ namespace {
 allan::Analysis analyse(const std::vector<allan::Record>& records, const AllanArguments& a) {
   try {
     return allan::analyse(records, {.estimators = a.estimators,
-                                    .taus = taus_of(a.curve),
+                                    .taus = a.curve.taus,
                                     .overlap = a.overlap,
-                                    .form = form_of(a.curve),
-                                    .minimum_fill = a.curve.strict_gaps ? 1 : allan::kMinimumFill,
+                                    .form = a.curve.form,
+                                    .minimum_fill = a.curve.minimum_fill,
                                     .spectrum = a.psd,
                                     .window_s = a.dynamic_s});
   } catch (const allan::WindowError& error) {

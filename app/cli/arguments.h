@@ -65,9 +65,9 @@ struct SimulateArguments {
 /// How a log is turned into a curve, shared by allan and calibrate.
 struct CurveArguments {
   log::LogOptions log;
-  std::string taus;  ///< octave, decade, all, or a count
-  bool ieee_form = false;
-  bool strict_gaps = false;
+  allan::Taus taus;
+  allan::Form form = allan::Form::full;
+  double minimum_fill = allan::kMinimumFill;  ///< part of a cluster's samples that must exist
 };
 
 struct AllanArguments {

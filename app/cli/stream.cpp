@@ -45,7 +45,7 @@ int run_stream(const AllanArguments& a) {
   for (const auto& note : log.notes()) say(a.common, "note: " + note);
   const std::int64_t overlap = a.overlap > 0 ? a.overlap : allan::StreamingOptions{}.overlap;
   allan::StreamingAnalysis stream(log.columns(), log.rate_hz(),
-                                  {.overlap = overlap, .minimum_fill = a.curve.strict_gaps ? 1 : allan::kMinimumFill});
+                                  {.overlap = overlap, .minimum_fill = a.curve.minimum_fill});
   const auto result = [&] { return result_of(log, stream, overlap, a); };
   std::optional<LiveTable> table;
   std::optional<Interruption> interruption;  // of a stream that is followed: the last table is printed
