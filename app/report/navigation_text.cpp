@@ -185,8 +185,8 @@ std::string reference_text(const NavigationResult& r) {
 
 // A time of the scene on the clock of the log, to the nanosecond: those of an epoch have more digits than a double.
 std::string on_log_clock(const NavigationResult& r, double t) {
-  constexpr std::int64_t kSecond = 1'000'000'000;
-  const std::int64_t ns = r.recording.origin + std::llround(t * noise::kNanosecondsPerSecond);
+  constexpr std::int64_t kSecond = noise::kNanosecondsPerSecond;
+  const std::int64_t ns = r.recording.origin + std::llround(t * kSecond);
   std::string text = fmt::format("{}{}.{:09}", ns < 0 ? "-" : "", std::abs(ns) / kSecond, std::abs(ns) % kSecond);
   text.erase(text.find_last_not_of('0') + 1);
   if (text.back() == '.') text.pop_back();
