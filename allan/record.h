@@ -9,6 +9,12 @@
 
 namespace gyrobudget::inline v0::allan {
 
+/// What a sensor axis is called and what it measures.
+struct AxisLabel {
+  std::string name;                                    ///< as its log has it: any bytes
+  noise::Signal signal = noise::Signal::angular_rate;  ///< decides units and names
+};
+
 /// What one sensor axis said.
 struct Axis {
   std::string name;                                    ///< as its log has it: any bytes

@@ -100,6 +100,11 @@ class StreamingDeviation::PrefixSums {
   std::vector<std::int64_t> counts_;  ///< empty where nothing is missing
 };
 
+double white_noise_loss(std::int64_t overlap) {
+  if (overlap >= 4) return 1.25 / static_cast<double>(overlap * overlap);
+  return overlap == 2 ? 0.27 : 0.56;
+}
+
 StreamingDeviation::StreamingDeviation(double dt, const StreamingOptions& options) : dt_(dt), options_(options) {
   check(dt, options);
   buffer_.reserve(kTile);

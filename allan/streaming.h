@@ -21,6 +21,9 @@ struct StreamingOptions {
   std::int64_t first_sample = 0;
 };
 
+/// Share of the degrees of freedom of white noise that this overlap costs where m is above it; see statistics.h.
+[[nodiscard]] double white_noise_loss(std::int64_t overlap);
+
 /// Overlapped Allan variance at m = 1, 2, 4, ... of a stream of rates without end, in memory that grows with
 /// the logarithm of its length: about 2 KB per octave, 60 KB for 10^9 samples.
 ///

@@ -15,6 +15,8 @@
 #include <system_error>
 #include <vector>
 
+#include "constants.h"
+
 namespace gyrobudget::inline v0::noise {
 namespace {
 
@@ -51,8 +53,7 @@ struct Name {
 
 constexpr long double kRevolution = 2 * std::numbers::pi_v<long double>;
 constexpr long double kDegree = kRevolution / 360;
-constexpr long double kStandardGravity = 9.80665L;  // 3rd CGPM, 1901
-constexpr long double kEarthRate = 7.292115e-5L;    // WGS 84, rad/s
+constexpr long double kEarthRate = 7.292115e-5L;  // WGS 84, rad/s
 constexpr long double kMinute = 60, kHour = 3600, kDay = 86400, kFoot = 0.3048L;
 
 constexpr Name kNames[] = {
@@ -101,8 +102,8 @@ constexpr Name kNames[] = {
     {"feet", {kFoot, 0, 2, 0}},
     {"in", {kFoot / 12, 0, 2, 0}},
     {"inch", {kFoot / 12, 0, 2, 0}},
-    {"g", {kStandardGravity, 0, 2, -4}, true},
-    {"gee", {kStandardGravity, 0, 2, -4}},
+    {"g", {kStandardGravityLong, 0, 2, -4}, true},
+    {"gee", {kStandardGravityLong, 0, 2, -4}},
     {"Gal", {0.01L, 0, 2, -4}, true},
     {"gal", {0.01L, 0, 2, -4}, true},
     {"dps", {kDegree, 2, 0, -2}, true},

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "gyrobudget/allan/analysis.h"
 #include "gyrobudget/allan/estimator.h"
 #include "gyrobudget/app/files/trajectory_file.h"
 #include "gyrobudget/app/log/log.h"
 #include "gyrobudget/estimation/budget/components.h"
 #include "gyrobudget/estimation/calibration/calibrate.h"
 #include "gyrobudget/estimation/fit/fit.h"
+#include "gyrobudget/estimation/fit/plan.h"
 #include "gyrobudget/estimation/fit/requirement.h"
-#include "gyrobudget/noise/bielas.h"
 #include "gyrobudget/noise/sensor.h"
+#include "gyrobudget/noise/simulation.h"
 
 #include <cstdint>
 #include <optional>
@@ -46,23 +48,16 @@ struct FlightArguments {
 };
 
 struct SimulateArguments {
-  enum class Model { spectral, gauss_markov, jerath, imu_sensor, bielas };
-
   Common common;
   std::string sensor;
   double duration_s = 0;  ///< infinite: until the reader has enough; 0: the whole trajectory
   double rate_hz = 100;
-  Model model = Model::spectral;
-  std::string model_name = "spectral";   ///< as typed
-  std::optional<std::int64_t> taps;      ///< of the 1/f filter; unset: the model's own
-  bool single_sided = false;             ///< model 2
-  noise::Bielas::Bias variant = {};      ///< model 3
-  std::optional<bool> rate_random_walk;  ///< model 3; unset: as the variant has it
-  double correlation_time_s = 100;       ///< model 3, gauss_markov
-  std::uint64_t skipped = 0;             ///< samples left out at the start
+  noise::SimulationModel model;
+  std::string model_name = "spectral";  ///< as typed
+  std::uint64_t skipped = 0;            ///< samples left out at the start
   std::uint64_t seed = 1;
-  std::vector<std::string> axes;  ///< x, y, z
-  std::string unit;               ///< of the gyro columns; empty: rad/s
+  std::vector<int> axes;  ///< 0, 1, 2 for x, y, z
+  std::string unit;       ///< of the gyro columns; empty: rad/s
   std::string output = "-";
   log::Format format = log::Format::csv;
   std::optional<FlightArguments> flight;
@@ -71,25 +66,23 @@ struct SimulateArguments {
 /// How a log is turned into a curve, shared by allan and calibrate.
 struct CurveArguments {
   log::LogOptions log;
-  std::string taus;  ///< octave, decade, all, or a count
-  bool ieee_form = false;
-  bool strict_gaps = false;
+  allan::Taus taus;
+  allan::Form form = allan::Form::full;
+  double minimum_fill = allan::kMinimumFill;  ///< part of a cluster's samples that must exist
 };
 
 struct AllanArguments {
-  enum class Psd { welch, multitaper };
-
   Common common;
   Pictures pictures;
   CurveArguments curve;
   std::vector<std::string> segments;  ///< further logs, pooled with the first into one curve
   std::optional<double> gap_s;        ///< each log is cut where more than this is missing
   std::vector<allan::Estimator> estimators{allan::Estimator::oadev};
-  std::int64_t overlap = 0;         ///< terms begin every m/overlap samples; 0: at every sample, of a stream every m/16
-  std::optional<Psd> psd;           ///< beside the deviation, in the page and the JSON
-  std::optional<double> dynamic_s;  ///< window of the dynamic deviation
-  bool stream = false;              ///< read piece by piece, in constant memory
-  bool follow = false;              ///< stream, and show the table while the log grows
+  std::int64_t overlap = 0;  ///< terms begin every m/overlap samples; 0: at every sample, of a stream every m/16
+  std::optional<allan::SpectrumMethod> psd;  ///< beside the deviation, in the page and the JSON
+  std::optional<double> dynamic_s;           ///< window of the dynamic deviation
+  bool stream = false;                       ///< read piece by piece, in constant memory
+  bool follow = false;                       ///< stream, and show the table while the log grows
 };
 
 struct CalibrateArguments {
@@ -110,11 +103,7 @@ struct PlanArguments {
   std::string sensor;
   double rate_hz = 100;
   std::optional<double> duration_s;
-  struct Wish {
-    noise::Term term = noise::Term::flicker;
-    double relative_std = 0.1;
-  };
-  std::vector<Wish> wishes;
+  std::vector<fit::PlanOptions::Wish> wishes;
 };
 
 struct AccuracyArguments {

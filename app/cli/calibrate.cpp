@@ -49,9 +49,9 @@ int run_several(const CalibrateArguments& a) {
 
 int run(const CalibrateArguments& asked) {
   CalibrateArguments a = asked;
-  a.options.taus = taus_of(a.curve);
-  a.options.form = form_of(a.curve);
-  a.options.minimum_fill = a.curve.strict_gaps ? 1 : allan::kMinimumFill;
+  a.options.taus = a.curve.taus;
+  a.options.form = a.curve.form;
+  a.options.minimum_fill = a.curve.minimum_fill;
   for (const auto& input : a.curve_file.empty() ? a.logs : std::vector{a.curve_file})
     check_outputs(
         input,

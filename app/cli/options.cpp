@@ -52,17 +52,17 @@ void add_log(CLI::App& app, CurveArguments& curve, Texts& texts) {
           "--resample", texts.resample,
           "average readings at uneven times over even intervals of this rate; only where asked for, and it is said what that does to short taus")
       ->type_name("HZ");
-  group->add_flag("--strict-gaps", curve.strict_gaps,
+  group->add_flag("--strict-gaps", texts.strict_gaps,
                   "use a cluster only where none of its samples is missing (else 95 %)");
 }
 
-void add_curve(CLI::App& app, CurveArguments& curve, const std::string& default_taus) {
-  curve.taus = default_taus;
+void add_curve(CLI::App& app, Texts& texts, const std::string& default_taus) {
+  texts.taus = default_taus;
   auto* group = app.add_option_group("Curve");
-  group->add_option("--taus", curve.taus, "averaging times: octave, decade, all, or a number of log-spaced ones")
+  group->add_option("--taus", texts.taus, "averaging times: octave, decade, all, or a number of log-spaced ones")
       ->type_name("octave|decade|all|N")
       ->capture_default_str();
-  group->add_flag("--ieee", curve.ieee_form, "n - 2m terms as IEEE Std 952 and MATLAB count (else n - 2m + 1)");
+  group->add_flag("--ieee", texts.ieee, "n - 2m terms as IEEE Std 952 and MATLAB count (else n - 2m + 1)");
 }
 
 void finish_log(CurveArguments& curve, const Texts& texts) {
@@ -72,13 +72,9 @@ void finish_log(CurveArguments& curve, const Texts& texts) {
                     : texts.input == "increment" ? log::Input::increment
                                                  : log::Input::rate;
   if (!texts.format.empty()) curve.log.format = log::format_named(texts.format);
-  const bool named = curve.taus == "octave" || curve.taus == "decade" || curve.taus == "all";
-  const bool count = !curve.taus.empty() && curve.taus.size() < 7 &&
-                     curve.taus.find_first_not_of("0123456789") == std::string::npos && std::stoi(curve.taus) > 1;
-  if (!named && !count) {
-    throw std::invalid_argument(
-        fmt::format("--taus {}: must be octave, decade, all, or a number from 2 on", curve.taus));
-  }
+  curve.taus = taus(texts.taus);
+  curve.form = texts.ieee ? allan::Form::ieee : allan::Form::full;
+  curve.minimum_fill = texts.strict_gaps ? 1 : allan::kMinimumFill;
   if (curve.log.scale == 0 || !std::isfinite(curve.log.scale)) {
     throw std::invalid_argument(fmt::format("--scale {}: must be a number other than 0", curve.log.scale));
   }

@@ -18,10 +18,11 @@ struct Texts {
   std::string rate, duration, terms, tau_min, tau_max, input = "rate", method = "gls", axes = "x,y,z";
   std::string seed = "1", skip, taps, noise_type, variant, rrw, correlation_time;
   std::string records, methods, axis = "gyro", require;
-  std::string estimators = "oadev", stride = "1", format, psd, window, gap, resample;
+  std::string estimators = "oadev", stride = "1", taus, format, psd, window, gap, resample;
   std::string trajectory, truth, fixes, attitude, flight_input, vibration, run;
   std::string at, step, limit;
   std::vector<std::string> wishes, mask, logs;
+  bool ieee = false, strict_gaps = false;
 };
 
 /// A verb on the command line.
@@ -60,7 +61,7 @@ void add_common(CLI::App&, Common&, bool has_json = true);
 void add_pictures(CLI::App&, Pictures&);
 void add_format(CLI::App&, Texts&, const std::string& help);
 void add_log(CLI::App&, CurveArguments&, Texts&);
-void add_curve(CLI::App&, CurveArguments&, const std::string& default_taus);
+void add_curve(CLI::App&, Texts&, const std::string& default_taus);
 void finish_log(CurveArguments&, const Texts&);
 
 }  // namespace gyrobudget::inline v0::cli

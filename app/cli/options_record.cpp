@@ -55,7 +55,7 @@ void add_views(CLI::App& app, Texts& texts) {
 
 void finish_views(AllanArguments& a, const Texts& texts) {
   if (!texts.psd.empty()) {
-    a.psd = texts.psd == "welch" ? AllanArguments::Psd::welch : AllanArguments::Psd::multitaper;
+    a.psd = texts.psd == "welch" ? allan::SpectrumMethod::welch : allan::SpectrumMethod::multitaper;
   }
   if (!texts.window.empty()) a.dynamic_s = duration("--dynamic", texts.window);
   const std::string option = a.psd ? "--psd" : "--dynamic";
@@ -75,7 +75,7 @@ void add_streaming(CLI::App& app, AllanArguments& a) {
       "the same, with a table while the log grows: each second on a terminal, else at each doubling; Ctrl-C prints the last one");
 }
 
-void check_stream(const AllanArguments& a, const std::string& default_taus) {
+void check_stream(const AllanArguments& a, const Texts& texts, const std::string& default_taus) {
   const std::string option = a.follow ? "--follow" : "--stream";
   const auto refuse = [&](bool wrong, const std::string& what) {
     if (wrong) throw std::invalid_argument(fmt::format("{} {}", option, what));
@@ -84,8 +84,8 @@ void check_stream(const AllanArguments& a, const std::string& default_taus) {
   refuse(a.gap_s.has_value(), "reads one segment; leave out --segments");
   refuse(a.curve.log.resample_hz.has_value(), "cannot resample; leave out --resample");
   refuse(a.estimators != std::vector{allan::Estimator::oadev}, "knows the oadev only; leave out --estimator");
-  refuse(a.curve.taus != "octave" && a.curve.taus != default_taus, "has octaves only; leave out --taus");
-  refuse(a.curve.ieee_form, "counts n - 2m + 1 terms; leave out --ieee");
+  refuse(texts.taus != "octave" && texts.taus != default_taus, "has octaves only; leave out --taus");
+  refuse(texts.ieee, "counts n - 2m + 1 terms; leave out --ieee");
   refuse((a.overlap & (a.overlap - 1)) != 0, "needs a stride of m/N with N a power of two");
 }
 
@@ -99,10 +99,10 @@ void finish(AllanArguments& a, const Texts& texts) {
   a.estimators = estimators(texts.estimators);
   a.overlap = overlap(texts.stride);
   a.stream = a.stream || a.follow;
-  if (a.stream) check_stream(a, kTaus);
+  if (a.stream) check_stream(a, texts, kTaus);
   finish_views(a, texts);
   const bool full = a.estimators == std::vector{allan::Estimator::oadev} && a.overlap == 0;
-  if (a.curve.ieee_form && !full) {
+  if (texts.ieee && !full) {
     throw std::invalid_argument(
         "--ieee counts the terms of the oadev at every sample; leave out --estimator and --stride");
   }
@@ -120,7 +120,7 @@ CLI::App* add_allan(CLI::App& app, AllanArguments& a, Texts& texts) {
       ->type_name("LOG ...");
   add_log(*verb, a.curve, texts);
   add_segments(*verb, texts);
-  add_curve(*verb, a.curve, kTaus);
+  add_curve(*verb, texts, kTaus);
   add_estimators(*verb, texts);
   add_views(*verb, texts);
   add_streaming(*verb, a);
@@ -168,7 +168,7 @@ CLI::App* add_calibrate(CLI::App& app, CalibrateArguments& a, Texts& texts) {
                    ->type_name("FILE");
   file->excludes(verb->get_option("log"));
   table->add_option("--duration", texts.duration, "length of the record behind --curve")->type_name("TIME");
-  add_curve(*verb, a.curve, "50");
+  add_curve(*verb, texts, "50");
   auto* out = verb->add_option_group("Output");
   out->add_option("-o,--output", a.output, "write the sensor file")->type_name("SENSOR.yaml");
   out->add_option("--kalibr", a.kalibr, "write Kalibr's imu.yaml")->type_name("FILE.yaml");
@@ -217,8 +217,7 @@ void finish(CalibrateArguments& a, const Texts& texts) {
   if (!texts.tau_min.empty()) a.options.tau_min_s = duration("--tau-min", texts.tau_min);
   if (!texts.tau_max.empty()) a.options.tau_max_s = duration("--tau-max", texts.tau_max);
   if (!texts.duration.empty()) a.duration_s = duration("--duration", texts.duration);
-  if (!a.curve_file.empty() &&
-      (a.curve.ieee_form || a.curve.strict_gaps || a.curve.log.scale != 1 || texts.input != "rate")) {
+  if (!a.curve_file.empty() && (texts.ieee || texts.strict_gaps || a.curve.log.scale != 1 || texts.input != "rate")) {
     throw std::invalid_argument("--curve: --ieee, --strict-gaps, --scale and --input are about logs, not tables");
   }
   if (!a.curve_file.empty() && (!a.duration_s || !a.curve.log.rate_hz)) {

@@ -19,16 +19,16 @@ namespace {
 
 // What --model knows, and which options go with it.
 struct ModelName {
-  SimulateArguments::Model model;
+  noise::SimulationModel::Kind kind;
   std::vector<std::string> options;
 };
 
 const std::map<std::string, ModelName> kModels{
-    {"spectral", {SimulateArguments::Model::spectral, {}}},
-    {"gauss-markov", {SimulateArguments::Model::gauss_markov, {}}},
-    {"1", {SimulateArguments::Model::jerath, {"--taps"}}},
-    {"2", {SimulateArguments::Model::imu_sensor, {"--taps", "--noise-type"}}},
-    {"3", {SimulateArguments::Model::bielas, {"--variant", "--rrw", "--correlation-time"}}},
+    {"spectral", {noise::SimulationModel::Kind::spectral, {}}},
+    {"gauss-markov", {noise::SimulationModel::Kind::gauss_markov, {}}},
+    {"1", {noise::SimulationModel::Kind::jerath, {"--taps"}}},
+    {"2", {noise::SimulationModel::Kind::imu_sensor, {"--taps", "--noise-type"}}},
+    {"3", {noise::SimulationModel::Kind::bielas, {"--variant", "--rrw", "--correlation-time"}}},
 };
 
 const std::map<std::string, noise::Bielas::Bias> kVariants{
@@ -129,7 +129,7 @@ CLI::App* add_simulate(CLI::App& app, SimulateArguments& a, Texts& texts) {
 
 void finish_model(SimulateArguments& a, const Texts& texts) {
   const ModelName& chosen = kModels.at(a.model_name);
-  a.model = chosen.model;
+  a.model.kind = chosen.kind;
   const std::vector<std::pair<std::string, std::string>> given{{"--taps", texts.taps},
                                                                {"--noise-type", texts.noise_type},
                                                                {"--variant", texts.variant},
@@ -139,15 +139,15 @@ void finish_model(SimulateArguments& a, const Texts& texts) {
     if (value.empty() || std::ranges::find(chosen.options, option) != chosen.options.end()) continue;
     throw std::invalid_argument(fmt::format("{} {}: --model {} has no such option", option, value, a.model_name));
   }
-  if (!texts.taps.empty()) a.taps = static_cast<std::int64_t>(whole_number("--taps", texts.taps));
-  a.single_sided = texts.noise_type == "single-sided";
-  if (!texts.variant.empty()) a.variant = kVariants.at(texts.variant);
-  if (!texts.rrw.empty()) a.rate_random_walk = texts.rrw == "on";
+  if (!texts.taps.empty()) a.model.taps = static_cast<std::int64_t>(whole_number("--taps", texts.taps));
+  a.model.single_sided = texts.noise_type == "single-sided";
+  if (!texts.variant.empty()) a.model.variant = kVariants.at(texts.variant);
+  if (!texts.rrw.empty()) a.model.rate_random_walk = texts.rrw == "on";
   if (texts.correlation_time.empty()) return;
-  if (a.variant != noise::Bielas::Bias::gauss_markov) {
+  if (a.model.variant != noise::Bielas::Bias::gauss_markov) {
     throw std::invalid_argument("--correlation-time belongs to --variant gauss_markov");
   }
-  a.correlation_time_s = duration("--correlation-time", texts.correlation_time);
+  a.model.correlation_time_s = duration("--correlation-time", texts.correlation_time);
 }
 
 void finish_extent(SimulateArguments& a, const Texts& texts) {
@@ -239,11 +239,11 @@ void finish(SimulateArguments& a, const Texts& texts) {
     throw std::invalid_argument(fmt::format("-o {}: only text is compressed; leave out .gz", a.output));
   }
   a.seed = seed(texts.seed);
-  a.axes = split(texts.axes, ',');
-  for (const auto& axis : a.axes) {
+  for (const auto& axis : split(texts.axes, ',')) {
     if (axis != "x" && axis != "y" && axis != "z") {
       throw std::invalid_argument(fmt::format("--axes {}: axes are x, y and z, separated by commas", texts.axes));
     }
+    a.axes.push_back(axis.front() - 'x');
   }
   check_gyro_unit(a);
 }

@@ -3,7 +3,6 @@
 #include "gyrobudget/app/report/paper.h"
 
 #include "gyrobudget/app/paper/study.h"
-#include "gyrobudget/app/text/output.h"
 
 #include "paths.h"
 #include "terminal.h"
@@ -17,10 +16,7 @@ int run(const PaperArguments& a) {
   report::Paper paper = paper::paper_study(a.seed);
   paper.command = a.common.command_line;
   print(a.common.json ? report::paper_json(paper) : report::paper_table(paper));
-  if (!a.report.empty()) {
-    text::write_file(a.report, report::paper_page(paper));
-    say(a.common, "report page: " + a.report);
-  }
+  if (!a.report.empty()) write_page(a.report, report::paper_page(paper), a.common);
   return exit_done;
 }
 

@@ -2,6 +2,7 @@
 #include "terminal.h"
 
 #include "gyrobudget/app/text/output.h"
+#include "gyrobudget/app/text/text.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -17,14 +18,6 @@ namespace {
 std::atomic<bool> someone_listens{false}, interrupt_asked{false};
 static_assert(std::atomic<bool>::is_always_lock_free, "a handler of signals may set it");
 
-// "40 s", "3 min"
-std::string rough_duration(double seconds) {
-  constexpr double kMinute = 60, kHour = 3600;
-  if (seconds < 2 * kMinute) return fmt::format("{:.0f} s", std::ceil(seconds));
-  if (seconds < 2 * kHour) return fmt::format("{:.0f} min", std::ceil(seconds / kMinute));
-  return fmt::format("{:.1f} h", seconds / kHour);
-}
-
 }  // namespace
 
 void say(const Common& common, std::string_view line) {
@@ -32,6 +25,11 @@ void say(const Common& common, std::string_view line) {
 }
 
 void print(std::string_view text) { text::write_file("-", text); }
+
+void write_page(const std::string& path, std::string_view page, const Common& common) {
+  text::write_file(path, page);
+  say(common, "report page: " + path);
+}
 
 Progress::Progress(const Common& common, std::string of_what)
     : of_what_(std::move(of_what)), shown_(!common.quiet && isatty(STDERR_FILENO) == 1) {}
@@ -50,7 +48,8 @@ void Progress::update(double done, double of) {
   const int full = static_cast<int>(part * kWidth);
   const double spent = std::chrono::duration<double>(now - start_).count();
   fmt::print(stderr, "\r[{:#<{}}{:.<{}}] {:.0f} % of the {}, {} left \x1b[K", "", full, "", kWidth - full, 100 * part,
-             of_what_, part > 0 ? rough_duration(spent * (1 - part) / part) : "some time");
+             of_what_,
+             part > 0 ? text::duration_text(spent * (1 - part) / part, text::DurationForm::rough) : "some time");
   std::fflush(stderr);
 }
 

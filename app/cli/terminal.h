@@ -18,6 +18,9 @@ void say(const Common&, std::string_view line);
 /// The verb's result: stdout. @throws io::OutputError where it cannot be written.
 void print(std::string_view text);
 
+/// Writes an HTML page and says where. @throws text::OutputError where it cannot be written.
+void write_page(const std::string& path, std::string_view page, const Common&);
+
 /// A bar with the time left on stderr, where that is a terminal and --quiet is not given; gone when this ends.
 class Progress {
  public:

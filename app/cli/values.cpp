@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "values.h"
 
+#include "gyrobudget/app/text/text.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -114,7 +116,7 @@ ShapedTerms shaped_terms(const std::string& text) {
 }
 
 // "B=10%"
-PlanArguments::Wish wish(const std::string& text) {
+fit::PlanOptions::Wish wish(const std::string& text) {
   const auto parts = split(text, '=');
   if (parts.size() != 2) throw std::invalid_argument(fmt::format("--want '{}': write TERM=ACCURACY, e.g. B=10%", text));
   const double accuracy = quantity("--want", parts[1], noise::dimension::kNumber);
@@ -144,6 +146,17 @@ std::vector<allan::Estimator> estimators(const std::string& text) {
     if (std::ranges::find(list, *estimator) == list.end()) list.push_back(*estimator);
   }
   return list;
+}
+
+allan::Taus taus(const std::string& text) {
+  using Kind = allan::Taus::Kind;
+  if (text == "octave") return {Kind::octave};
+  if (text == "decade") return {Kind::decade};
+  if (text == "all") return {Kind::all};
+  constexpr std::size_t kMostDigits = 6;
+  const bool number = !text.empty() && text.size() <= kMostDigits && std::ranges::all_of(text, text::is_digit);
+  if (number && std::stoi(text) > 1) return {Kind::logarithmic, std::stoi(text)};
+  throw std::invalid_argument(fmt::format("--taus {}: must be octave, decade, all, or a number from 2 on", text));
 }
 
 // "1", "m" or "m/16": how many terms begin in a cluster; 0 for all.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "gyrobudget/allan/estimator.h"
+#include "gyrobudget/allan/taus.h"
 #include "gyrobudget/estimation/fit/fit.h"
 #include "gyrobudget/noise/sensor.h"
 #include "gyrobudget/noise/units.h"
@@ -40,11 +41,13 @@ struct ShapedTerms {
 };
 [[nodiscard]] ShapedTerms shaped_terms(const std::string& text);
 /// "B=10%" of --want.
-[[nodiscard]] PlanArguments::Wish wish(const std::string& text);
+[[nodiscard]] fit::PlanOptions::Wish wish(const std::string& text);
 /// One of --methods.
 [[nodiscard]] fit::Method method_named(const std::string& name);
 /// "oadev,mdev" or "all" of --estimator, each once.
 [[nodiscard]] std::vector<allan::Estimator> estimators(const std::string& text);
+/// "octave", "decade", "all" or a number from 2 on of --taus.
+[[nodiscard]] allan::Taus taus(const std::string& text);
 /// "1", "m" or "m/16" of --stride: how many terms begin in a cluster; 0 for all.
 [[nodiscard]] std::int64_t overlap(const std::string& text);
 /// "crossrange < 10 m" of --limit.

@@ -20,12 +20,16 @@ enum Exit : int {
 [[nodiscard]] int run(const SimulateArguments&);         ///< sensor file -> log
 [[nodiscard]] int run_flight(const SimulateArguments&);  ///< with `flight`: sensor file, trajectory -> log
 [[nodiscard]] int run(const AllanArguments&);            ///< log -> deviations
+[[nodiscard]] int run_stream(const AllanArguments&);     ///< with `stream`: read piece by piece, in constant memory
 [[nodiscard]] int run(const CalibrateArguments&);        ///< log -> datasheet
 [[nodiscard]] int run(const PlanArguments&);             ///< sensor file -> recording time or accuracy
 [[nodiscard]] int run(const AccuracyArguments&);         ///< sensor file -> how wrong the fits are
-[[nodiscard]] int run(const PaperArguments&);            ///< the source paper's tables and figures beside ours
-[[nodiscard]] int run(const NavigateArguments&);         ///< scene with a recorded IMU log -> navigation solution
-[[nodiscard]] int run(const BudgetArguments&);           ///< scene -> error budget per source
-[[nodiscard]] int run(const FlyArguments&);              ///< scene with a flight -> flight in closed loop
+/// With `sweep`: every way to fit records of this truth, error against run time.
+[[nodiscard]] int run_sweep(const AccuracyArguments&, const std::string& sensor,
+                            const std::vector<noise::Process>& truth);
+[[nodiscard]] int run(const PaperArguments&);     ///< the source paper's tables and figures beside ours
+[[nodiscard]] int run(const NavigateArguments&);  ///< scene with a recorded IMU log -> navigation solution
+[[nodiscard]] int run(const BudgetArguments&);    ///< scene -> error budget per source
+[[nodiscard]] int run(const FlyArguments&);       ///< scene with a flight -> flight in closed loop
 
 }  // namespace gyrobudget::inline v0::cli

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "fixes_file.h"
 
+#include "gyrobudget/estimation/navigation/simulated_fixes.h"
 #include "gyrobudget/vehicle/earth/ellipsoid.h"
 
 #include <fmt/format.h>
@@ -73,6 +74,20 @@ std::string fixes_csv(const DeviceFixes& device) {
     out += "\n";
   }
   return out;
+}
+
+std::vector<DeviceFixes> simulated_devices(const navigation::Scenario& scenario, const earth::Trajectory& trajectory,
+                                           std::uint64_t seed, std::uint64_t run) {
+  std::vector<DeviceFixes> list;
+  for (std::size_t i = 0; i < scenario.aids.size(); ++i) {
+    const Aid& aid = scenario.aids[i];
+    if (!aid.used || aid.kind == Aid::Kind::rest) continue;
+    const std::string device = aid.name.substr(0, aid.name.rfind('.'));
+    if (list.empty() || list.back().device != device) list.push_back({device, {}, {}});
+    list.back().kinds.push_back(aid.kind);
+    list.back().fixes.push_back(navigation::simulated_fixes(aid, static_cast<int>(i), trajectory, seed, run));
+  }
+  return list;
 }
 
 }  // namespace gyrobudget::inline v0::files

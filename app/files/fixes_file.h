@@ -3,8 +3,9 @@
 
 #include "gyrobudget/estimation/navigation/recording.h"
 #include "gyrobudget/estimation/navigation/scenario.h"
+#include "gyrobudget/vehicle/earth/trajectory.h"
 
-#include <span>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -19,5 +20,10 @@ struct DeviceFixes {
   std::vector<std::vector<navigation::Fix>> fixes;  ///< of each kind, ascending
 };
 [[nodiscard]] std::string fixes_csv(const DeviceFixes&);
+
+/// What each device of a scenario measures along a trajectory, in the order of its aids: those of one device stand one
+/// behind the other and are named DEVICE.WHAT. Aids that are not used, and rests, measure nothing.
+[[nodiscard]] std::vector<DeviceFixes> simulated_devices(const navigation::Scenario&, const earth::Trajectory&,
+                                                         std::uint64_t seed, std::uint64_t run);
 
 }  // namespace gyrobudget::inline v0::files

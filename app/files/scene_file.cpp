@@ -512,4 +512,10 @@ earth::Trajectory planned_trajectory(const SceneFile& scene) {
   return trajectory(nominal);
 }
 
+bool is_scene(std::string_view path) { return path.ends_with(".yaml") || path.ends_with(".yml"); }
+
+earth::Trajectory scene_or_trajectory(const std::string& name_or_path) {
+  return is_scene(name_or_path) ? planned_trajectory(read_scene(name_or_path)) : read_trajectory(name_or_path);
+}
+
 }  // namespace gyrobudget::inline v0::files

@@ -83,6 +83,12 @@ struct SceneFile {
 /// @throws InputError as read_trajectory(), and for a flight that does not last a second.
 [[nodiscard]] earth::Trajectory planned_trajectory(const SceneFile&);
 
+/// Whether a path is that of a scene, by its ending.
+[[nodiscard]] bool is_scene(std::string_view path);
+/// The trajectory of a scene, or one by name or from another file as read_trajectory() takes it.
+/// @throws as planned_trajectory() and read_trajectory().
+[[nodiscard]] earth::Trajectory scene_or_trajectory(const std::string& name_or_path);
+
 /// Another sensor file, or "ideal", in the same scene, at the scene's epoch. @throws InputError as read_sensor.
 void change_sensor(SceneFile&, const std::string& path);
 

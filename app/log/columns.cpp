@@ -2,6 +2,7 @@
 #include "columns.h"
 
 #include "gyrobudget/app/text/number.h"
+#include "gyrobudget/noise/constants.h"
 
 #include <fmt/format.h>
 
@@ -226,7 +227,7 @@ class Chooser {
 
   void choose_named_time(const Column& c) {
     if (c.unit) {
-      use_time(c, std::llround(c.unit->to_si * 1e9));
+      use_time(c, std::llround(c.unit->to_si * noise::kNanosecondsPerSecond));
       return;
     }
     const TimeName name = *time_name(c.name);
@@ -241,7 +242,7 @@ class Chooser {
       const auto part = time_name(other.name);
       if (is_requested(other) || !part || !part->unit_only) continue;
       const auto [fine, coarse] = std::minmax(part->ns_per_unit, name.ns_per_unit);
-      constexpr std::int64_t kSecond = 1'000'000'000, kMicro = 1'000;
+      constexpr std::int64_t kSecond = noise::kNanosecondsPerSecond, kMicro = 1'000;
       if (coarse != kSecond || fine > kMicro) continue;
       choice_.stamps.push_back({other.index, part->ns_per_unit});
       choice_.notes.push_back(fmt::format("the time is the sum of {} and {}", described(c), described(other)));
@@ -302,7 +303,7 @@ class Chooser {
   }
 
   static constexpr std::pair<std::string_view, std::int64_t> kUnlabelled[] = {
-      {"s", 1'000'000'000}, {"ms", 1'000'000}, {"us", 1'000}, {"ns", 1}};
+      {"s", noise::kNanosecondsPerSecond}, {"ms", 1'000'000}, {"us", 1'000}, {"ns", 1}};
 
   static std::string_view unit_name(std::int64_t ns) {
     return std::ranges::find(kUnlabelled, ns, [](auto& u) { return u.second; })->first;
@@ -317,7 +318,7 @@ class Chooser {
     std::vector<std::string> choices;
     constexpr double kNear = 0.1;  // units are a thousand apart; the rate itself is checked with all stamps
     for (const auto& [name, ns] : kUnlabelled) {
-      const double rate = 1e9 / (step * static_cast<double>(ns));
+      const double rate = noise::kNanosecondsPerSecond / (step * static_cast<double>(ns));
       if (options_.rate_hz && std::abs(rate / *options_.rate_hz - 1) < kNear) return ns;
       choices.push_back(fmt::format("{:.4g} Hz in {}", rate, name));
     }

@@ -3,6 +3,7 @@
 
 #include "gyrobudget/app/text/number.h"
 #include "gyrobudget/app/text/text.h"
+#include "gyrobudget/noise/constants.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -15,7 +16,7 @@
 namespace gyrobudget::inline v0::log {
 namespace {
 
-constexpr double kNanosecond = 1e-9;
+using noise::kNanosecond;
 constexpr std::int64_t kCentury = 3'155'760'000'000'000'000;  // [ns] the longest log; keeps sums within 64 bits
 constexpr double kSameRate = 1e-6;                            // rates this near are one rate, written with other digits
 

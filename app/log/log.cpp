@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "log.h"
 
+#include "gyrobudget/app/text/text.h"
+
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -160,11 +162,6 @@ void place_on_grid(Piece& piece, std::vector<std::int64_t> stamps, const Raw& ra
   piece.grid = make_grid(stamps, options.rate_hz, column);
 }
 
-std::string length_text(double seconds) {
-  if (seconds >= 3600) return fmt::format("{:.3g} h", seconds / 3600);
-  return seconds >= 120 ? fmt::format("{:.3g} min", seconds / 60) : fmt::format("{:.3g} s", seconds);
-}
-
 Stretches cut_or_fail(const Raw& raw, const LogOptions& options, double longest_gap_s) {
   Stretches cuts = cut(raw.table, options.rate_hz.value_or(1), longest_gap_s);
   if (!cuts.kept.empty()) return cuts;
@@ -198,7 +195,8 @@ void arrange(Raw& raw, const LineOfRow& line_of_row, const LogOptions& options, 
       stamps.assign(first, first + static_cast<std::ptrdiff_t>(stretch.rows));
     }
     place_on_grid(piece, std::move(stamps), raw, line_of_row, options);
-    lengths.push_back(length_text(static_cast<double>(piece.grid.points) / piece.grid.rate_hz));
+    lengths.push_back(
+        text::duration_text(static_cast<double>(piece.grid.points) / piece.grid.rate_hz, text::DurationForm::planned));
   }
   append(raw.notes, std::move(raw.choice.notes));
   raw.notes.push_back(describe(cuts, lengths, *longest_gap_s));

@@ -3,6 +3,7 @@
 
 #include "gyrobudget/app/text/number.h"
 #include "gyrobudget/app/text/text.h"
+#include "gyrobudget/noise/constants.h"
 #include "gyrobudget/noise/units.h"
 
 #include <fmt/format.h>
@@ -107,8 +108,7 @@ std::pair<DataColumn, std::size_t> NamedColumns::get(const Wanted& wanted,
 DataColumn NamedColumns::get(const Wanted& wanted) const { return get(wanted, {wanted.dimension}).first; }
 
 void add_stamps(Choice& choice, const DataColumn& time) {
-  constexpr double kNanoseconds = 1e9;
-  choice.stamps.push_back({time.index, std::llround(time.to_si * kNanoseconds)});
+  choice.stamps.push_back({time.index, std::llround(time.to_si * noise::kNanosecondsPerSecond)});
   choice.time_name = time.name;
 }
 

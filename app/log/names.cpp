@@ -2,6 +2,7 @@
 #include "names.h"
 
 #include "gyrobudget/app/text/text.h"
+#include "gyrobudget/noise/constants.h"
 
 #include <algorithm>
 #include <utility>
@@ -14,7 +15,7 @@ struct TimeUnit {
   std::string_view word;
   std::int64_t ns;
 };
-constexpr std::int64_t kNano = 1, kMicro = 1'000, kMilli = 1'000'000, kSecond = 1'000'000'000;
+constexpr std::int64_t kNano = 1, kMicro = 1'000, kMilli = 1'000'000, kSecond = noise::kNanosecondsPerSecond;
 constexpr TimeUnit kTimeUnits[] = {
     {"s", kSecond},     {"sec", kSecond},    {"secs", kSecond},      {"second", kSecond}, {"seconds", kSecond},
     {"ms", kMilli},     {"msec", kMilli},    {"msecs", kMilli},      {"millis", kMilli},  {"milliseconds", kMilli},

@@ -3,6 +3,7 @@
 
 #include "gyrobudget/app/text/number.h"
 #include "gyrobudget/app/text/text.h"
+#include "gyrobudget/noise/constants.h"
 
 #include <fmt/format.h>
 
@@ -14,7 +15,7 @@
 namespace gyrobudget::inline v0::log {
 namespace {
 
-constexpr double kNanosecond = 1e-9;
+using noise::kNanosecond;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kMostCells = 0x1p40;
 

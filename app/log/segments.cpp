@@ -2,6 +2,7 @@
 #include "segments.h"
 
 #include "gyrobudget/app/text/number.h"
+#include "gyrobudget/noise/constants.h"
 
 #include <fmt/format.h>
 
@@ -11,7 +12,7 @@
 namespace gyrobudget::inline v0::log {
 namespace {
 
-constexpr double kNanosecond = 1e-9;
+using noise::kNanosecond;
 
 /// Seconds from one stamp to a later one; below zero where the clock went back.
 double seconds_between(std::int64_t from, std::int64_t to) {

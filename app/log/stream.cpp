@@ -3,6 +3,7 @@
 
 #include "gyrobudget/app/text/input.h"
 #include "gyrobudget/app/text/number.h"
+#include "gyrobudget/noise/constants.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -105,14 +106,15 @@ class Tracker {
     }
     if (stamp == before_) return {.repeated = true};
     if (stamp < before_) {
-      fail_here(fmt::format("goes back by {:g} s", static_cast<double>(before_ - stamp) * 1e-9));
+      fail_here(fmt::format("goes back by {:g} s", static_cast<double>(before_ - stamp) * noise::kNanosecond));
     }
     before_ = stamp;
     const auto time = static_cast<double>(stamp - origin_);
     const double late = std::max(0.0, std::rint((time - expected_) / interval_));
     constexpr double kLongestGap = 1e6;
     if (late > std::max(kLongestGap, static_cast<double>(points_))) {
-      fail_here(fmt::format("jumps by {:g} s, over more samples than there are before it", (time - expected_) * 1e-9));
+      fail_here(fmt::format("jumps by {:g} s, over more samples than there are before it",
+                            (time - expected_) * noise::kNanosecond));
     }
     constexpr double kGain = 0.05;  // share of the offset that is taken over with each stamp
     const double tracked = expected_ + late * interval_;
@@ -284,7 +286,7 @@ class LogStream::Text : public LogStream::Reader {
         make_grid(table.stamps, options_.rate_hz,
                   {inlet_.name(), choice_.time_name, [&](std::size_t row) { return reader.line_of_row(row); }});
     rate_hz_ = options_.rate_hz.value_or(grid.rate_hz);
-    tracker_.emplace(1e9 / rate_hz_);
+    tracker_.emplace(noise::kNanosecondsPerSecond / rate_hz_);
     if (options_.rate_hz) return;
     notes_.push_back(fmt::format("rate {:.6g} Hz from the first {} time stamps of {}; --rate HZ is taken as it is",
                                  rate_hz_, table.stamps.size(), choice_.time_name));

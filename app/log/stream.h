@@ -23,10 +23,7 @@ namespace gyrobudget::inline v0::log {
 ///     while (log.read(rates, patience) != LogStream::Progress::end) use(rates);
 class LogStream {
  public:
-  struct Column {
-    std::string name;
-    noise::Signal signal;
-  };
+  using Column = allan::AxisLabel;
   enum class Progress {
     samples,  ///< there are new ones
     none,     ///< none yet

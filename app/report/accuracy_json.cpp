@@ -95,7 +95,7 @@ Json document(const AccuracyStudy& study) {
           {"words", accuracy_words(study)}};
 }
 
-Json sweep_row_json(noise::Signal signal, const SweepRow& row) {
+Json sweep_row_json(noise::Signal signal, const fit::SweepRow& row) {
   Json coefficients = Json::object();
   for (const auto& c : row.coefficients) {
     coefficients[key_of(signal, c.term)] = {{"term", std::string(1, static_cast<char>(c.term))},
@@ -104,32 +104,27 @@ Json sweep_row_json(noise::Signal signal, const SweepRow& row) {
                                             {"over_bound", finite(c.over_bound)},
                                             {"coverage", finite(c.coverage)}};
   }
-  return {{"group", row.group},
-          {"setting", row.setting},
-          {"default", row.is_default},
-          {"samples", row.samples},
-          {"records", row.records},
-          {"unconverged", row.unconverged},
-          {"coefficients", coefficients},
-          {"curve_seconds", row.curve_seconds},
-          {"fit_seconds", row.fit_seconds},
-          {"covariance_seconds", row.covariance_seconds}};
+  return {{"group", group_of(row)},           {"setting", setting_of(row)},
+          {"default", row.way == fit::Way{}}, {"samples", row.samples},
+          {"records", row.records},           {"unconverged", row.unconverged},
+          {"coefficients", coefficients},     {"curve_seconds", row.curve_seconds},
+          {"fit_seconds", row.fit_seconds},   {"covariance_seconds", row.covariance_seconds}};
 }
 
-Json document(const Sweep& sweep) {
+Json document(const SweepStudy& study) {
   Json rows = Json::array();
-  for (const auto& row : sweep.rows) rows.push_back(sweep_row_json(sweep.signal, row));
+  for (const auto& row : study.sweep.rows) rows.push_back(sweep_row_json(study.signal, row));
   return {{"schema", "gyrobudget.accuracy_sweep/1"},
           {"version", kVersion},
-          {"command", sweep.command},
-          {"sensor", sweep.sensor},
-          {"signal", text(sweep.signal)},
-          {"rate_hz", sweep.rate_hz},
-          {"seed", sweep.seed},
-          {"complete", sweep.complete},
-          {"seconds", sweep.seconds},
+          {"command", study.command},
+          {"sensor", study.sensor},
+          {"signal", text(study.signal)},
+          {"rate_hz", study.rate_hz},
+          {"seed", study.seed},
+          {"complete", study.sweep.complete},
+          {"seconds", study.sweep.seconds},
           {"rows", rows},
-          {"words", sweep_words(sweep)}};
+          {"words", sweep_words(study)}};
 }
 
 // Names and command lines may hold any bytes.
@@ -198,7 +193,7 @@ std::string data_text(const Json& data) { return without_markup(text_of(data, -1
 }  // namespace
 
 std::string accuracy_json(const AccuracyStudy& study) { return text_of(document(study), 2) + "\n"; }
-std::string sweep_json(const Sweep& sweep) { return text_of(document(sweep), 2) + "\n"; }
+std::string sweep_json(const SweepStudy& study) { return text_of(document(study), 2) + "\n"; }
 
 std::string accuracy_data(const AccuracyStudy& study) {
   Json histograms = Json::array(), p_values = Json::array();
@@ -214,6 +209,6 @@ std::string accuracy_data(const AccuracyStudy& study) {
   return data_text({{"accuracy", document(study)}, {"estimates", histograms}, {"p_values", p_values}});
 }
 
-std::string sweep_data(const Sweep& sweep) { return data_text({{"sweep", document(sweep)}}); }
+std::string sweep_data(const SweepStudy& study) { return data_text({{"sweep", document(study)}}); }
 
 }  // namespace gyrobudget::inline v0::report

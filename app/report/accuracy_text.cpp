@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <stdexcept>
 #include <string_view>
 
 #include "accuracy.h"
@@ -193,16 +194,31 @@ std::string accuracy_table(const AccuracyStudy& study) {
 
 namespace {
 
-const SweepRow* find(const Sweep& sweep, std::string_view group, std::string_view setting) {
-  const auto at = std::ranges::find_if(
-      sweep.rows, [&](const SweepRow& row) { return row.group == group && row.setting == setting; });
+using fit::Comparison;
+using fit::SweepRow;
+using fit::Way;
+
+const SweepRow* find(const fit::Sweep& sweep, Comparison group, const Way& way) {
+  const auto at =
+      std::ranges::find_if(sweep.rows, [&](const SweepRow& row) { return row.comparison == group && row.way == way; });
   return at == sweep.rows.end() || at->coefficients.empty() ? nullptr : &*at;
 }
 
-const SweepRow* default_of(const Sweep& sweep) {
+const SweepRow* default_of(const fit::Sweep& sweep) {
   const auto at =
-      std::ranges::find_if(sweep.rows, [](const SweepRow& r) { return r.is_default && !r.coefficients.empty(); });
+      std::ranges::find_if(sweep.rows, [](const SweepRow& r) { return r.way == Way{} && !r.coefficients.empty(); });
   return at == sweep.rows.end() ? nullptr : &*at;
+}
+
+std::string covariance_text(const Way& way) {
+  if (way.method == Method::edf) return "its diagonal (edf)";
+  return way.method == Method::loglog ? "none (loglog)" : "exact";
+}
+
+std::string length_text(const SweepRow& row) {
+  const auto power = std::lround(std::log10(static_cast<double>(row.samples)));
+  return fmt::format("1e{} {}{}", power, fit::name(row.way.method),
+                     row.way.overlap > 0 ? fmt::format(", stride m/{}", row.way.overlap) : "");
 }
 
 std::string ratios(const SweepRow& row) {
@@ -221,14 +237,14 @@ std::string rmse_text(const SweepRow& row) {
   return text;
 }
 
-std::string methods_words(const Sweep& sweep, const SweepRow& standard) {
+std::string methods_words(const fit::Sweep& sweep, const SweepRow& standard) {
   std::string text = fmt::format("gls is the default method: {} (RMSE) in {}.", rmse_text(standard),
                                  time_text(standard.curve_seconds + standard.fit_seconds));
-  for (const auto& [name, what] : {std::pair{"whittle", "The likelihood of the whole record"},
-                                   {"edf", "Weights without covariances"},
-                                   {"loglog", "No weights at all"}}) {
-    if (const auto* row = find(sweep, "method", name)) {
-      text += fmt::format(" {} ({}): {} of that, in {}.", what, name, ratios(*row),
+  for (const auto& [method, what] : {std::pair{Method::whittle, "The likelihood of the whole record"},
+                                     {Method::edf, "Weights without covariances"},
+                                     {Method::loglog, "No weights at all"}}) {
+    if (const auto* row = find(sweep, Comparison::method, {.method = method})) {
+      text += fmt::format(" {} ({}): {} of that, in {}.", what, fit::name(method), ratios(*row),
                           time_text(row->curve_seconds + row->fit_seconds));
     }
   }
@@ -237,10 +253,10 @@ std::string methods_words(const Sweep& sweep, const SweepRow& standard) {
                      time_text(standard.covariance_seconds));
 }
 
-std::string taus_words(const Sweep& sweep, const SweepRow& standard) {
+std::string taus_words(const fit::Sweep& sweep, const SweepRow& standard) {
   std::string text = "One tau an octave is the default:";
-  for (const char* taus : {"2", "4"}) {
-    const auto* row = find(sweep, "taus an octave", taus);
+  for (const int taus : {2, 4}) {
+    const auto* row = find(sweep, Comparison::taus_an_octave, {.taus_an_octave = taus});
     if (row == nullptr) continue;
     text += fmt::format(" {} an octave give {} of its RMSE for {:.1f} times the fit", taus, ratios(*row),
                         row->fit_seconds / standard.fit_seconds);
@@ -249,8 +265,9 @@ std::string taus_words(const Sweep& sweep, const SweepRow& standard) {
   return text;
 }
 
-std::string stride_words(const Sweep& sweep, const SweepRow& standard) {
-  const auto *sixteenth = find(sweep, "stride", "m/16"), *whole = find(sweep, "stride", "m/1");
+std::string stride_words(const fit::Sweep& sweep, const SweepRow& standard) {
+  const auto* sixteenth = find(sweep, Comparison::stride, {.overlap = 16});
+  const auto* whole = find(sweep, Comparison::stride, {.overlap = 1});
   if (sixteenth == nullptr || whole == nullptr) return {};
   std::string text = fmt::format(
       "Full overlap is the default: a stride of m/16 gives {} of its RMSE and the curve takes {} for {}; adjacent clusters (m/1) give {}.",
@@ -261,10 +278,10 @@ std::string stride_words(const Sweep& sweep, const SweepRow& standard) {
   return cheap ? text + " Where the curve must be cheaper, m/16 loses nothing that matters." : text;
 }
 
-std::string length_words(const Sweep& sweep) {
+std::string length_words(const fit::Sweep& sweep) {
   const SweepRow *shortest = nullptr, *longest = nullptr;
   for (const auto& row : sweep.rows) {
-    if (row.group != "record length" || !row.setting.ends_with(" gls") || row.coefficients.empty()) continue;
+    if (row.comparison != Comparison::record_length || row.way != Way{} || row.coefficients.empty()) continue;
     if (shortest == nullptr) shortest = &row;
     longest = &row;
   }
@@ -276,7 +293,7 @@ std::string length_words(const Sweep& sweep) {
 }
 
 std::vector<std::string> sweep_cells(const SweepRow& row) {
-  std::vector<std::string> cells{fmt::format("  {}{}", row.setting, row.is_default ? " (default)" : "")};
+  std::vector<std::string> cells{fmt::format("  {}{}", setting_of(row), row.way == Way{} ? " (default)" : "")};
   cells.push_back(count_text(row.samples));
   cells.push_back(count_text(row.records));
   for (const auto& c : row.coefficients) {
@@ -291,7 +308,7 @@ std::vector<std::string> sweep_cells(const SweepRow& row) {
   return cells;
 }
 
-std::string sweep_rows(const Sweep& sweep) {
+std::string sweep_rows(const fit::Sweep& sweep) {
   const auto* standard = default_of(sweep);
   if (standard == nullptr) return {};
   std::vector<Align> columns{Align::left, Align::right, Align::right};
@@ -309,7 +326,8 @@ std::string sweep_rows(const Sweep& sweep) {
   const auto lines = table.lines();
   std::string out = lines.front() + '\n';
   for (std::size_t i = 0; i < sweep.rows.size(); ++i) {
-    if (i == 0 || sweep.rows[i].group != sweep.rows[i - 1].group) out += sweep.rows[i].group + '\n';
+    const SweepRow& row = sweep.rows[i];
+    if (i == 0 || row.comparison != sweep.rows[i - 1].comparison) out += fmt::format("{}\n", group_of(row));
     out += lines[i + 1] + '\n';
   }
   return out;
@@ -317,7 +335,40 @@ std::string sweep_rows(const Sweep& sweep) {
 
 }  // namespace
 
-std::vector<std::string> sweep_words(const Sweep& sweep) {
+std::string_view group_of(const SweepRow& row) {
+  switch (row.comparison) {
+    case Comparison::method:
+      return "method";
+    case Comparison::covariance:
+      return "covariance";
+    case Comparison::taus_an_octave:
+      return "taus an octave";
+    case Comparison::stride:
+      return "stride";
+    case Comparison::record_length:
+      return "record length";
+  }
+  throw std::invalid_argument("a row of a sweep compares none of what there is");
+}
+
+std::string setting_of(const SweepRow& row) {
+  switch (row.comparison) {
+    case Comparison::method:
+      return std::string(fit::name(row.way.method));
+    case Comparison::covariance:
+      return covariance_text(row.way);
+    case Comparison::taus_an_octave:
+      return fmt::format("{}", row.way.taus_an_octave);
+    case Comparison::stride:
+      return row.way.overlap > 0 ? fmt::format("m/{}", row.way.overlap) : "1 sample";
+    case Comparison::record_length:
+      return length_text(row);
+  }
+  throw std::invalid_argument("a row of a sweep compares none of what there is");
+}
+
+std::vector<std::string> sweep_words(const SweepStudy& study) {
+  const fit::Sweep& sweep = study.sweep;
   const auto* standard = default_of(sweep);
   if (standard == nullptr) return {"No record was finished: there is nothing to say."};
   std::vector<std::string> words{
@@ -328,13 +379,13 @@ std::vector<std::string> sweep_words(const Sweep& sweep) {
   return words;
 }
 
-std::string sweep_table(const Sweep& sweep) {
+std::string sweep_table(const SweepStudy& study) {
   std::string out =
-      fmt::format("{}, {} at {:g} Hz: error of the fit against its run time, seed {}\n{}\n", printable(sweep.sensor),
-                  sweep.signal == noise::Signal::angular_rate ? "gyro" : "accelerometer", sweep.rate_hz, sweep.seed,
-                  sweep.complete ? "" : "Stopped: rows are of the records finished.\n");
-  out += sweep_rows(sweep) + "\nWhat follows\n";
-  for (const std::string& words : sweep_words(sweep)) out += wrapped(words, "  - ", "    ");
+      fmt::format("{}, {} at {:g} Hz: error of the fit against its run time, seed {}\n{}\n", printable(study.sensor),
+                  study.signal == noise::Signal::angular_rate ? "gyro" : "accelerometer", study.rate_hz, study.seed,
+                  study.sweep.complete ? "" : "Stopped: rows are of the records finished.\n");
+  out += sweep_rows(study.sweep) + "\nWhat follows\n";
+  for (const std::string& words : sweep_words(study)) out += wrapped(words, "  - ", "    ");
   return out;
 }
 

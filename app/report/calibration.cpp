@@ -121,19 +121,12 @@ std::vector<std::string> describe(const Findings& found, const Of& of) {
 
 // --- What follows from the fit ------------------------------------------------------------------------------------
 
-std::string hours(double seconds) {
-  constexpr double kHour = 3600;
-  if (seconds < 2 * 60) return fmt::format("{:.0f} s", seconds);
-  if (seconds < 2 * kHour) return fmt::format("{:.0f} min", seconds / 60);
-  if (seconds < 100 * kHour) return fmt::format("{:.1f} h", seconds / kHour);
-  return fmt::format("{:.0f} h", seconds / kHour);
-}
-
 std::string longer_text(const calibration::LongerRecord& longer) {
   return fmt::format("{} is known to {:.0f} % here ({} of record); for 10 % record at least {}.",
                      longer.term == Term::flicker ? "Bias instability" : "Rate random walk", 100 * longer.relative_std,
-                     hours(longer.duration_s),
-                     std::isfinite(longer.needed_s) ? hours(longer.needed_s) : "longer than anyone would");
+                     duration_text(longer.duration_s, text::DurationForm::rough),
+                     std::isfinite(longer.needed_s) ? duration_text(longer.needed_s, text::DurationForm::rough)
+                                                    : "longer than anyone would");
 }
 
 std::string one_line_verdict(const fit::Result& fit) {

@@ -1,17 +1,14 @@
 // SPDX-License-Identifier: MIT
 #include "layout.h"
 
+#include "gyrobudget/app/text/text.h"
+
 #include <algorithm>
 #include <cctype>
 
 namespace gyrobudget::inline v0::report {
 
-std::size_t width(std::string_view text) {
-  constexpr unsigned kContinuationMask = 0xC0, kContinuation = 0x80;
-  return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
-    return (static_cast<unsigned char>(c) & kContinuationMask) != kContinuation;
-  }));
-}
+std::size_t width(std::string_view text) { return text::length(text); }
 
 std::vector<std::string> TextTable::lines() const {
   std::vector<std::size_t> widths(columns_.size(), 0);

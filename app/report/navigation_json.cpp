@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Navigation runs for programs, and the data that navigation.js draws.
+#include "gyrobudget/noise/constants.h"
 #include "gyrobudget/noise/version.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/frames.h"
@@ -139,7 +140,6 @@ Json reference_json(const Navigation& run) {
 
 Json document(const NavigationResult& r) {
   const auto& imu = r.recording.imu;
-  constexpr double kNanosecond = 1e-9;
   const bool any = !r.run.solutions.empty();
   Json left_out = Json::array();
   for (const auto& l : r.run.left_out) left_out.push_back({{"what", l.what}, {"why", l.why}});
@@ -155,7 +155,7 @@ Json document(const NavigationResult& r) {
       {"imu",
        {{"source", r.source},
         {"samples", imu.increments.size()},
-        {"duration_s", static_cast<double>(imu.stamps.back() - imu.stamps.front()) * kNanosecond},
+        {"duration_s", static_cast<double>(imu.stamps.back() - imu.stamps.front()) * noise::kNanosecond},
         {"interval_s", imu.typical_interval},
         {"gaps", imu.gaps},
         {"bridged_s", imu.bridged_seconds}}},
@@ -233,7 +233,7 @@ Json claims_json(const Navigation& run) {
 
 Json biases_json(const Navigation& run) {
   using S = navigation::Solution;
-  constexpr double kDegreePerHour = kDegree / 3600, kMilliG = 9.80665e-3;
+  constexpr double kDegreePerHour = kDegree / 3600, kMilliG = 1e-3 * noise::kStandardGravity;
   const auto has = [&](navigation::Carrier carrier) {
     return std::ranges::any_of(run.model.terms, [&](const navigation::ErrorTerm& t) {
       return t.carrier == carrier && t.effect == navigation::Effect::bias;

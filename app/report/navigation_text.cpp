@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Navigation runs for the terminal and as CSV.
+#include "gyrobudget/noise/constants.h"
 #include "gyrobudget/noise/units.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/frames.h"
@@ -65,7 +66,7 @@ std::string heading(const NavigationResult& r) {
   const std::string name = r.scenario.name.empty() ? r.scene : r.scenario.name;
   return fmt::format("{}\n  IMU: {}, {} samples every {} over {}\n", printable(name), printable(r.source),
                      count_text(static_cast<std::int64_t>(imu.increments.size())), tau_text(imu.typical_interval),
-                     duration_text(static_cast<double>(imu.stamps.back() - imu.stamps.front()) * 1e-9));
+                     duration_text(static_cast<double>(imu.stamps.back() - imu.stamps.front()) * noise::kNanosecond));
 }
 
 std::string bullets(std::string_view title, const std::vector<std::string>& items) {
@@ -183,9 +184,8 @@ std::string reference_text(const NavigationResult& r) {
 
 // A time of the scene on the clock of the log, to the nanosecond: those of an epoch have more digits than a double.
 std::string on_log_clock(const NavigationResult& r, double t) {
-  constexpr double kNanoseconds = 1e9;
-  constexpr std::int64_t kSecond = 1'000'000'000;
-  const std::int64_t ns = r.recording.origin + std::llround(t * kNanoseconds);
+  constexpr std::int64_t kSecond = noise::kNanosecondsPerSecond;
+  const std::int64_t ns = r.recording.origin + std::llround(t * kSecond);
   std::string text = fmt::format("{}{}.{:09}", ns < 0 ? "-" : "", std::abs(ns) / kSecond, std::abs(ns) % kSecond);
   text.erase(text.find_last_not_of('0') + 1);
   if (text.back() == '.') text.pop_back();

@@ -132,8 +132,8 @@ std::string flight_page(std::span<const FlightResult> results) {
   return whole("Flight: " + flight_title(results), kFlightHtml, flight_text(results), flight_data(results), kFlightJs);
 }
 
-std::string sweep_page(const Sweep& sweep) {
-  return whole("Error against run time: " + printable(sweep.sensor), kSweepHtml, sweep_table(sweep), sweep_data(sweep),
+std::string sweep_page(const SweepStudy& study) {
+  return whole("Error against run time: " + printable(study.sensor), kSweepHtml, sweep_table(study), sweep_data(study),
                kSweepJs);
 }
 

@@ -30,7 +30,7 @@ namespace gyrobudget::inline v0::report {
 /// What accuracy.js draws: accuracy_json as "accuracy", and counts of the estimates and p-values in bins.
 [[nodiscard]] std::string accuracy_data(const AccuracyStudy&);
 /// What sweep.js draws: sweep_json as "sweep".
-[[nodiscard]] std::string sweep_data(const Sweep&);
+[[nodiscard]] std::string sweep_data(const SweepStudy&);
 /// What navigation.js draws: navigation_json as "navigation", errors, sigmas, biases and innovations over time, and the
 /// track.
 [[nodiscard]] std::string navigation_data(const NavigationResult&);

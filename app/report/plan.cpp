@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "plan.h"
 
+#include "gyrobudget/app/text/text.h"
 #include "gyrobudget/noise/sensor.h"
 #include "gyrobudget/noise/version.h"
 
@@ -13,19 +14,14 @@ namespace gyrobudget::inline v0::report {
 namespace {
 
 constexpr auto kGyro = noise::Signal::angular_rate;
-constexpr double kReached = 0.10;  // the fit reaches the bound below this
 
-std::string hours(double seconds) {
-  if (!std::isfinite(seconds)) return "never";
-  constexpr double kTwoMinutes = 120;
-  if (seconds < kTwoMinutes) return fmt::format("{:.3g} s", seconds);
-  const double h = seconds / 3600;
-  return h < 1 ? fmt::format("{:.3g} min", 60 * h) : fmt::format("{:.3g} h", h);
+std::string length(double seconds) {
+  return std::isfinite(seconds) ? text::duration_text(seconds, text::DurationForm::planned) : "never";
 }
 
 std::string percent(double relative) {
   if (!std::isfinite(relative) || relative > 10) return "> 1000 %";
-  return fmt::format("{}{:.3g} %", relative > kReached ? ">= " : "", 100 * relative);
+  return fmt::format("{}{:.3g} %", relative > fit::kBoundReached ? ">= " : "", 100 * relative);
 }
 
 nlohmann::ordered_json number(double x) {
@@ -34,9 +30,10 @@ nlohmann::ordered_json number(double x) {
 
 }  // namespace
 
-std::string plan_table(const Plan& plan) {
+std::string plan_table(const PlanStudy& study) {
+  const fit::Plan& plan = study.plan;
   std::string text =
-      fmt::format("{}: what a record at {:g} Hz buys (one sigma of each coefficient)\n\n", plan.sensor, plan.rate_hz);
+      fmt::format("{}: what a record at {:g} Hz buys (one sigma of each coefficient)\n\n", study.sensor, study.rate_hz);
   if (!plan.rows.empty()) {
     text += fmt::format("  {:>10}", "record");
     for (const auto& t : plan.terms) text += fmt::format("  {:>18}", noise::label(kGyro, t.term));
@@ -46,7 +43,7 @@ std::string plan_table(const Plan& plan) {
     }
     text += "\n";
     for (const auto& row : plan.rows) {
-      text += fmt::format("  {:>10}", hours(row.duration_s));
+      text += fmt::format("  {:>10}", length(row.duration_s));
       for (const double x : row.relative_std) text += fmt::format("  {:>18}", percent(x));
       text += "\n";
     }
@@ -55,7 +52,7 @@ std::string plan_table(const Plan& plan) {
   for (const auto& answer : plan.answers) {
     if (std::isfinite(answer.duration_s)) {
       text += fmt::format("{} to {:.3g} %: record {}.\n", noise::label(kGyro, answer.term), 100 * answer.relative_std,
-                          hours(answer.duration_s));
+                          length(answer.duration_s));
     } else {
       text += fmt::format("{} to {:.3g} %: no record of 1e15 samples would do.\n", noise::label(kGyro, answer.term),
                           100 * answer.relative_std);
@@ -66,13 +63,14 @@ std::string plan_table(const Plan& plan) {
   return text;
 }
 
-std::string plan_json(const Plan& plan) {
+std::string plan_json(const PlanStudy& study) {
+  const fit::Plan& plan = study.plan;
   nlohmann::ordered_json json;
   json["schema"] = "gyrobudget.plan/1";
   json["version"] = kVersion;
-  json["command"] = plan.command;
-  json["sensor"] = plan.sensor;
-  json["rate_hz"] = plan.rate_hz;
+  json["command"] = study.command;
+  json["sensor"] = study.sensor;
+  json["rate_hz"] = study.rate_hz;
   json["durations"] = nlohmann::ordered_json::array();
   for (const auto& row : plan.rows) {
     nlohmann::ordered_json entry{{"duration_s", row.duration_s}};
@@ -86,7 +84,7 @@ std::string plan_json(const Plan& plan) {
     json["answers"].push_back({{"parameter", noise::key(kGyro, answer.term)},
                                {"relative_std", answer.relative_std},
                                {"duration_s", number(answer.duration_s)},
-                               {"lower_bound", answer.relative_std > kReached}});
+                               {"lower_bound", answer.relative_std > fit::kBoundReached}});
   }
   return json.dump(2) + "\n";
 }

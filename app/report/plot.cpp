@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/app/text/output.h"
+#include "gyrobudget/app/text/text.h"
 #include "gyrobudget/noise/units.h"
 
 #include <fmt/format.h>
@@ -212,24 +213,12 @@ std::vector<std::string> layers(const std::vector<Panel>& panels, std::size_t at
   return out;
 }
 
-/// At most `limit` characters, the middle left out.
-std::string shortened(const std::string& text, std::size_t limit) {
-  const auto is_start = [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; };
-  std::vector<std::size_t> starts;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    if (is_start(text[i])) starts.push_back(i);
-  }
-  if (starts.size() <= limit) return text;
-  const std::size_t half = limit / 2;
-  return text.substr(0, starts[half - 1]) + "…" + text.substr(starts[starts.size() - half]);
-}
-
 /// A gnuplot string expression of one or two lines.
 std::string title_of(const Panel& panel, const LogResult& result, bool single) {
   constexpr std::size_t kLongestName = 40;
-  std::string first = shortened(printable(curve_name(*panel.axis, result)), kLongestName), second;
+  std::string first = text::shortened(printable(curve_name(*panel.axis, result)), kLongestName), second;
   if (single) {
-    first += fmt::format("  ({})", shortened(printable(file_name(result.source)), kLongestName));
+    first += fmt::format("  ({})", text::shortened(printable(file_name(result.source)), kLongestName));
     second = record_text(result);
   }
   if (panel.axis->fit) second += (single ? "; model: " : "model: ") + verdict_headline(*panel.axis->fit);

@@ -53,22 +53,6 @@ std::string with_exponent(const std::string& text, const Resolution& r) {
   return r.exponent == 0 ? text : fmt::format("({})e{:+03d}", text, r.exponent);
 }
 
-/// Bytes of the well-formed UTF-8 sequence that text starts with (Unicode, table 3-7); 0 for none.
-std::size_t utf8_length(std::string_view text) {
-  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U; };
-  const auto follows = [&](std::size_t i) { return byte(i) >= 0x80 && byte(i) <= 0xBF; };
-  const unsigned first = byte(0), second = byte(1);
-  if (first < 0x80) return 1;
-  if (first < 0xC2 || first > 0xF4 || !follows(1)) return 0;
-  if (first < 0xE0) return 2;
-  if (first < 0xF0) {
-    const bool overlong = first == 0xE0 && second < 0xA0, surrogate = first == 0xED && second > 0x9F;
-    return overlong || surrogate || !follows(2) ? 0 : 3;
-  }
-  const bool overlong = first == 0xF0 && second < 0x90, beyond = first == 0xF4 && second > 0x8F;
-  return overlong || beyond || !follows(2) || !follows(3) ? 0 : 4;
-}
-
 double si_per_datasheet_unit(Signal signal, Term term) {
   return noise::parse_unit(noise::datasheet_unit(signal, term)).to_si;
 }
@@ -103,15 +87,6 @@ std::string signed_percent(double fraction) {
 /// An interval that the record does not close above.
 std::string open_interval(double lower) {
   return lower > 0 ? fmt::format("above {}, no limit", number(lower, 2)) : "no limit";
-}
-
-std::string join(const std::vector<std::string>& parts, std::string_view last_separator) {
-  std::string text;
-  for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (i > 0) text += i + 1 == parts.size() ? last_separator : ", ";
-    text += parts[i];
-  }
-  return text;
 }
 
 std::string cut_range_text(const std::vector<const fit::Residual*>& cut, std::string_view side, double limit) {
@@ -156,40 +131,6 @@ std::string percent(double fraction) {
 std::string tau_text(double seconds) {
   constexpr double kFourDigits = 1e4;  // above, {:.4g} would switch to powers of ten
   return seconds < kFourDigits ? fmt::format("{:.4g} s", seconds) : fmt::format("{:.0f} s", seconds);
-}
-
-std::string duration_text(double seconds) {
-  constexpr double kMinute = 60, kHour = 3600, kDay = 86400;
-  if (seconds < 2 * kMinute) return fmt::format("{:.4g} s", seconds);
-  if (seconds < 2 * kHour) return fmt::format("{:.4g} min", seconds / kMinute);
-  if (seconds < 3 * kDay) return fmt::format("{:.4g} h", seconds / kHour);
-  return fmt::format("{:.4g} days", seconds / kDay);
-}
-
-std::string count_text(std::int64_t count) {
-  std::string text = fmt::format("{}", count);
-  for (auto at = static_cast<std::int64_t>(text.size()) - 3; at > (count < 0 ? 1 : 0); at -= 3) {
-    text.insert(static_cast<std::size_t>(at), 1, ' ');
-  }
-  return text;
-}
-
-std::string printable(std::string_view text) {
-  std::string out;
-  out.reserve(text.size());
-  while (!text.empty()) {
-    const std::size_t length = utf8_length(text);
-    const bool control = static_cast<unsigned char>(text[0]) < ' ' || text[0] == '\x7f';
-    if (length == 0) {
-      out += '?';
-    } else if (control) {
-      out += ' ';
-    } else {
-      out += text.substr(0, length);
-    }
-    text.remove_prefix(std::max<std::size_t>(1, length));
-  }
-  return out;
 }
 
 std::string si_unit(const noise::Dimension& dimension) {
@@ -285,7 +226,7 @@ noise::Process process_of(const Coefficient& c, double value) {
 std::string letters(const std::vector<Term>& terms) {
   std::vector<std::string> list;
   for (const Term t : terms) list.emplace_back(1, static_cast<char>(t));
-  return join(list, " and ");
+  return text::listing(list);
 }
 
 std::string file_name(const std::string& path) {
@@ -520,7 +461,7 @@ std::string consequence_text(const AxisResult& axis) {
   std::string text;
   if (!spoilt.empty()) {
     text = fmt::format("Do not use these numbers yet: the record holds {} that the fit took for noise; see below.",
-                       join(spoilt, " and "));
+                       text::listing(spoilt));
   }
   if (disputed) text += fmt::format("{}The likelihood does not confirm the fit.", text.empty() ? "" : " ");
   return text;
@@ -539,7 +480,7 @@ std::string minimum_text(const AxisResult& axis, double rate_hz) {
     for (const Share& s : shares) {
       parts.push_back(fmt::format("{} {}", noise::label(axis.signal, s.term), percent(s.part)));
     }
-    text += fmt::format(" It is not B: the minimum holds every term; by variance, {}.", join(parts, " and "));
+    text += fmt::format(" It is not B: the minimum holds every term; by variance, {}.", text::listing(parts));
   }
   const Coefficient* flicker = find(fit, Term::flicker);
   if (flicker == nullptr || !flicker->fitted) return text;
@@ -579,7 +520,7 @@ std::string cut_text(const AxisResult& axis) {
   std::string text = cut_range_text(below, "below", fit.tau_min_s) + cut_range_text(above, "above", fit.tau_max_s);
   std::vector<std::string> moves;
   for (const fit::Move& move : fit.moved) moves.push_back(move_text(axis.signal, move));
-  if (!moves.empty()) text += fmt::format("Leaving them out moved {}.", join(moves, " and "));
+  if (!moves.empty()) text += fmt::format("Leaving them out moved {}.", text::listing(moves));
   while (!text.empty() && text.back() == ' ') text.pop_back();
   return text;
 }
@@ -594,7 +535,7 @@ std::string cross_check_text(const AxisResult& axis) {
                                 a.difference, a.limit));
   }
   std::string text = fmt::format("Cross-check: the likelihood of the record itself, made without the curve, gives {}.",
-                                 join(parts, " and "));
+                                 text::listing(parts));
   text +=
       check.agrees
           ? " The two agree."

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "gyrobudget/app/text/text.h"
 #include "gyrobudget/estimation/fit/judgement.h"
 
 #include <string>
@@ -21,12 +22,9 @@ namespace gyrobudget::inline v0::report {
 [[nodiscard]] std::string percent(double fraction);
 /// "0.01 s", "61.4 s", "5243 s".
 [[nodiscard]] std::string tau_text(double seconds);
-/// "90 s", "45 min", "10 h", "12.5 days".
-[[nodiscard]] std::string duration_text(double seconds);
-/// "3 600 000": thousands apart.
-[[nodiscard]] std::string count_text(std::int64_t count);
-/// Text of a user's as one line of well-formed UTF-8: control characters become blanks, bytes that are no UTF-8 "?".
-[[nodiscard]] std::string printable(std::string_view text);
+using text::count_text;
+using text::duration_text;
+using text::printable;
 /// "rad/sqrt(s)", "m/s^2", "1": the SI unit of a dimension.
 [[nodiscard]] std::string si_unit(const noise::Dimension&);
 

@@ -2,8 +2,11 @@
 #include "text.h"
 
 #include <fmt/format.h>
+#include <utf8.h>
 
 #include <algorithm>
+#include <iterator>
+#include <stdexcept>
 #include <vector>
 
 namespace gyrobudget::inline v0::text {
@@ -24,16 +27,16 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
-bool is_utf8(std::string_view text) {
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const auto lead = static_cast<unsigned char>(text[i]);
-    const int following = lead < 0x80 ? 0 : lead >> 5 == 6 ? 1 : lead >> 4 == 14 ? 2 : lead >> 3 == 30 ? 3 : -1;
-    if (following < 0) return false;
-    for (int k = 0; k < following; ++k) {
-      if (++i >= text.size() || static_cast<unsigned char>(text[i]) >> 6 != 2) return false;
-    }
+// Calls `valid` with each stretch of well-formed UTF-8 and `invalid` for each byte between them.
+template <class Valid, class Invalid>
+void for_each_stretch(std::string_view text, const Valid& valid, const Invalid& invalid) {
+  while (!text.empty()) {
+    const std::size_t end = std::min(utf8::find_invalid(text), text.size());
+    valid(text.substr(0, end));
+    if (end == text.size()) return;
+    invalid();
+    text.remove_prefix(end + 1);
   }
-  return true;
 }
 
 }  // namespace
@@ -68,18 +71,68 @@ std::string quoted(std::string_view found) {
 }
 
 std::string to_utf8(std::string_view text) {
-  if (is_utf8(text)) return std::string(text);
+  if (utf8::is_valid(text)) return std::string(text);
   std::string result;
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte < 0x80) {
-      result += c;
-    } else {
-      result += static_cast<char>(0xc0 | byte >> 6);
-      result += static_cast<char>(0x80 | (byte & 0x3f));
-    }
-  }
+  for (const char c : text) utf8::append(static_cast<char32_t>(static_cast<unsigned char>(c)), result);
   return result;
+}
+
+std::string printable(std::string_view text) {
+  std::string out;
+  out.reserve(text.size());
+  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; };
+  for_each_stretch(
+      text,
+      [&](std::string_view valid) { std::ranges::replace_copy_if(valid, std::back_inserter(out), is_control, ' '); },
+      [&] { out += '?'; });
+  return out;
+}
+
+std::size_t length(std::string_view text) {
+  std::size_t count = 0;
+  for_each_stretch(
+      text, [&](std::string_view s) { count += static_cast<std::size_t>(utf8::distance(s.begin(), s.end())); },
+      [&] { ++count; });
+  return count;
+}
+
+std::string shortened(const std::string& text, std::size_t limit) {
+  const std::size_t all = length(text);
+  if (all <= limit) return text;
+  const std::size_t half = limit / 2;
+  auto first = text.begin(), last = text.begin();
+  utf8::advance(first, half - 1, text.end());
+  utf8::advance(last, all - half, text.end());
+  return std::string(text.begin(), first) + "…" + std::string(last, text.end());
+}
+
+std::string duration_text(double seconds, DurationForm form) {
+  constexpr double kMinute = 60, kHour = 3600, kDay = 86400;
+  const bool is_short = seconds < 2 * kMinute;
+  switch (form) {
+    case DurationForm::quoted:
+      if (is_short) return fmt::format("{:.4g} s", seconds);
+      if (seconds < 2 * kHour) return fmt::format("{:.4g} min", seconds / kMinute);
+      if (seconds < 3 * kDay) return fmt::format("{:.4g} h", seconds / kHour);
+      return fmt::format("{:.4g} days", seconds / kDay);
+    case DurationForm::planned:
+      if (is_short) return fmt::format("{:.3g} s", seconds);
+      if (seconds < kHour) return fmt::format("{:.3g} min", seconds / kMinute);
+      return fmt::format("{:.3g} h", seconds / kHour);
+    case DurationForm::rough:
+      if (is_short) return fmt::format("{:.0f} s", seconds);
+      if (seconds < 2 * kHour) return fmt::format("{:.0f} min", seconds / kMinute);
+      return fmt::format("{:.{}f} h", seconds / kHour, seconds < 100 * kHour ? 1 : 0);
+  }
+  throw std::invalid_argument("a duration has no such form");
+}
+
+std::string count_text(std::int64_t count) {
+  std::string text = fmt::format("{}", count);
+  for (auto at = static_cast<std::int64_t>(text.size()) - 3; at > (count < 0 ? 1 : 0); at -= 3) {
+    text.insert(static_cast<std::size_t>(at), 1, ' ');
+  }
+  return text;
 }
 
 std::string suggestion(std::string_view word, std::span<const std::string> known) {

@@ -22,10 +22,27 @@ namespace gyrobudget::inline v0::text {
 [[nodiscard]] std::string quoted(std::string_view found);
 /// The text as UTF-8: as it is where it is valid, read as Latin-1 otherwise (the degree sign of old loggers).
 [[nodiscard]] std::string to_utf8(std::string_view);
+/// Text of a user's as one line of well-formed UTF-8: control characters become blanks, bytes that are no UTF-8 "?".
+[[nodiscard]] std::string printable(std::string_view text);
+/// Number of characters (code points) of UTF-8; a byte that is none counts as one.
+[[nodiscard]] std::size_t length(std::string_view utf8);
+/// At most `limit` (2 or more) characters of well-formed UTF-8, the middle left out: "gyro_…_left".
+/// @throws std::exception for text that is not well formed.
+[[nodiscard]] std::string shortened(const std::string& utf8, std::size_t limit);
 /// " (did you mean 'x'?)" with the nearest of the known words, empty where none is near.
 [[nodiscard]] std::string suggestion(std::string_view word, std::span<const std::string> known);
 /// "a, b and c".
 [[nodiscard]] std::string listing(std::span<const std::string> words, std::string_view last = "and");
+
+/// How long something lasts, as it is quoted, planned or guessed.
+enum class DurationForm {
+  quoted,   ///< four digits: "90.25 s", "45 min", "10 h", "12.5 days"
+  planned,  ///< three digits, minutes below an hour, never days: "90 s", "45 min", "1.5 h", "300 h"
+  rough,    ///< whole numbers, hours to a tenth below 100 h: "90 s", "45 min", "10.0 h"
+};
+[[nodiscard]] std::string duration_text(double seconds, DurationForm form = DurationForm::quoted);
+/// "3 600 000": thousands apart.
+[[nodiscard]] std::string count_text(std::int64_t count);
 
 /// @throws InputError "name: message"
 [[noreturn]] void fail(std::string_view name, std::string_view message);

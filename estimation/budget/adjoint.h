@@ -29,7 +29,7 @@ struct Adjoint {
 };
 
 /// By all of what a step's mean errors do. @param sensed Source::sensed
-[[nodiscard]] navigation::InputMatrix by_errors(const Adjoint& back, const Timeline& timeline, std::size_t step,
+[[nodiscard]] navigation::InputMatrix by_errors(const Adjoint& adjoint, const Timeline& timeline, std::size_t step,
                                                 bool sensed = true);
 
 /// Where errors grow beyond all numbers, what came before is not finite.
@@ -45,17 +45,17 @@ struct Adjoint {
 /// @throws std::invalid_argument for quantization, ramp and sinusoid, an interval that is not positive, and more than
 /// 2^62 of them since the epoch.
 /// Time O(steps^2), 0.1 s for 2000; beyond these the process is held over so many neighbouring steps that 2000 are left.
-[[nodiscard]] navigation::CoreMatrix process_response(const Adjoint& back, const Timeline& timeline,
+[[nodiscard]] navigation::CoreMatrix process_response(const Adjoint& adjoint, const Timeline& timeline,
                                                       navigation::Carrier carrier, const noise::Process& process,
                                                       const navigation::Epoch& epoch, double imu_interval);
 
 /// Covariance from a source by its states, whatever they are: white noise, terms, initial core covariance and, where it
 /// is an aid, the white noise of that aid's fixes. What error_budget finds going forwards, to rounding, in O(steps).
-[[nodiscard]] navigation::CoreMatrix state_response(const Adjoint& back, const Timeline& timeline,
+[[nodiscard]] navigation::CoreMatrix state_response(const Adjoint& adjoint, const Timeline& timeline,
                                                     const Source& source);
 
 /// Without states for what varies slowly: by process_response where the source has processes, else state_response.
-[[nodiscard]] navigation::CoreMatrix response(const Adjoint& back, const Timeline& timeline, const Source& source,
+[[nodiscard]] navigation::CoreMatrix response(const Adjoint& adjoint, const Timeline& timeline, const Source& source,
                                               double imu_interval);
 
 }  // namespace gyrobudget::inline v0::budget

@@ -34,11 +34,11 @@ struct InitialErrors {
   double heading = 0;                                  ///< about up [rad]
 };
 /// initial.position, initial.velocity, initial.level, initial.heading: those that are not zero.
-[[nodiscard]] std::vector<Source> initial_sources(const InitialErrors& initial, const Eigen::Matrix3d& C_el);
+[[nodiscard]] std::vector<Source> initial_sources(const InitialErrors& errors, const Eigen::Matrix3d& C_el);
 /// What the source of that name stands for, and nothing else; all zero for a name that is none of them.
-[[nodiscard]] InitialErrors only(const InitialErrors& initial, std::string_view source);
+[[nodiscard]] InitialErrors only(const InitialErrors& errors, std::string_view source);
 /// Their sum, as the core of a filter's P0.
-[[nodiscard]] navigation::CoreMatrix initial_core(const InitialErrors& initial, const Eigen::Matrix3d& C_el);
+[[nodiscard]] navigation::CoreMatrix initial_core(const InitialErrors& errors, const Eigen::Matrix3d& C_el);
 
 inline constexpr std::string_view kUncompensatedEarthRate = "earth_rate_uncompensated";
 /// A source of that name: a navigator that takes the gyros' rate as that against Earth. Not random: one sigma is

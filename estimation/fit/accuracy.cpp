@@ -187,6 +187,15 @@ void compare_with_likelihood(std::vector<MethodAccuracy>& methods) {
 
 }  // namespace
 
+std::vector<Term> terms_to_measure(const std::vector<noise::Process>& truth) {
+  std::vector<Term> terms{kDefaultTerms.begin(), kDefaultTerms.end()};
+  for (const Term t : {Term::quantization, Term::rate_ramp}) {
+    const auto has = [t](const noise::Process& p) { return noise::term(p) == t && noise::coefficient(p) > 0; };
+    if (std::ranges::any_of(truth, has)) terms.push_back(t);
+  }
+  return terms;
+}
+
 Accuracy measure_accuracy(const std::vector<noise::Process>& truth, const AccuracyOptions& options) {
   const auto start = Clock::now();
   check(truth, options);

@@ -3,6 +3,7 @@
 
 #include "gyrobudget/estimation/navigation/detail/fix_track.h"
 #include "gyrobudget/estimation/navigation/detail/start.h"
+#include "gyrobudget/noise/constants.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/frames.h"
 #include "gyrobudget/vehicle/earth/vector.h"
@@ -26,7 +27,7 @@ using detail::FixTrack;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kNanosecond = 1e-9;
+using noise::kNanosecond;
 constexpr double kSame = 2e-8;  // s: times that are one but for rounded stamps
 
 // --- Checks --------------------------------------------------------------------------------------------------

@@ -2,6 +2,7 @@
 #include "recording.h"
 
 #include "gyrobudget/vehicle/earth/vector.h"
+#include "gyrobudget/noise/constants.h"
 
 #include <fmt/format.h>
 
@@ -14,9 +15,7 @@ namespace gyrobudget::inline v0::navigation {
 namespace {
 
 using Rates = Eigen::Matrix<double, 6, 1>;  // w, f
-constexpr double kNanosecond = 1e-9;
-
-double seconds(std::int64_t ns) { return static_cast<double>(ns) * kNanosecond; }
+double seconds(std::int64_t ns) { return static_cast<double>(ns) * noise::kNanosecond; }
 
 void check(const ImuSamples& samples) {
   const std::size_t n = samples.stamps.size();

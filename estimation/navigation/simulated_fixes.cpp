@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "simulated_fixes.h"
 
+#include "gyrobudget/noise/constants.h"
 #include "gyrobudget/noise/normal.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/ellipsoid.h"
@@ -14,8 +15,6 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-constexpr double kNanoseconds = 1e9;  // a second
 
 class Draws {
  public:
@@ -86,7 +85,7 @@ std::vector<Fix> simulated_fixes(const Aid& aid, int number, const earth::Trajec
     const double measured_at = t + tag;
     if (out || !aid.valid.holds(t) || measured_at < 0 || measured_at > end) continue;
     fixes.push_back(measured(aid, trajectory.at(measured_at), arm, bias + wander + white));
-    fixes.back().stamp = std::llround((t - aid.time_tag) * kNanoseconds);
+    fixes.back().stamp = std::llround((t - aid.time_tag) * noise::kNanosecondsPerSecond);
   }
   return fixes;
 }

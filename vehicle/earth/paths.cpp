@@ -4,6 +4,7 @@
 // set of formulas.
 #include "paths.h"
 
+#include "gyrobudget/noise/constants.h"
 #include "gyrobudget/vehicle/earth/detail/check.h"
 
 #include <boost/math/differentiation/autodiff.hpp>
@@ -23,8 +24,7 @@ using Eigen::Quaterniond;
 using Eigen::Vector3d;
 using std::numbers::pi;
 
-constexpr double kBankGravity = 9.80665;  // [m/s^2]
-constexpr double kSlowest = 1e-2;         // [rad/s]; faster than Earth's rate and any track along it
+constexpr double kSlowest = 1e-2;  // [rad/s]; faster than Earth's rate and any track along it
 
 /// A number and its first two derivatives by time.
 using Taylor = boost::math::differentiation::autodiff_fvar<double, 2>;
@@ -180,7 +180,7 @@ Trajectory cruise(const Cruise& options) {
   const double rate = options.speed / radius;
   const double w = turns ? 2 * pi / options.turn_period : 0;
   const double sway = turns ? -options.turn_acceleration / (w * w) / radius : 0;
-  const double tangent = options.turn_acceleration / kBankGravity;
+  const double tangent = options.turn_acceleration / noise::kStandardGravity;
   const TaylorQuaternion start = constant(q_en(options.start) * exp_rotation({0, 0, options.azimuth}));
   return trajectory(options.duration, 4 * w, Vector3d::Zero(), options.vibration, [=](const Taylor& t) {
     TaylorQuaternion level = start * turn(-rate * t, Vector3d::UnitY());

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "atmosphere.h"
 
+#include "gyrobudget/noise/constants.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -9,7 +11,6 @@ namespace gyrobudget::inline v0::flight {
 namespace standard_atmosphere {
 namespace {
 
-constexpr double kGravity = 9.80665;        // [m/s^2]
 constexpr double kGas = 8314.32 / 28.9644;  // R*/M0 of the 1976 standard, which is not today's [J/(kg K)]
 constexpr double kHeatRatio = 1.4;
 constexpr double kRadius = 6356766;  // r0 [m]
@@ -35,9 +36,9 @@ struct Base {
 
 Base within(const Base& base, const Layer& layer, double above) {
   const double temperature = base.temperature + layer.gradient * above;
-  const double exponent = layer.gradient == 0
-                              ? -kGravity / kGas * above / base.temperature
-                              : -kGravity / (kGas * layer.gradient) * std::log(temperature / base.temperature);
+  const double exponent = layer.gradient == 0 ? -noise::kStandardGravity / kGas * above / base.temperature
+                                              : -noise::kStandardGravity / (kGas * layer.gradient) *
+                                                    std::log(temperature / base.temperature);
   return {temperature, base.pressure * std::exp(exponent)};
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "gyrobudget/noise/constants.h"
 #include "gyrobudget/vehicle/earth/ellipsoid.h"
 
 #include <optional>
@@ -13,7 +14,7 @@
 
 namespace gyrobudget::inline v0::flight {
 
-inline constexpr double kStandardGravity = 9.80665;  ///< g0 of specific impulses [m/s^2]
+using noise::kStandardGravity;  // g0 of specific impulses
 
 /// Thrust-vector actuator of each plane: d'' = w^2 (command - d) - 2 z w d'. The limits bound the command on
 /// its way to it, in size and in change per control period, so that the actuator itself stays linear and can

@@ -2,6 +2,7 @@
 #include "fix_track.h"
 
 #include "gyrobudget/estimation/navigation/errors.h"
+#include "gyrobudget/noise/constants.h"
 #include "gyrobudget/vehicle/earth/frames.h"
 
 #include <fmt/format.h>
@@ -12,7 +13,7 @@
 namespace gyrobudget::inline v0::navigation::detail {
 namespace {
 
-constexpr double kNanosecond = 1e-9;
+using noise::kNanosecond;
 
 Eigen::Matrix3d C_en(const Eigen::Vector3d& p_eb_e) {
   const earth::Geodetic at = earth::to_geodetic(p_eb_e);

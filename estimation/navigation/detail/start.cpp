@@ -3,6 +3,7 @@
 
 #include "gyrobudget/estimation/navigation/alignment.h"
 #include "gyrobudget/estimation/navigation/planned_fix.h"
+#include "gyrobudget/noise/constants.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/frames.h"
 #include "gyrobudget/vehicle/earth/gravity.h"
@@ -21,7 +22,7 @@ using Eigen::Matrix3d;
 using Eigen::Quaterniond;
 using Eigen::Vector3d;
 
-constexpr double kNanosecond = 1e-9;
+using noise::kNanosecond;
 
 double log_start(const ImuLog& imu, std::int64_t origin) {
   return static_cast<double>(imu.stamps.front() - origin) * kNanosecond;

@@ -19,6 +19,7 @@ namespace gyrobudget::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
+using fit::Method;
 using noise::Term;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
@@ -68,19 +69,20 @@ AccuracyStudy study() {
   return s;
 }
 
-Sweep sweep() {
-  Sweep s{.sensor = "gyro", .command = "gyrobudget accuracy x.yaml --sweep", .rate_hz = 1, .seed = 42};
-  const auto row = [](std::string group, std::string setting, bool is_default, double over) {
-    SweepRow r{.group = std::move(group), .setting = std::move(setting), .is_default = is_default};
+SweepStudy sweep() {
+  using fit::Comparison;
+  SweepStudy s{.sensor = "gyro", .command = "gyrobudget accuracy x.yaml --sweep", .rate_hz = 1, .seed = 42};
+  const auto row = [](Comparison comparison, const fit::Way& way, double over) {
+    fit::SweepRow r{.comparison = comparison, .way = way};
     r.samples = 36'000, r.records = 200;
     r.coefficients = {{Term::white, 0.004 * over, over, over, 0.95}};
     r.curve_seconds = 1e-3, r.fit_seconds = 2e-3, r.covariance_seconds = 5e-3;
     return r;
   };
-  s.rows = {row("method", "gls", true, 1), row("method", "whittle", false, 0.99),
-            row("taus an octave", "2", false, 1.001), row("stride", "m/16", false, 1.002),
-            row("stride", "m/1", false, 1.5)};
-  s.complete = true;
+  s.sweep.rows = {row(Comparison::method, {}, 1), row(Comparison::method, {.method = Method::whittle}, 0.99),
+                  row(Comparison::taus_an_octave, {.taus_an_octave = 2}, 1.001),
+                  row(Comparison::stride, {.overlap = 16}, 1.002), row(Comparison::stride, {.overlap = 1}, 1.5)};
+  s.sweep.complete = true;
   return s;
 }
 
@@ -149,7 +151,25 @@ TEST(Accuracy, SweepSaysWhichDefaultsFollow) {
   EXPECT_EQ(json["rows"].size(), 5U);
   EXPECT_TRUE(json["rows"][0]["default"].get<bool>());
   EXPECT_EQ(json["rows"][3]["coefficients"]["arw"]["over_default"], 1.002);
-  EXPECT_TRUE(holds(sweep_table(Sweep{.sensor = "gyro"}), "No record was finished"));
+  EXPECT_EQ(json["rows"][2]["group"], "taus an octave");
+  EXPECT_EQ(json["rows"][3]["setting"], "m/16");
+  EXPECT_EQ(json["rows"][4]["group"], "stride");
+  EXPECT_TRUE(holds(sweep_table(SweepStudy{.sensor = "gyro"}), "No record was finished"));
+}
+
+TEST(Accuracy, RowsOfASweepSayWhatTheyAre) {
+  using fit::Comparison;
+  const auto setting = [](Comparison comparison, const fit::Way& way, std::int64_t samples = 0) {
+    return setting_of({.comparison = comparison, .way = way, .samples = samples});
+  };
+  EXPECT_EQ(setting(Comparison::method, {.method = Method::loglog}), "loglog");
+  EXPECT_EQ(setting(Comparison::covariance, {}), "exact");
+  EXPECT_EQ(setting(Comparison::covariance, {.method = Method::edf}), "its diagonal (edf)");
+  EXPECT_EQ(setting(Comparison::covariance, {.method = Method::loglog}), "none (loglog)");
+  EXPECT_EQ(setting(Comparison::stride, {}), "1 sample");
+  EXPECT_EQ(setting(Comparison::record_length, {}, 10'000), "1e4 gls");
+  EXPECT_EQ(setting(Comparison::record_length, {.overlap = 16}, 1'000'000), "1e6 gls, stride m/16");
+  EXPECT_EQ(setting(Comparison::record_length, {.method = Method::whittle}, 100'000), "1e5 whittle");
 }
 
 TEST(Accuracy, PagesAreWholeAndHaveEveryElementThatTheirScriptsAskFor) {

@@ -41,13 +41,13 @@ RunsResult two_runs() {
           .combined = {{"gyro_x", noise::Signal::angular_rate, {arw}, {"c.csv"}}}};
 }
 
-Plan plan() {
+PlanStudy plan() {
   return {.sensor = "MEMS",
           .command = "gyrobudget plan mems.yaml",
           .rate_hz = 100,
-          .terms = {{noise::Term::white, 4.4e-5}},
-          .rows = {{3600, {0.01}}, {60, {std::numeric_limits<double>::infinity()}}},
-          .answers = {{noise::Term::white, 0.1, std::numeric_limits<double>::infinity()}}};
+          .plan = {.terms = {{noise::Term::white, 4.4e-5}},
+                   .rows = {{3600, {0.01}}, {60, {std::numeric_limits<double>::infinity()}}},
+                   .answers = {{noise::Term::white, 0.1, std::numeric_limits<double>::infinity()}}}};
 }
 
 AccuracyStudy accuracy_study() {
@@ -59,11 +59,11 @@ AccuracyStudy accuracy_study() {
   return study;
 }
 
-Sweep sweep() {
+SweepStudy sweep() {
   return {.sensor = "MEMS",
           .command = "gyrobudget accuracy mems.yaml --sweep",
           .rate_hz = 1,
-          .rows = {{.group = "method", .setting = "gls", .samples = 3600, .records = 4, .coefficients = {{}}}}};
+          .sweep = {.rows = {{.samples = 3600, .records = 4, .coefficients = {{}}}}}};
 }
 
 Paper paper() {

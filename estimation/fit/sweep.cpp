@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
-#include "accuracy_sweep.h"
+#include "sweep.h"
 
 #include "gyrobudget/allan/factors.h"
 #include "gyrobudget/allan/family.h"
-#include "gyrobudget/estimation/fit/information.h"
 #include "gyrobudget/noise/generate.h"
 
 #include <fmt/format.h>
@@ -19,27 +18,19 @@
 #include <optional>
 #include <stdexcept>
 
-namespace gyrobudget::inline v0::cli {
+#include "information.h"
+
+namespace gyrobudget::inline v0::fit {
 namespace {
 
-using fit::Method;
-using report::SweepRow;
 using Clock = std::chrono::steady_clock;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-// One way to fit a record.
-struct Way {
-  Method method = Method::gls;
-  int taus_an_octave = 1;
-  std::int64_t overlap = 0;  // terms begin every m/overlap samples; 0: at every sample
-  bool operator==(const Way&) const = default;
-};
-
-// A way under the name of what it is compared for.
+// A way, and what it is compared for.
 struct Entry {
-  std::string group, setting;
+  Comparison comparison;
   Way way;
 };
 
@@ -57,7 +48,7 @@ std::vector<std::int64_t> factors_of(std::int64_t samples, int taus_an_octave) {
 struct Fitted {
   bool converged = false;
   double curve_seconds = 0, fit_seconds = 0;
-  std::vector<fit::Coefficient> coefficients;  // in the order of the terms
+  std::vector<Coefficient> coefficients;  // in the order of the terms
 };
 
 // First decile: what other programs on the machine disturb least.
@@ -99,9 +90,8 @@ class Bench {
 
   [[nodiscard]] SweepRow row(const Entry& entry, const std::vector<std::vector<Fitted>>& records) const {
     const auto at = static_cast<std::size_t>(std::ranges::find(ways_, entry.way) - ways_.begin());
-    SweepRow row{.group = entry.group,
-                 .setting = entry.setting,
-                 .is_default = entry.way == Way{},
+    SweepRow row{.comparison = entry.comparison,
+                 .way = entry.way,
                  .samples = samples_,
                  .records = static_cast<int>(records.size())};
     std::vector<double> curve, fit;
@@ -139,7 +129,7 @@ class Bench {
   }
 
   [[nodiscard]] Fitted fitted(const std::vector<double>& rate, const Way& way) const {
-    fit::Data record{.rate = rate, .dt = options_.dt};
+    Data record{.rate = rate, .dt = options_.dt};
     Fitted one;
     allan::Curve curve;
     if (way.method != Method::whittle) {
@@ -152,9 +142,9 @@ class Bench {
       record.curve = &curve;
       record.covariance = &covariance;
     }
-    const fit::Options options{.terms = options_.terms, .method = way.method, .tau_min_s = options_.dt};
+    const Options fit_options{.terms = options_.terms, .method = way.method, .tau_min_s = options_.dt};
     const auto start = Clock::now();
-    const fit::Result result = fit::fit(record, options);
+    const Result result = fit(record, fit_options);
     one.fit_seconds = seconds_since(start);
     one.converged = result.converged;
     for (const noise::Term t : options_.terms) one.coefficients.push_back(result[t]);
@@ -162,12 +152,12 @@ class Bench {
   }
 
   // Slope and visual readings do not know every term: those stay without an error.
-  [[nodiscard]] SweepRow::Coefficient coefficient(const std::vector<std::vector<Fitted>>& records, std::size_t way,
-                                                  std::size_t term, double truth) const {
+  [[nodiscard]] SweptCoefficient coefficient(const std::vector<std::vector<Fitted>>& records, std::size_t way,
+                                             std::size_t term, double truth) const {
     const auto standard = static_cast<std::size_t>(std::ranges::find(ways_, Way{}) - ways_.begin());
     double squares = 0, of_default = 0, covered = 0;
     for (const auto& record : records) {
-      const fit::Coefficient& c = record[way].coefficients[term];
+      const Coefficient& c = record[way].coefficients[term];
       if (!c.fitted) return {options_.terms[term], kNaN, kNaN, kNaN, kNaN};
       squares += std::pow(c.value / truth - 1, 2);
       of_default += std::pow(record[standard].coefficients[term].value / truth - 1, 2);
@@ -198,7 +188,7 @@ class Bench {
       if (noise::term(p) == term) at = static_cast<std::ptrdiff_t>(random.size());
       random.push_back(p);
     }
-    return at < 0 ? kNaN : fit::relative_bound(random, samples_, options_.dt)(at);
+    return at < 0 ? kNaN : relative_bound(random, samples_, options_.dt)(at);
   }
 
   const std::vector<noise::Process>& truth_;
@@ -213,22 +203,19 @@ class Bench {
 
 std::vector<Entry> entries_of_one_length() {
   std::vector<Entry> list;
-  for (const Method m : fit::kMethods) list.push_back({"method", std::string(fit::name(m)), {.method = m}});
-  list.push_back({"covariance", "exact", {}});
-  list.push_back({"covariance", "its diagonal (edf)", {.method = Method::edf}});
-  list.push_back({"covariance", "none (loglog)", {.method = Method::loglog}});
-  for (const int n : {1, 2, 4}) list.push_back({"taus an octave", fmt::format("{}", n), {.taus_an_octave = n}});
-  list.push_back({"stride", "1 sample", {}});
-  for (const int n : {64, 32, 16, 8, 4, 2, 1}) list.push_back({"stride", fmt::format("m/{}", n), {.overlap = n}});
+  for (const Method m : kMethods) list.push_back({Comparison::method, {.method = m}});
+  for (const Method m : {Method::gls, Method::edf, Method::loglog}) {
+    list.push_back({Comparison::covariance, {.method = m}});
+  }
+  for (const int n : {1, 2, 4}) list.push_back({Comparison::taus_an_octave, {.taus_an_octave = n}});
+  for (const int n : {0, 64, 32, 16, 8, 4, 2, 1}) list.push_back({Comparison::stride, {.overlap = n}});
   return list;
 }
 
-std::vector<Entry> entries_of_a_length(std::int64_t samples) {
-  const auto power = std::lround(std::log10(static_cast<double>(samples)));
-  const auto name = [&](const char* what) { return fmt::format("1e{} {}", power, what); };
-  return {{"record length", name("gls"), {}},
-          {"record length", name("gls, stride m/16"), {.overlap = 16}},
-          {"record length", name("whittle"), {.method = Method::whittle}}};
+std::vector<Entry> entries_of_a_length() {
+  return {{Comparison::record_length, {}},
+          {Comparison::record_length, {.overlap = 16}},
+          {Comparison::record_length, {.method = Method::whittle}}};
 }
 
 // One length, with what is compared there.
@@ -253,7 +240,7 @@ std::vector<Part> parts_of(const SweepOptions& o) {
   std::vector<Part> parts{{o.samples, o.records, entries_of_one_length()}};
   constexpr std::int64_t kShortest = 10'000;
   for (std::int64_t n = kShortest; n <= o.longest; n *= 10) {
-    parts.push_back({n, records_of(n, o.records), entries_of_a_length(n)});
+    parts.push_back({n, records_of(n, o.records), entries_of_a_length()});
   }
   return parts;
 }
@@ -280,9 +267,21 @@ std::vector<std::vector<Fitted>> all_records(const Bench& bench, const Part& par
   return all;
 }
 
+void check(const std::vector<noise::Process>& truth, const SweepOptions& o) {
+  const bool any = std::ranges::any_of(truth, [](const auto& p) { return noise::coefficient(p) > 0; });
+  if (!any) throw std::invalid_argument("a sensor without noise has no accuracy to measure");
+  constexpr std::int64_t kFewestSamples = 16;
+  if (o.samples < kFewestSamples) {
+    throw std::invalid_argument(fmt::format("{} samples are too few; at least {}", o.samples, kFewestSamples));
+  }
+  if (o.records < 1) throw std::invalid_argument(fmt::format("{} records are too few; at least 1", o.records));
+}
+
 }  // namespace
 
-void measure_sweep(const std::vector<noise::Process>& truth, const SweepOptions& options, report::Sweep& sweep) {
+Sweep sweep(const std::vector<noise::Process>& truth, const SweepOptions& options) {
+  check(truth, options);
+  Sweep sweep;
   const auto start = Clock::now();
   const auto parts = parts_of(options);
   double work = 0, done = 0;
@@ -304,6 +303,7 @@ void measure_sweep(const std::vector<noise::Process>& truth, const SweepOptions&
   }
   sweep.complete = !cancelled(options);
   sweep.seconds = seconds_since(start);
+  return sweep;
 }
 
-}  // namespace gyrobudget::inline v0::cli
+}  // namespace gyrobudget::inline v0::fit
