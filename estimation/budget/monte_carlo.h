@@ -19,7 +19,7 @@ namespace gyrobudget::inline v0::budget {
 /// Samples that an IMU cut off at its range, by body axis x, y, z.
 struct Saturated {
   std::array<std::uint64_t, 3> gyro = {}, accelerometer = {};
-  Saturated& operator+=(const Saturated&);
+  Saturated& operator+=(const Saturated& more);
   [[nodiscard]] std::uint64_t sum() const;
 };
 
