@@ -5,6 +5,8 @@
 //     if (found.status == navigation::Navigation::Status::navigated) use(found.solutions);
 #pragma once
 
+#include "gyrobudget/vehicle/earth/pose.h"
+
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,7 +20,7 @@ namespace gyrobudget::inline v0::navigation {
 /// The estimate at one time, with one sigma of each error.
 struct Solution {
   double time = 0;  ///< of the scene [s]
-  NavigationState state;
+  earth::Pose state;
   Eigen::Vector3d position_sigma;  ///< east, north, up at the place [m]
   Eigen::Vector3d velocity_sigma;  ///< [m/s]
   Eigen::Vector3d attitude_sigma;  ///< about east, north, up [rad]
@@ -84,7 +86,7 @@ struct ReferenceSummary {
 /// How the alignment went.
 struct AlignmentResult {
   double from = 0, to = 0;  ///< [s]; the same where the start is given
-  NavigationState state;
+  earth::Pose state;
   CoreMatrix covariance = CoreMatrix::Zero();  ///< in the order of error_state.h
   std::vector<std::string> words;              ///< what a person should know of it
 };
