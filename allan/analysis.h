@@ -70,14 +70,14 @@ class WindowError : public std::invalid_argument {
 /// than 400.
 /// @throws WindowError for windows shorter than 32 samples or longer than the record; std::invalid_argument for what
 /// deviation(), Series and factors_of refuse.
-[[nodiscard]] Analysis analyse(const Record&, const AnalysisOptions& = {});
+[[nodiscard]] Analysis analyse(const Record& record, const AnalysisOptions& options = {});
 
 /// The same of several stretches of one sensor (power-ups, pieces of a log, several logs) together: at each averaging
 /// time their variances are pooled, weighted by their degrees of freedom, which add (see pool()). Averaging times are
 /// those of the longest segment; spectrum and deviation over time are of the longest segment alone. All segments count
 /// as having the first one's sample interval, from which theirs may differ as match() allows.
 /// @throws std::invalid_argument besides where there is no segment, or one that does not match the first.
-[[nodiscard]] Analysis analyse(std::span<const Record> segments, const AnalysisOptions& = {});
+[[nodiscard]] Analysis analyse(std::span<const Record> segments, const AnalysisOptions& options = {});
 
 /// Whether a record can be pooled with another: the same axes in the same order, and rates that agree within 0.1 %,
 /// since clocks are read from time stamps.
@@ -89,7 +89,7 @@ enum class Match { alike, other_axes, other_rate };
 class StreamingAnalysis {
  public:
   /// @throws std::invalid_argument for a rate [Hz] that is not positive, no axis, and what StreamingDeviation refuses.
-  StreamingAnalysis(std::vector<AxisLabel> axes, double rate_hz, const StreamingOptions& = {});
+  StreamingAnalysis(std::vector<AxisLabel> axes, double rate_hz, const StreamingOptions& options = {});
 
   /// Takes in the next samples of each axis. @throws std::invalid_argument where there are not as many as axes.
   void push(std::span<const std::vector<double>> rates);

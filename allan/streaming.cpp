@@ -101,8 +101,8 @@ class StreamingDeviation::PrefixSums {
 };
 
 double white_noise_loss(std::int64_t overlap) {
-  if (overlap >= 4) return 1.25 / static_cast<double>(overlap * overlap);
-  return overlap == 2 ? 0.27 : 0.56;
+  constexpr double kAdjacent = 1.25;
+  return kAdjacent / (static_cast<double>(overlap * overlap) + kAdjacent);
 }
 
 StreamingDeviation::StreamingDeviation(double dt, const StreamingOptions& options) : dt_(dt), options_(options) {

@@ -35,10 +35,10 @@ struct SimulationModel {
 /// The processes and filters that the model makes of a sensor's errors at a sample interval [s]. Models 1 to 3 know N, B
 /// and K alone.
 /// @throws std::invalid_argument for what the model refuses.
-[[nodiscard]] Model model_of(const SimulationModel&, const ErrorModel&, double dt);
+[[nodiscard]] Model model_of(const SimulationModel& model, const ErrorModel& errors, double dt);
 
 /// The terms of a sensor's noise that the model leaves out, one for each process.
-[[nodiscard]] std::vector<Term> left_out(const SimulationModel&, const ErrorModel&);
+[[nodiscard]] std::vector<Term> left_out(const SimulationModel& model, const ErrorModel& errors);
 
 struct SimulationOptions {
   SimulationModel model;
@@ -65,7 +65,7 @@ class Simulation {
  public:
   /// @throws std::invalid_argument for an axis other than 0, 1 and 2, a rate that is not positive, a duration that is
   /// negative, and what model_of refuses.
-  Simulation(const SensorModel&, SimulationOptions);
+  Simulation(const SensorModel& sensor, SimulationOptions options);
 
   [[nodiscard]] const SimulationOptions& options() const { return options_; }
   [[nodiscard]] const std::vector<SimulatedAxis>& axes() const { return axes_; }

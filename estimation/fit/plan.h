@@ -43,7 +43,7 @@ struct Plan {
 };
 
 /// What a record must tell apart: the terms of a sensor among Q, N, B and K, in this order.
-[[nodiscard]] std::vector<noise::Process> planned_terms(const noise::ErrorModel&);
+[[nodiscard]] std::vector<noise::Process> planned_terms(const noise::ErrorModel& model);
 
 /// Whether a record of this length holds from 16 to 1e15 samples, which is what a plan is made for.
 [[nodiscard]] bool can_plan(double duration_s, double rate_hz);
@@ -53,6 +53,6 @@ struct Plan {
 /// that each coefficient needs for 10 %.
 /// @throws std::invalid_argument for a model without any of the terms, a wish for a term that it has not, a duration
 /// that can_plan refuses, and what duration_for refuses.
-[[nodiscard]] Plan plan(const noise::ErrorModel&, const PlanOptions& = {});
+[[nodiscard]] Plan plan(const noise::ErrorModel& model, const PlanOptions& options = {});
 
 }  // namespace gyrobudget::inline v0::fit

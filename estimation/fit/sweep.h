@@ -81,6 +81,6 @@ struct SweepOptions {
 /// @param truth processes of the sensor, at least one with a coefficient above zero.
 /// @throws std::invalid_argument for an empty truth, fewer than 16 samples or 1 record, and what fit and
 /// noise::RecordGenerator refuse.
-[[nodiscard]] Sweep sweep(const std::vector<noise::Process>& truth, const SweepOptions& = {});
+[[nodiscard]] Sweep sweep(const std::vector<noise::Process>& truth, const SweepOptions& options = {});
 
 }  // namespace gyrobudget::inline v0::fit

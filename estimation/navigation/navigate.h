@@ -5,6 +5,8 @@
 //     if (found.status == navigation::Navigation::Status::navigated) use(found.solutions);
 #pragma once
 
+#include "gyrobudget/vehicle/earth/pose.h"
+
 #include <optional>
 #include <string>
 #include <vector>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "recording.h"
 
-#include "gyrobudget/vehicle/earth/vector.h"
 #include "gyrobudget/noise/constants.h"
+#include "gyrobudget/vehicle/earth/vector.h"
 
 #include <fmt/format.h>
 

@@ -29,7 +29,7 @@ struct SimulatedImuOptions {
 class SimulatedImu {
  public:
   /// @throws std::invalid_argument for what noise::Imu refuses.
-  SimulatedImu(earth::Trajectory trajectory, const noise::SensorModel&, const SimulatedImuOptions& = {});
+  SimulatedImu(earth::Trajectory trajectory, const noise::SensorModel& sensor, const SimulatedImuOptions& options = {});
 
   /// What is measured over the next `count` intervals. Time stands still where the trajectory has ended. The numbers do
   /// not depend on how they are grouped into calls, nor on the number of threads.
