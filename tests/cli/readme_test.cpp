@@ -30,7 +30,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 
 std::string output_of(const std::string& command) {
   const std::string line =
-      replaced(replaced(command, "example_datasheet", "'" GYROBUDGET_EXAMPLE "'"), "gyrobudget ", "%P ");
+      replaced(replaced(command, "example_calibrate", "'" GYROBUDGET_EXAMPLE "'"), "gyrobudget ", "%P ");
   const Outcome outcome = shell("cd '" + kRoot + "' && " + line);
   EXPECT_EQ(outcome.exit_code, 0) << command << "\n" << outcome.err;
   return outcome.out;
