@@ -38,7 +38,7 @@ struct Pictures {
 
 /// A whole IMU along a trajectory instead of a sensor at rest.
 struct FlightArguments {
-  std::string trajectory;  ///< as io::read_trajectory has it
+  std::string trajectory;  ///< as files::read_trajectory has it
   std::string truth;       ///< path of the truth; empty: none
   std::string fixes;       ///< folder for those of the scene's aids; empty: none
   files::AttitudeForm attitude = files::AttitudeForm::quaternion;

@@ -15,7 +15,7 @@ namespace gyrobudget::inline v0::cli {
 /// A line for the person at the terminal: stderr, unless --quiet.
 void say(const Common&, std::string_view line);
 
-/// The verb's result: stdout. @throws io::OutputError where it cannot be written.
+/// The verb's result: stdout. @throws text::OutputError where it cannot be written.
 void print(std::string_view text);
 
 /// Writes an HTML page and says where. @throws text::OutputError where it cannot be written.

@@ -16,7 +16,7 @@ enum Exit : int {
   exit_interrupted = 130,
 };
 
-// One verb per file; each returns an exit code and throws io::InputError, io::OutputError or std::invalid_argument.
+// One verb per file; each returns an exit code and throws text::InputError, text::OutputError or std::invalid_argument.
 [[nodiscard]] int run(const SimulateArguments&);         ///< sensor file -> log
 [[nodiscard]] int run_flight(const SimulateArguments&);  ///< with `flight`: sensor file, trajectory -> log
 [[nodiscard]] int run(const AllanArguments&);            ///< log -> deviations

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Inside io: the names that a scene's `columns` may map.
+// The names that a scene's `columns` may map.
 #pragma once
 
 #include <string>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Inside io: a scene's YAML, with what its sections share.
+// A scene's YAML, with what its sections share.
 #pragma once
 
 #include "gyrobudget/app/sensor_file/yaml_reader.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Inside io: trajectories by name.
+// Trajectories by name.
 #pragma once
 
 #include "gyrobudget/vehicle/earth/trajectory.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Inside io: logs without text.
+// Logs without text.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Inside io: the bytes of an input, wherever they come from.
+// The bytes of an input, wherever they come from.
 #pragma once
 
 #include "gyrobudget/app/text/text.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Inside io: which columns of a log are time and which are data, and in what units.
+// Which columns of a log are time and which are data, and in what units.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Inside io: from time stamps to a uniform grid.
+// From time stamps to a uniform grid.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Inside io: how the text of a log is laid out, found from its first lines.
+// How the text of a log is laid out, found from its first lines.
 #pragma once
 
 #include <cstddef>

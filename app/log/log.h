@@ -67,7 +67,7 @@ inline constexpr double kLargestJitter = 0.25;  ///< rms of the stamps about the
 /// **Memory**: a plain file is mapped and parsed in chunks on all cores; the peak is about the numbers read, as
 /// doubles. gzip, pipes and standard input take the length of the text beside that.
 ///
-///     const io::Record record = io::read_log({.path = "log.csv", .rate_hz = 100, .unit = "deg/s"});
+///     const allan::Record record = log::read_log({.path = "log.csv", .rate_hz = 100, .unit = "deg/s"});
 ///
 /// @throws InputError for the log, with place, finding, expectation and mend; std::invalid_argument for options that
 /// are wrong with any log (rate_hz or scale not a positive number, an unknown unit).

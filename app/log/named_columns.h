@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Inside io: tables whose columns are known by name.
+// Tables whose columns are known by name.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Inside io: what the names of columns say. Names choose the time column and word the hints; they never give a data
+// What the names of columns say. Names choose the time column and word the hints; they never give a data
 // column its unit.
 #pragma once
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Inside io: readings at uneven times onto even ones, where that is asked for.
+// Readings at uneven times onto even ones, where that is asked for.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Inside io: where a log is cut into stretches without long gaps.
+// Where a log is cut into stretches without long gaps.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Inside io: the numbers of a log, parsed on all cores.
+// The numbers of a log, parsed on all cores.
 #pragma once
 
 #include <cstddef>

@@ -49,7 +49,7 @@ namespace gyrobudget::inline v0::report {
 
 /// Picture of the deviation curves by gnuplot (Debian: gnuplot-nox), one panel for each axis; the format follows from
 /// the ending: .svg, .png or .pdf. The file appears whole or not at all.
-/// @throws std::invalid_argument for another ending or a result without points, io::OutputError where gnuplot is
+/// @throws std::invalid_argument for another ending or a result without points, text::OutputError where gnuplot is
 /// missing or fails, or the file cannot be written.
 void write_plot(const LogResult&, const std::string& path);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Inside io: YAML with a place for every complaint. The one header that includes yaml-cpp.
+// YAML with a place for every complaint. The one header that includes yaml-cpp.
 #pragma once
 
 #include "gyrobudget/noise/units.h"

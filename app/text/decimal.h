@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Inside io: decimal digits as integers, eight at a time, and such integers as correctly rounded doubles.
+// Decimal digits as integers, eight at a time, and such integers as correctly rounded doubles.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Inside io: one cell of a log as a number or as a time stamp.
+// One cell of a log as a number or as a time stamp.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Inside io: words, messages and places in files.
+// Words, messages and places in files.
 #pragma once
 
 #include <cstdint>
