@@ -33,7 +33,7 @@ Measured measure(const Series& rates, Estimator estimator, const std::vector<std
   return {std::move(curve), std::move(noises)};
 }
 
-// --- Several segments into one curve ----------------------------------------------------------------------------------
+// --- Several segments into one curve --------------------------------------------------------------------------------
 
 // Of the segments' points at this tau, the one that knows most.
 DeviationPoint best_at(double tau, const std::vector<std::vector<DeviationPoint>>& segments) {
@@ -79,7 +79,7 @@ double pooled_mean(const std::deque<Series>& segments) {
   return sum / count;
 }
 
-// --- Other views ------------------------------------------------------------------------------------------------------
+// --- Other views ----------------------------------------------------------------------------------------------------
 
 AnalysedSpectrum spectrum_of(const Series& rates, SpectrumMethod method) {
   const Spectrum fine =
@@ -98,7 +98,7 @@ DynamicSurface surface_of(const Series& rates, double window_s) {
   return dynamic_variance(rates, octave_factors(window), {.window = window, .hop = hop});
 }
 
-// --- An axis ----------------------------------------------------------------------------------------------------------
+// --- An axis --------------------------------------------------------------------------------------------------------
 
 AxisAnalysis analyse_axis(std::size_t axis, std::span<const Record> segments, const AnalysisOptions& o) {
   const Axis& first = segments.front().axes[axis];

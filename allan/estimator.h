@@ -71,8 +71,8 @@ struct FactorRange {
 /// 1, 2, 4, ... within the range; for Theo1 the m of averaging times 0.75 m nearest to those: 10, 22, 42, 86,
 /// ...
 [[nodiscard]] std::vector<std::int64_t> octave_factors(Estimator estimator, std::int64_t samples);
-/// What an estimator can do of a list of factors made for `tau = m dt`: those in range; for Theo1 and TheoBR 4m/3 to the
-/// nearest even number, for TheoH multiples of 3 beyond n/5. Ascending, without repeats.
+/// What an estimator can do of a list of factors made for `tau = m dt`: those in range; for Theo1 and TheoBR 4m/3 to
+/// the nearest even number, for TheoH multiples of 3 beyond n/5. Ascending, without repeats.
 [[nodiscard]] std::vector<std::int64_t> usable_factors(Estimator estimator, std::int64_t samples,
                                                        std::span<const std::int64_t> factors);
 

@@ -36,7 +36,8 @@ struct EstimatorOptions {
 ///   ttotdev        tau^2 / 3 times mtotdev
 ///   htotdev        the same for rates with the second difference of cluster means over 6; m = 1: ohdev
 ///   theo1          < sum_{j=1}^{m/2} (x[k] - x[k+j] + x[k+m] - x[k+m-j])^2 / j > / (0.75 (m dt)^2)
-///   theobr         theo1 times the mean of oadev / theo1 at tau = 9, 12, 15 ... dt up to a tenth of the record (of more
+///   theobr         theo1 times the mean of oadev / theo1 at tau = 9, 12, 15 ... dt up to a tenth of the record (of
+///   more
 ///                  than 64 such ratios 16, evenly spread)
 ///   theoh          oadev where 5 m <= n, theobr at 4m/3 beyond
 ///   pdev           72/(m^4 tau^2) < (sum_{j=0}^{m-1} ((m-1)/2 - j) (x[k+j] - x[k+j+m]))^2 >; m = 1: oadev (F.

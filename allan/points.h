@@ -11,7 +11,8 @@
 
 namespace gyrobudget::inline v0::allan {
 
-/// One averaging time of a measured curve. Deviations in SI units of the axis' signal; time deviations in those times s.
+/// One averaging time of a measured curve. Deviations in SI units of the axis' signal; time deviations in those times
+/// s.
 struct DeviationPoint {
   std::int64_t m = 1;       ///< averaging factor, samples
   double tau_s = 0;         ///< averaging time: m / rate, for Theo1 0.75 m / rate
@@ -25,7 +26,8 @@ struct DeviationPoint {
   double bias = 1;          ///< expectation of the estimator's variance over the one it is named for
 };
 
-/// The points of a curve that have a finite variance, with the degrees of freedom and the 95 % interval of statistics.h.
+/// The points of a curve that have a finite variance, with the degrees of freedom and the 95 % interval of
+/// statistics.h.
 /// @param curve       any of family.h
 /// @param identified  the noise at each point, white where there is none
 /// @param mix         where given, the degrees of freedom are those of this model's noise instead

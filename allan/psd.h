@@ -49,8 +49,8 @@ struct Spectrum {
 /// and fs/2, where there are K.
 ///
 /// All tapers come from one Fourier transform of 2(n+1) points. The record loses its mean, and samples at its
-/// end (under 4 %, of 10^6 under 1 %) so that 2(n+1) = 2^a 3^b 5^c. NaN and infinite samples count as the mean, the density
-/// is raised by the part that exists. Leakage falls off as f^-4: random walks read right from four bandwidths
+/// end (under 4 %, of 10^6 under 1 %) so that 2(n+1) = 2^a 3^b 5^c. NaN and infinite samples count as the mean, the
+/// density is raised by the part that exists. Leakage falls off as f^-4: random walks read right from four bandwidths
 /// on (below, their curvature shows).
 ///
 /// @throws std::invalid_argument for dt that is not positive and finite, fewer than 1 taper or more than n/4,

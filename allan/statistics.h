@@ -76,9 +76,9 @@ struct PointStatistics {
 /// Noise at each point's averaging time (at n/2 beyond that), as held_noise has it.
 [[nodiscard]] std::vector<Identified> identify_noise(const Series& record, const Curve& curve);
 
-/// The same from the overlapped Allan curve alone, where the samples are gone (streams): the power law at each octave from
-/// the slope over its two neighbours, as the Allan variance goes as tau^-2, -1, 0, 1 for quantization, white, flicker,
-/// random walk. Where the next point has fewer than 30 clusters it is that of the point before.
+/// The same from the overlapped Allan curve alone, where the samples are gone (streams): the power law at each octave
+/// from the slope over its two neighbours, as the Allan variance goes as tau^-2, -1, 0, 1 for quantization, white,
+/// flicker, random walk. Where the next point has fewer than 30 clusters it is that of the point before.
 /// @param curve at ascending factors. @throws std::invalid_argument for another estimator.
 [[nodiscard]] std::vector<Identified> identify_noise(const Curve& curve);
 

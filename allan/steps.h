@@ -23,9 +23,9 @@ struct StepOptions {
 
 /// Steps of a record, in order of time.
 ///
-/// At averaging factors m = n/32, n/64, ... down to 32 the differences of adjacent cluster means, every m/4 samples, are
-/// compared with their own robust scale, 1.4826 times the median of their sizes. Under any Gaussian noise, random walk
-/// included, they are Gaussian; a step is one that leaves what chance allows for all differences at all m, with a
+/// At averaging factors m = n/32, n/64, ... down to 32 the differences of adjacent cluster means, every m/4 samples,
+/// are compared with their own robust scale, 1.4826 times the median of their sizes. Under any Gaussian noise, random
+/// walk included, they are Gaussian; a step is one that leaves what chance allows for all differences at all m, with a
 /// margin for the scatter of the scale (4 standard errors). The clearest comes first, is placed where the two means
 /// differ most, and differences across it are set aside for the next. A step below about 10 Allan deviations at its
 /// best m is not told from noise. Knocks move means too: make them missing first (outliers.h).

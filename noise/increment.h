@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What an inertial measurement unit delivers: one type for the truth, for what is measured and for what navigation uses.
+// What an inertial measurement unit delivers: one type for the truth, for what is measured and for what navigation
+// uses.
 #pragma once
 
 #include <array>

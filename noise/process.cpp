@@ -21,8 +21,7 @@ using std::numbers::pi;
 
 constexpr double square(double x) { return x * x; }
 
-// --- Special functions -------------------------------------------------------------------------------------
-// -------------------------------------------------------------------------------------------
+// --- Special functions ------------------------------------------------------------------------------------- --------
 
 /// psi(n + 1/2) - ln n for n >= kAsymptotic, from the Bernoulli numbers; next term below 1e-16.
 double digamma_remainder(double n) {
@@ -56,8 +55,7 @@ double exponential_tail(double x, int first, Weight weight) {
   return sum;
 }
 
-// --- Quantization ------------------------------------------------------------------------------------------
-// ------------------------------------------------------------------------------------------------
+// --- Quantization ------------------------------------------------------------------------------------------ --------
 
 double psd_of(const Quantization& p, double f, double dt) { return 4 * square(p.q * std::sin(pi * f * dt)) / dt; }
 double allan_of(const Quantization& p, double m, double dt) { return 3 * square(p.q / (m * dt)); }
@@ -66,16 +64,14 @@ double structure_of(const Quantization& p, double lag, double dt) {
 }
 double phase_of(const Quantization& p, double lag, double) { return lag < 0.5 ? square(p.q) : 0; }
 
-// --- White -------------------------------------------------------------------------------------------------
-// -------------------------------------------------------------------------------------------------------
+// --- White ------------------------------------------------------------------------------------------------- --------
 
 double psd_of(const White& p, double, double) { return square(p.n); }
 double allan_of(const White& p, double m, double dt) { return square(p.n) / (m * dt); }
 double structure_of(const White& p, double lag, double dt) { return lag == 0 ? 0 : 2 * square(p.n) / dt; }
 double phase_of(const White& p, double lag, double dt) { return -0.5 * square(p.n) * dt * lag; }
 
-// --- Flicker -----------------------------------------------------------------------------------------------
-// -----------------------------------------------------------------------------------------------------
+// --- Flicker ----------------------------------------------------------------------------------------------- --------
 
 double psd_of(const Flicker& p, double f, double dt) { return square(p.b) * dt / (2 * std::sin(pi * f * dt)); }
 double allan_of(const Flicker& p, double m, double) {
@@ -90,8 +86,7 @@ double phase_of(const Flicker& p, double lag, double dt) {
   return square(p.b * dt) / (4 * pi) * (4 * square(lag) - 1) * odd_harmonic(lag);
 }
 
-// --- Rate random walk --------------------------------------------------------------------------------------
-// --------------------------------------------------------------------------------------------
+// --- Rate random walk -------------------------------------------------------------------------------------- --------
 
 double psd_of(const RateRandomWalk& p, double f, double dt) { return square(p.k * dt / (2 * std::sin(pi * f * dt))); }
 double allan_of(const RateRandomWalk& p, double m, double dt) { return square(p.k) * dt * (m / 3 + 1 / (6 * m)); }
@@ -100,8 +95,7 @@ double phase_of(const RateRandomWalk& p, double lag, double dt) {
   return square(p.k * dt) * dt * lag * (square(lag) - 1) / 12;
 }
 
-// --- Rate ramp ---------------------------------------------------------------------------------------------
-// ---------------------------------------------------------------------------------------------------
+// --- Rate ramp --------------------------------------------------------------------------------------------- --------
 
 double psd_of(const RateRamp&, double, double) { return 0; }
 double allan_of(const RateRamp& p, double m, double dt) { return 0.5 * square(p.r * m * dt); }
@@ -154,8 +148,7 @@ double phase_of(const GaussMarkov& p, double lag, double dt) {
   return -0.5 * square(p.sigma * dt) * lag * (shape.L + lag * shape.P * curve);
 }
 
-// --- Sinusoid ----------------------------------------------------------------------------------------------
-// ----------------------------------------------------------------------------------------------------
+// --- Sinusoid ---------------------------------------------------------------------------------------------- --------
 
 /// Frequency in cycles per sample as it appears after sampling, in [-1/2, 1/2].
 double aliased(const Sinusoid& p, double dt) { return std::remainder(p.frequency * dt, 1.0); }

@@ -32,8 +32,8 @@ struct SimulationModel {
   double correlation_time_s = 100;  ///< bielas, gauss_markov
 };
 
-/// The processes and filters that the model makes of a sensor's errors at a sample interval [s]. Models 1 to 3 know N, B
-/// and K alone.
+/// The processes and filters that the model makes of a sensor's errors at a sample interval [s]. Models 1 to 3 know N,
+/// B and K alone.
 /// @throws std::invalid_argument for what the model refuses.
 [[nodiscard]] Model model_of(const SimulationModel& model, const ErrorModel& errors, double dt);
 
@@ -83,8 +83,8 @@ class Simulation {
   /// @param index into axes(). @throws std::invalid_argument for a model that streams.
   [[nodiscard]] std::vector<double> record(std::size_t index) const;
 
-  /// What makes the samples of an axis one by one. 1/f noise is right up to the duration; without end to the generator's
-  /// own limit.
+  /// What makes the samples of an axis one by one. 1/f noise is right up to the duration; without end to the
+  /// generator's own limit.
   [[nodiscard]] Generator generator(std::size_t index) const;
 
  private:

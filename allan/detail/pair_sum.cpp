@@ -98,9 +98,10 @@ double product_sum(const Samples& samples, std::size_t a, std::size_t b) {
   return sum;
 }
 
-/// sum_u count(u) C_line(u) C(u), whose first kernel oscillates. Few cycles in the record: panels shorter than a quarter
-/// of a cycle. Many: where the line matters the count hardly changes over a cycle, and the sum of C(u) cos is the
-/// cross-spectrum of the two differences at the line, |H_1| |H_2| S / dt, |H_m| = sqrt2 sin^2(pi c m)/(m sin(pi c)).
+/// sum_u count(u) C_line(u) C(u), whose first kernel oscillates. Few cycles in the record: panels shorter than a
+/// quarter of a cycle. Many: where the line matters the count hardly changes over a cycle, and the sum of C(u) cos is
+/// the cross-spectrum of the two differences at the line, |H_1| |H_2| S / dt, |H_m| = sqrt2 sin^2(pi c m)/(m sin(pi
+/// c)).
 double line_sum(const Setting& setting, const Pair& pair, const PairCount& count, std::size_t line, std::size_t a) {
   const auto& sinusoid = std::get<noise::Sinusoid>(setting.processes[line]);
   const double cycles = std::abs(std::remainder(sinusoid.frequency * setting.dt, 1.0));

@@ -16,8 +16,8 @@
 namespace gyrobudget::inline v0::cli {
 
 /// The scenes that `fly` flies beside one another: those that were named, or one of them with each of the sensors.
-/// @throws text::InputError as files::read_scene does and for a scene without a flight; std::invalid_argument for sensors
-/// beside several scenes.
+/// @throws text::InputError as files::read_scene does and for a scene without a flight; std::invalid_argument for
+/// sensors beside several scenes.
 [[nodiscard]] std::vector<files::SceneFile> flight_scenes(const FlyArguments& arguments);
 
 /// "scene.yaml: what is wrong".

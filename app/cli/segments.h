@@ -10,8 +10,8 @@
 
 namespace gyrobudget::inline v0::cli {
 
-/// The paths of all logs that allan pools. @throws std::invalid_argument for one that is given twice: pooled with itself
-/// it would look twice as sure.
+/// The paths of all logs that allan pools. @throws std::invalid_argument for one that is given twice: pooled with
+/// itself it would look twice as sure.
 [[nodiscard]] std::vector<std::string> logs_of(const AllanArguments&);
 
 /// One or several power-ups of a sensor, from one or several logs, at the rate of the first; says their notes.

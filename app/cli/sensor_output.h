@@ -11,8 +11,8 @@
 // What calibrate hands on: datasheet, pictures, the sensor file and Kalibr's.
 namespace gyrobudget::inline v0::cli {
 
-/// Prints the datasheet and writes what was asked for beside it; where no axis has an answer it says that no sensor file
-/// is written.
+/// Prints the datasheet and writes what was asked for beside it; where no axis has an answer it says that no sensor
+/// file is written.
 /// @param notes  how the log was read
 /// @return the exit code
 /// @throws std::invalid_argument where -o or --kalibr is asked for and no axis is a gyro or an accelerometer.

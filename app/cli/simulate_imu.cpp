@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// simulate --trajectory: sensor file and trajectory -> log of a whole IMU, the truth, and what the scene's aids measure.
+// simulate --trajectory: sensor file and trajectory -> log of a whole IMU, the truth, and what the scene's aids
+// measure.
 #include "gyrobudget/app/files/fixes_file.h"
 #include "gyrobudget/app/files/scene_file.h"
 #include "gyrobudget/app/log/log_writer.h"

@@ -49,7 +49,8 @@ class Interruption {
   [[nodiscard]] const std::atomic<bool>& asked() const noexcept;
 };
 
-/// Work that is shown and may be stopped: what a study tells of its progress. It answers false once it is asked to stop.
+/// Work that is shown and may be stopped: what a study tells of its progress. It answers false once it is asked to
+/// stop.
 class Watch {
  public:
   /// @param of_what "records".

@@ -11,8 +11,8 @@ namespace gyrobudget::inline v0::files {
 /// Writes a flight as CSV, a row a point of the record, as far apart as its first two (a last one off that grid is left
 /// out): time, then
 ///
-///     latitude, longitude (deg), height (m), velocity_north, _east, _down (m/s), q_w, q_x, q_y, q_z   of the IMU, in truth
-///     downrange, crossrange, up (m)                  from the pad along `azimuth`; crossrange to its left
+///     latitude, longitude (deg), height (m), velocity_north, _east, _down (m/s), q_w, q_x, q_y, q_z   of the IMU, in
+///     truth downrange, crossrange, up (m)                  from the pad along `azimuth`; crossrange to its left
 ///     nose_azimuth, nose_elevation (deg)             clockwise from north; above the pad's horizon
 ///     position_error_east, _north, _up (m), velocity_error_... (m/s), attitude_error_... (deg)   truth less navigation
 ///     nozzle_pitch, nozzle_yaw, command_pitch, command_yaw (deg)

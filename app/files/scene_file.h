@@ -63,8 +63,8 @@ struct SceneFile {
 
 /// Reads a scene (YAML), a test card: where, what moves, with which sensors and aids, what is asked. Every value
 /// has its unit. Left out is what the scene does not need. Times are those of the IMU log's clock, or, where that
-/// counts from an epoch (beyond 1e6 s), after its first sample; or after the start of the trajectory. Files are looked for from the scene file's folder on, data in `data_folder` where
-/// that is given.
+/// counts from an epoch (beyond 1e6 s), after its first sample; or after the start of the trajectory. Files are looked
+/// for from the scene file's folder on, data in `data_folder` where that is given.
 ///
 ///     site: alcantara
 ///     trajectory: ascent

@@ -44,8 +44,8 @@ class Pages {
 
 enum class Content { text, bytes };
 
-/// An input as text, or as the bytes of a binary log. A regular file is mapped, not copied. A pipe, a device and "-" (standard input) are read to their
-/// end, and gzip is unpacked, into memory: as much as the text is long.
+/// An input as text, or as the bytes of a binary log. A regular file is mapped, not copied. A pipe, a device and "-"
+/// (standard input) are read to their end, and gzip is unpacked, into memory: as much as the text is long.
 class Bytes {
  public:
   /// @throws InputError where it cannot be read, is a folder or empty; as text also where it is binary, a damaged or

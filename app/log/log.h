@@ -61,8 +61,8 @@ inline constexpr double kLargestJitter = 0.25;  ///< rms of the stamps about the
 /// means over even intervals, angles and increments are interpolated at their ends; intervals without readings are
 /// missing. The notes say what that does to white noise at short averaging times (see resample.h).
 ///
-/// **Binary** (Format::f32, f64, npy): numbers without time or names; rate_hz and unit must be given, and the columns are
-/// named "column 1" and so on. What is not finite is missing.
+/// **Binary** (Format::f32, f64, npy): numbers without time or names; rate_hz and unit must be given, and the columns
+/// are named "column 1" and so on. What is not finite is missing.
 ///
 /// **Memory**: a plain file is mapped and parsed in chunks on all cores; the peak is about the numbers read, as
 /// doubles. gzip, pipes and standard input take the length of the text beside that.

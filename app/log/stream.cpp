@@ -145,7 +145,7 @@ LogOptions checked(const LogOptions& options) {
 
 }  // namespace
 
-// --- What both kinds share ----------------------------------------------------------------------------------------------
+// --- What both kinds share ------------------------------------------------------------------------------------------
 
 class LogStream::Reader {
  public:
@@ -197,7 +197,7 @@ class LogStream::Reader {
   }
 };
 
-// --- Binary ---------------------------------------------------------------------------------------------------------------
+// --- Binary ---------------------------------------------------------------------------------------------------------
 
 class LogStream::Binary : public LogStream::Reader {
  public:
@@ -239,7 +239,7 @@ class LogStream::Binary : public LogStream::Reader {
   std::uint64_t bytes_ = 0;  ///< of rows
 };
 
-// --- Text -----------------------------------------------------------------------------------------------------------------
+// --- Text -----------------------------------------------------------------------------------------------------------
 
 class LogStream::Text : public LogStream::Reader {
  public:
@@ -330,7 +330,7 @@ class LogStream::Text : public LogStream::Reader {
   std::optional<Tracker> tracker_;
 };
 
-// --- LogStream ------------------------------------------------------------------------------------------------------------
+// --- LogStream ------------------------------------------------------------------------------------------------------
 
 LogStream::LogStream(const LogOptions& options) {
   const Format format = options.format.value_or(format_of(options.path));

@@ -188,7 +188,7 @@ report::PaperRecord record_of(const Simulation& s, noise::StreamKey key) {
   return record;
 }
 
-// --- How far one reading scatters --------------------------------------------------------------------------------------
+// --- How far one reading scatters -----------------------------------------------------------------------------------
 
 using Scatters = std::array<PaperRow::Scatter, 3>;
 
@@ -218,7 +218,7 @@ Scatters scatters(const Simulation& s, std::uint64_t seed, std::uint64_t stream)
   return {PaperRow::Scatter{s.actual.n * (1 - spread), s.actual.n * (1 + spread)}, middle(b), middle(k)};
 }
 
-// --- Rows of tables I and II and figures 6 and 7 -----------------------------------------------------------------------
+// --- Rows of tables I and II and figures 6 and 7 --------------------------------------------------------------------
 
 PaperRow table1_row(const Simulation& s, const report::PaperRecord& record, const Scatters& scatter, std::size_t i) {
   const std::string unit(unit_of(i));
@@ -287,7 +287,7 @@ std::array<PaperRow, 2> figure7_rows(const Simulation& s, const report::PaperRec
               "Where white noise and random walk cross: sqrt 3 N/K. The bottom is flat, so its place is read to a factor of 2 only."}};
 }
 
-// --- Figures 3 and 4 ---------------------------------------------------------------------------------------------------
+// --- Figures 3 and 4 ------------------------------------------------------------------------------------------------
 
 constexpr std::size_t kDriftRuns = 1000, kRunsShown = 40, kDriftTimes = 60;
 constexpr double kBandwidth = 5, kFaster = 10, kDriftDuration = 3600;

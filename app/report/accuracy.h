@@ -27,8 +27,8 @@ struct AccuracyStudy {
 [[nodiscard]] std::vector<std::string> accuracy_words(const AccuracyStudy&);
 /// Tables and words for the terminal.
 [[nodiscard]] std::string accuracy_table(const AccuracyStudy&);
-/// The fields are described by schema/accuracy-1.schema.json, which is installed with the program. Shares and errors are
-/// fractions, errors relative to the truth; `*_std` are binomial standard errors.
+/// The fields are described by schema/accuracy-1.schema.json, which is installed with the program. Shares and errors
+/// are fractions, errors relative to the truth; `*_std` are binomial standard errors.
 [[nodiscard]] std::string accuracy_json(const AccuracyStudy&);
 /// One HTML page that opens offline, with plots.
 [[nodiscard]] std::string accuracy_page(const AccuracyStudy&);

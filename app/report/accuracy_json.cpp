@@ -132,7 +132,7 @@ std::string text_of(const Json& json, int indent) {
   return json.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
 
-// --- The page ---------------------------------------------------------------------------------------------------------
+// --- The page -------------------------------------------------------------------------------------------------------
 
 /// Counts in equal bins from 0 to `reach`; what lies beyond is in the last.
 Json counts(const std::vector<double>& values, double reach, std::size_t bins) {

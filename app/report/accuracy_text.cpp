@@ -20,7 +20,7 @@ using fit::CoefficientAccuracy;
 using fit::Method;
 using fit::MethodAccuracy;
 
-// --- Cells ------------------------------------------------------------------------------------------------------------
+// --- Cells ----------------------------------------------------------------------------------------------------------
 
 /// "4.3 %": shares with one digit behind the point; "-" for none.
 std::string share(double fraction) { return std::isfinite(fraction) ? fmt::format("{:.1f} %", 100 * fraction) : "-"; }
@@ -52,7 +52,7 @@ std::string term_name(fit::Method method, std::optional<noise::Term> term) {
   return term ? fmt::format("{} {}", fit::name(method), static_cast<char>(*term)) : std::string(fit::name(method));
 }
 
-// --- Tables -----------------------------------------------------------------------------------------------------------
+// --- Tables ---------------------------------------------------------------------------------------------------------
 
 std::vector<std::string> coefficient_cells(const AccuracyStudy& study, const CoefficientAccuracy& c) {
   const double records = study.accuracy.records;
@@ -122,7 +122,7 @@ std::string head(const AccuracyStudy& study) {
       count_text(a.samples), duration_text(static_cast<double>(a.samples) * a.dt), 1 / a.dt, a.seed);
 }
 
-// --- Words ------------------------------------------------------------------------------------------------------------
+// --- Words ----------------------------------------------------------------------------------------------------------
 
 const MethodAccuracy* find(const AccuracyStudy& study, Method method) {
   const auto& all = study.accuracy.methods;
@@ -190,7 +190,7 @@ std::string accuracy_table(const AccuracyStudy& study) {
   return out;
 }
 
-// --- Error against run time -------------------------------------------------------------------------------------------
+// --- Error against run time -----------------------------------------------------------------------------------------
 
 namespace {
 

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-// An error budget as people and programs want it. Local axes are east, north, up at the site, or where the scene has none
-// at the place reached; downrange and crossrange (left of it) lie in the launch plane's frame; attitude errors are rotation
-// vectors in east, north, up.
+// An error budget as people and programs want it. Local axes are east, north, up at the site, or where the scene has
+// none at the place reached; downrange and crossrange (left of it) lie in the launch plane's frame; attitude errors are
+// rotation vectors in east, north, up.
 namespace gyrobudget::inline v0::report {
 
 /// The budget of one scene with one sensor.
@@ -24,9 +24,9 @@ struct BudgetResult {
 
 /// Tables for the terminal; several results side by side below the first's.
 [[nodiscard]] std::string budget_text(const std::vector<BudgetResult>& results);
-/// The fields are described by schema/budget-1.schema.json, and those of several sensors by schema/budgets-1.schema.json;
-/// both are installed with the program. A ratio is null where its axis has below a hundredth of the total's variance, or
-/// less than second order may add. Bands are 99 %.
+/// The fields are described by schema/budget-1.schema.json, and those of several sensors by
+/// schema/budgets-1.schema.json; both are installed with the program. A ratio is null where its axis has below a
+/// hundredth of the total's variance, or less than second order may add. Bands are 99 %.
 [[nodiscard]] std::string budget_json(const std::vector<BudgetResult>& results);
 /// One HTML page that opens offline.
 [[nodiscard]] std::string budget_page(const std::vector<BudgetResult>& results);

@@ -33,8 +33,9 @@ struct FlightResult {
 /// Tables for the terminal: where each flight ends, how far from the nominal one, navigation error by source,
 /// dispersion by cause, limits and margins. Of one result at least, as the others.
 [[nodiscard]] std::string flight_text(std::span<const FlightResult>);
-/// The fields are described by schema/flight-1.schema.json, and those of several flights by schema/flights-1.schema.json;
-/// both are installed with the program. Sigmas are one sigma; bands are 99 %; a margin without a limit is null.
+/// The fields are described by schema/flight-1.schema.json, and those of several flights by
+/// schema/flights-1.schema.json; both are installed with the program. Sigmas are one sigma; bands are 99 %; a margin
+/// without a limit is null.
 [[nodiscard]] std::string flight_json(std::span<const FlightResult>);
 /// One HTML page that opens offline.
 [[nodiscard]] std::string flight_page(std::span<const FlightResult>);

@@ -277,7 +277,7 @@ Json trajectory_json(const FlightFrame& frame, const FlightRecord& record, std::
   return out;
 }
 
-// --- Vehicle and other inputs -------------------------------------------------------------------------------------------------------
+// --- Vehicle and other inputs ---------------------------------------------------------------------------------------
 
 Json vehicle_json(const FlightResult& r) {
   Json counts, numbers = Json::array(), left_out = Json::array();

@@ -9,8 +9,8 @@ namespace gyrobudget::inline v0::report {
 
 /// On one line. Invalid UTF-8 in names of columns and files is replaced, never an error.
 [[nodiscard]] std::string compact_json(const nlohmann::ordered_json&);
-/// Readable and still dense: a list or object without lists or objects inside stands on one line where it fits, numbers in
-/// a list always. Ends with a line feed.
+/// Readable and still dense: a list or object without lists or objects inside stands on one line where it fits, numbers
+/// in a list always. Ends with a line feed.
 [[nodiscard]] std::string dense_json(const nlohmann::ordered_json&);
 
 }  // namespace gyrobudget::inline v0::report

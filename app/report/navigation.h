@@ -30,16 +30,18 @@ struct StateText {
 
 /// Summary for the terminal.
 [[nodiscard]] std::string navigation_text(const NavigationResult&);
-/// The solution: time (s) on the log's clock, latitude (deg), longitude (deg), height (m), velocity_north (m/s), velocity_east,
-/// velocity_down, q_w (1), q_x, q_y, q_z (of q_nb), heading (deg), pitch, roll; one sigma sigma_position_east (m) ...,
-/// sigma_velocity_east (m/s) ..., sigma_attitude_east (deg) ...; gyro_bias_x (rad/s), sigma_gyro_bias_x ...,
-/// accel_bias_x (m/s^2), sigma_accel_bias_x. A trajectory for --trajectory, and for other scenes.
+/// The solution: time (s) on the log's clock, latitude (deg), longitude (deg), height (m), velocity_north (m/s),
+/// velocity_east, velocity_down, q_w (1), q_x, q_y, q_z (of q_nb), heading (deg), pitch, roll; one sigma
+/// sigma_position_east (m) ..., sigma_velocity_east (m/s) ..., sigma_attitude_east (deg) ...; gyro_bias_x (rad/s),
+/// sigma_gyro_bias_x ..., accel_bias_x (m/s^2), sigma_accel_bias_x. A trajectory for --trajectory, and for other
+/// scenes.
 [[nodiscard]] std::string solution_csv(const NavigationResult&);
 /// One line for each fix: time (s), aid, status (used, gated, not_finite), nis, dof, and residual and sigma of each
 /// component in SI.
 [[nodiscard]] std::string innovations_csv(const NavigationResult&);
-/// The fields are described by schema/navigation-1.schema.json, which is installed with the program. "nis"."mean" is over
-/// the aids' degrees of freedom: 1 where the sigmas are right; of one aid it is the mean NIS, to lie between low and high.
+/// The fields are described by schema/navigation-1.schema.json, which is installed with the program. "nis"."mean" is
+/// over the aids' degrees of freedom: 1 where the sigmas are right; of one aid it is the mean NIS, to lie between low
+/// and high.
 [[nodiscard]] std::string navigation_json(const NavigationResult&);
 /// One HTML page that opens offline.
 [[nodiscard]] std::string navigation_page(const NavigationResult&);

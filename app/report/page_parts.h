@@ -36,8 +36,8 @@ namespace gyrobudget::inline v0::report {
 [[nodiscard]] std::string navigation_data(const NavigationResult&);
 /// What budget.js draws: budget_json of each sensor, ellipses, the cloud of Monte Carlo and what the filter claims.
 [[nodiscard]] std::string budget_data(const std::vector<BudgetResult>&);
-/// What flight.js draws: flight_json of each sensor with fewer points, the nominal flight, sigmas over time, and where the
-/// flights of Monte Carlo ended.
+/// What flight.js draws: flight_json of each sensor with fewer points, the nominal flight, sigmas over time, and where
+/// the flights of Monte Carlo ended.
 [[nodiscard]] std::string flight_data(std::span<const FlightResult>);
 
 // The files of the pages, embedded by embed.cmake.

@@ -83,7 +83,7 @@ Json document(const Paper& paper) {
           {"words", paper_words(paper)}};
 }
 
-// --- The page ---------------------------------------------------------------------------------------------------------
+// --- The page -------------------------------------------------------------------------------------------------------
 
 Json scaled(const std::vector<double>& si, double unit) {
   Json out = Json::array();

@@ -11,7 +11,8 @@
 // `seconds` of a fit in its JSON.
 namespace gyrobudget::inline v0::report {
 
-/// The curve for the terminal: per axis a table of tau, deviation, its interval, degrees of freedom and number of terms.
+/// The curve for the terminal: per axis a table of tau, deviation, its interval, degrees of freedom and number of
+/// terms.
 [[nodiscard]] std::string allan_table(const LogResult&);
 
 /// The datasheet for the terminal: per axis the coefficients with intervals and status, the raw minimum and why it is
@@ -25,9 +26,9 @@ namespace gyrobudget::inline v0::report {
 /// Doubles survive a round trip; what is not finite is null. Keys keep their order; the text ends in a newline.
 [[nodiscard]] std::string allan_json(const LogResult&);
 
-/// The fields are described by schema/calibration-1.schema.json, which is installed with the program. Of a parameter that
-/// was fitted, value and lower are always numbers (0 allowed), and so is upper except where no limit was found (a fit that
-/// never settles): then it is null. All three are null where nothing was fitted.
+/// The fields are described by schema/calibration-1.schema.json, which is installed with the program. Of a parameter
+/// that was fitted, value and lower are always numbers (0 allowed), and so is upper except where no limit was found (a
+/// fit that never settles): then it is null. All three are null where nothing was fitted.
 [[nodiscard]] std::string calibration_json(const LogResult&);
 
 /// One HTML page that opens offline and fetches nothing: plots with hover and zoom, datasheet, residuals, verdicts,

@@ -36,7 +36,8 @@ namespace gyrobudget::inline v0::sensor_file {
 ///       vrw: 0.05 m/s/sqrt(h)
 ///     lever_arm: [0.1 m, 0 m, -0.02 m]        # from the IMU to the centre of mass, forward, right, down
 ///
-/// What is left out is zero; noise/imu.h says what each of them does. Three forms of others are read too, as continuous-time SI numbers without units:
+/// What is left out is zero; noise/imu.h says what each of them does. Three forms of others are read too, as
+/// continuous-time SI numbers without units:
 /// - Kalibr's imu.yaml, also below imu0 (OpenVINS, %YAML:1.0): noise_density is N, random_walk is K, B is zero.
 /// - VINS' gyr_n, gyr_w, acc_n, acc_w at the top level: n is N, w is K.
 /// - imu_utils' file (Gyr: avg-axis: gyr_n, gyr_w): n is N; w is the minimum of the Allan deviation, so

@@ -44,7 +44,8 @@ struct Adjoint {
 /// @param imu_interval at which the process is sampled [s]: it sets what flicker is at short lags
 /// @throws std::invalid_argument for quantization, ramp and sinusoid, an interval that is not positive, and more than
 /// 2^62 of them since the epoch.
-/// Time O(steps^2), 0.1 s for 2000; beyond these the process is held over so many neighbouring steps that 2000 are left.
+/// Time O(steps^2), 0.1 s for 2000; beyond these the process is held over so many neighbouring steps that 2000 are
+/// left.
 [[nodiscard]] navigation::CoreMatrix process_response(const Adjoint& adjoint, const Timeline& timeline,
                                                       navigation::Carrier carrier, const noise::Process& process,
                                                       const navigation::Epoch& epoch, double imu_interval);

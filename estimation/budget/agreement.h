@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What the flights of a study say of its covariance: ratios of the sigmas that were found to those of the covariance, axis
-// by axis, and where the two contradict each other by more than chance.
+// What the flights of a study say of its covariance: ratios of the sigmas that were found to those of the covariance,
+// axis by axis, and where the two contradict each other by more than chance.
 //
 // Of n runs, a right sigma is found with a ratio whose square is chi-square with n degrees of freedom, over n
 // (navigation::sigma_ratio_band). A ratio is compared only where it can be that: where the axis matters, where the
@@ -73,8 +73,8 @@ struct Contradiction {
 /// Where the flights contradict the covariance of the total by more than chance (1 % in all) and by more than a tenth.
 [[nodiscard]] std::vector<Contradiction> contradictions(const Study& study);
 
-/// 99 % band of the ratio of one right sigma, and of the mean NEES of a right covariance (as of one degree of freedom where
-/// no direction counts).
+/// 99 % band of the ratio of one right sigma, and of the mean NEES of a right covariance (as of one degree of freedom
+/// where no direction counts).
 [[nodiscard]] navigation::Band ratio_band(const Study& study);
 [[nodiscard]] navigation::Band nees_band(const Study& study);
 

@@ -16,9 +16,9 @@ struct AlignmentTime {
 /// columns of `axes` (ECEF) at `at` falls to `limit` [m], all else as in the scene, the sensor's epoch included.
 ///
 /// White noise falls with the duration, 1/f stays and random walk grows, so that there is a best one. Budgets are
-/// made anew, by the adjoint, for kShortestAlignment and durations kAlignmentFactor apart up to kLongestAlignment, and between
-/// the first of these that meets the limit and the one before it by bisection, to kAlignmentExact. A limit that only durations
-/// between two of these meet is missed. Takes a second or two for the shipped ascents.
+/// made anew, by the adjoint, for kShortestAlignment and durations kAlignmentFactor apart up to kLongestAlignment, and
+/// between the first of these that meets the limit and the one before it by bisection, to kAlignmentExact. A limit that
+/// only durations between two of these meet is missed. Takes a second or two for the shipped ascents.
 /// @throws navigation::SetupError for a scene that does not align itself, a limit not above 0, and as budget_scene.
 [[nodiscard]] AlignmentTime alignment_time(const navigation::Scenario& scenario, const earth::Trajectory& trajectory,
                                            const BudgetQuestion& question, double at,

@@ -35,9 +35,9 @@ struct FixCount {
   [[nodiscard]] bool beyond_chance() const;
 };
 
-/// The whole chain, not linearised, flown many times: a simulated IMU (noise::Imu, 1/f as it is) on the exact increments
-/// of the trajectory, a start that is wrong as it may be, fixes with their errors, strapdown and, where there is a
-/// design, the filter.
+/// The whole chain, not linearised, flown many times: a simulated IMU (noise::Imu, 1/f as it is) on the exact
+/// increments of the trajectory, a start that is wrong as it may be, fixes with their errors, strapdown and, where
+/// there is a design, the filter.
 struct MonteCarlo {
   struct Options {
     int runs = 100;

@@ -15,8 +15,8 @@
 
 namespace gyrobudget::inline v0::budget {
 
-/// An axis of a sensor that senses more than its range along the trajectory, and is cut off there: linear covariance knows
-/// nothing of that and does not hold.
+/// An axis of a sensor that senses more than its range along the trajectory, and is cut off there: linear covariance
+/// knows nothing of that and does not hold.
 struct OutOfRange {
   navigation::Carrier carrier = navigation::Carrier::gyro;
   int axis = 0;      ///< of the body, 0 to 2
@@ -55,8 +55,8 @@ struct BudgetScene {
   std::vector<navigation::SensorStates::LeftOut> left_out;  ///< by linear covariance and why
 };
 
-/// What else is asked of a scene, and what else is wrong in it. Of the 83 s ascent, length/200 is 8e-6 off in position and
-/// length/50 1e-4, at no less run time: below that the states of 1/f take the time (budget_benchmark).
+/// What else is asked of a scene, and what else is wrong in it. Of the 83 s ascent, length/200 is 8e-6 off in position
+/// and length/50 1e-4, at no less run time: below that the states of 1/f take the time (budget_benchmark).
 struct BudgetQuestion {
   double step = 0;             ///< of the covariance [s]; 0: scene_length/200, at most half a radian
                                ///< of turn, and at most 1 s below an hour
@@ -85,7 +85,8 @@ struct Negligible {
 };
 /// Takes out the smallest sources as long as all of them together change no total of position, velocity or attitude at
 /// `times` by more than `tolerance` of it. By the adjoint, exact at these times, gains frozen. Sources that have no
-/// response are always taken out; none is where one grows beyond all numbers. Times must be times of interest of the timeline.
+/// response are always taken out; none is where one grows beyond all numbers. Times must be times of interest of the
+/// timeline.
 /// @throws navigation::SetupError unless 0 <= tolerance < 1.
 [[nodiscard]] std::vector<Negligible> leave_out(BudgetScene& scene, const FrozenGains& gains,
                                                 std::span<const double> times, double tolerance);
@@ -93,8 +94,8 @@ struct Negligible {
 /// dR/dp p/R of the total's position rss R at times[i] by each source's size p: its share of the variance.
 [[nodiscard]] std::vector<double> shares(const Budget& budget, std::size_t i);
 
-/// By how much a source may be larger or smaller (a factor of its size) so that the root sum square of position over the
-/// axes in `axes` (columns) at times[i] is `limit` [m]; infinite where it plays no part, 0 where the others alone
+/// By how much a source may be larger or smaller (a factor of its size) so that the root sum square of position over
+/// the axes in `axes` (columns) at times[i] is `limit` [m]; infinite where it plays no part, 0 where the others alone
 /// exceed the limit.
 [[nodiscard]] double allowed_factor(const Budget& budget, std::size_t i, std::string_view source,
                                     const Eigen::Matrix<double, 3, Eigen::Dynamic>& axes, double limit);

@@ -20,7 +20,8 @@
 namespace gyrobudget::inline v0::budget {
 
 /// What all simulated navigators of a scene share. Time runs in samples of options.imu_interval from the scene's start
-/// on, which is on the pad where it has one. It keeps what it is given; copies are cheap and share one that never changes.
+/// on, which is on the pad where it has one. It keeps what it is given; copies are cheap and share one that never
+/// changes.
 class SimulatedScene {
  public:
   /// The arguments are those of monte_carlo().

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The error budget of a scene in one call: what each source of error costs in position, velocity and attitude, what may
-// be left out and by how much that is wrong, how large a source may be for a wanted accuracy, and whether flights of the
-// whole chain bear the linear covariance out.
+// be left out and by how much that is wrong, how large a source may be for a wanted accuracy, and whether flights of
+// the whole chain bear the linear covariance out.
 //
 //     const budget::Study study = budget::study(scenario, earth::ascent({}), {.runs = 500});
 //     for (std::size_t i = 0; i < study.budget.lines.size(); ++i)
@@ -48,12 +48,13 @@ struct Options {
   int runs = 0;              ///< of Monte Carlo; 0: none
   bool each_source = false;  ///< and so many runs of each source alone
   std::uint64_t seed = 1;    ///< of the random numbers of Monte Carlo
-  /// After each run, from one thread at a time: runs done so far and runs in all, those of the sources too; false stops.
+  /// After each run, from one thread at a time: runs done so far and runs in all, those of the sources too; false
+  /// stops.
   std::function<bool(std::int64_t done, std::int64_t all)> progress;
 };
 
-/// What was found. Covariances are of true errors of position [m], velocity [m/s] and attitude (rotation vector [rad]) in
-/// the axes of e, in the order of error_state.h; `axes` turns them into those of people.
+/// What was found. Covariances are of true errors of position [m], velocity [m/s] and attitude (rotation vector [rad])
+/// in the axes of e, in the order of error_state.h; `axes` turns them into those of people.
 struct Study {
   double at = 0;             ///< time that was asked about [s]
   std::size_t at_index = 0;  ///< of it in budget.times
@@ -80,7 +81,8 @@ struct Study {
   };
   std::optional<LargeAttitude> large_attitude;
 
-  /// The sources of budget.lines at `at` by integrals, without states for what varies slowly; where they were asked for.
+  /// The sources of budget.lines at `at` by integrals, without states for what varies slowly; where they were asked
+  /// for.
   std::optional<std::vector<navigation::CoreMatrix>> exact;
 
   /// How the limit that was asked for is met, by all sources, those left out too.
@@ -133,16 +135,16 @@ struct Study {
 /// Beyond this sigma of attitude the second order, which grows with its square, is not small beside the first [rad].
 inline constexpr double kLinearAttitude = 5 * earth::kDegree;
 
-/// The error budget of `scenario` along `trajectory`, as error_budget() has it, with what Options ask for. Deterministic
-/// in Options::seed: the same bytes for any number of threads.
+/// The error budget of `scenario` along `trajectory`, as error_budget() has it, with what Options ask for.
+/// Deterministic in Options::seed: the same bytes for any number of threads.
 ///
 /// The linear part is exact to first order in the errors; `exact` and Monte Carlo tell how far that holds. Monte Carlo
-/// finds a sigma to about 1/sqrt(2 runs) of itself. A scene takes milliseconds to seconds, a run 1 to 3 us a sample of the
-/// IMU, and `alignment` of a limit a second or two.
+/// finds a sigma to about 1/sqrt(2 runs) of itself. A scene takes milliseconds to seconds, a run 1 to 3 us a sample of
+/// the IMU, and `alignment` of a limit a second or two.
 ///
-/// @throws navigation::SetupError for options out of range, an `at` outside the scene, and as budget_scene(), leave_out()
-/// and monte_carlo(); navigation::Diverged where errors grow beyond all numbers, as the vertical channel's do within
-/// hours. What Options::progress throws passes through.
+/// @throws navigation::SetupError for options out of range, an `at` outside the scene, and as budget_scene(),
+/// leave_out() and monte_carlo(); navigation::Diverged where errors grow beyond all numbers, as the vertical channel's
+/// do within hours. What Options::progress throws passes through.
 [[nodiscard]] Study study(const navigation::Scenario& scenario, const earth::Trajectory& trajectory,
                           const Options& options = {});
 

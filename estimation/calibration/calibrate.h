@@ -124,13 +124,13 @@ struct Unusable : std::runtime_error {
 [[nodiscard]] Datasheet calibrate(const allan::Record& record, const Options& options = {});
 
 /// A table of deviations, as papers and other tools give them, to a datasheet. They are taken as fully overlapped ones
-/// of a record of `samples` samples at `rate_hz` without gaps; the fit has those about an octave apart, as a denser grid
-/// makes the covariance singular. Options::mask, cross_check and choose_terms need a record and do nothing here.
+/// of a record of `samples` samples at `rate_hz` without gaps; the fit has those about an octave apart, as a denser
+/// grid makes the covariance singular. Options::mask, cross_check and choose_terms need a record and do nothing here.
 /// @param table    deviations of each axis at ascending averaging times
 /// @param rate_hz  of the record behind it [Hz]
 /// @param samples  its length
-/// @throws Unusable where too few averaging times lie within the record to fit the terms, and for an averaging time that
-/// is not a whole number of samples at this rate (to 1 %); std::invalid_argument as above.
+/// @throws Unusable where too few averaging times lie within the record to fit the terms, and for an averaging time
+/// that is not a whole number of samples at this rate (to 1 %); std::invalid_argument as above.
 [[nodiscard]] Datasheet calibrate(const allan::DeviationTable& table, double rate_hz, std::int64_t samples,
                                   const Options& options = {});
 

@@ -36,8 +36,8 @@ struct Findings {
   /// True where something was found.
   [[nodiscard]] bool any() const { return !outliers.empty() || !steps.empty() || departure || !lines.empty(); }
 
-  // What the fit took for noise, so that its numbers are not those of the sensor. Outliers spoil them where they make up
-  // more than a hundredth of the variance: a few small ones in a long record spoil nothing.
+  // What the fit took for noise, so that its numbers are not those of the sensor. Outliers spoil them where they make
+  // up more than a hundredth of the variance: a few small ones in a long record spoil nothing.
   [[nodiscard]] bool outliers_spoil() const;
   [[nodiscard]] bool steps_spoil() const { return !steps.empty() && !steps_masked; }
   [[nodiscard]] bool departure_spoils() const { return departure && !warm_up_masked; }

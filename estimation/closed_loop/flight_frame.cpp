@@ -13,8 +13,8 @@ using Eigen::Vector3d;
 using flight::FlightPoint;
 
 LaunchAttitude launch_attitude(const Eigen::Quaterniond& q_eb, const Matrix3d& C_launch) {
-  // To downrange, right, down. With C_y(pitch) C_z(yaw) C_x(roll) the second row is (sin y, cos y cos r, -cos y sin r), and
-  // the first column (cos p cos y, sin y, -sin p cos y).
+  // To downrange, right, down. With C_y(pitch) C_z(yaw) C_x(roll) the second row is (sin y, cos y cos r, -cos y sin r),
+  // and the first column (cos p cos y, sin y, -sin p cos y).
   const Matrix3d C_lb = Vector3d(1, -1, -1).asDiagonal() * C_launch.transpose() * q_eb.toRotationMatrix();
   return {std::atan2(-C_lb(2, 0), C_lb(0, 0)), std::asin(std::clamp(C_lb(1, 0), -1.0, 1.0)),
           std::atan2(-C_lb(1, 2), C_lb(1, 1))};

@@ -14,8 +14,8 @@
 
 namespace gyrobudget::inline v0::closed_loop {
 
-/// Nose and belly of a body against the launch plane. The pitch is turned first, in that plane, then the yaw out of it, so
-/// that nothing is singular on the pad, where the pitch is 90 degrees.
+/// Nose and belly of a body against the launch plane. The pitch is turned first, in that plane, then the yaw out of it,
+/// so that nothing is singular on the pad, where the pitch is 90 degrees.
 struct LaunchAttitude {
   double pitch = 0;  ///< of the nose's projection on the launch plane above the horizon [rad]
   double yaw = 0;    ///< of the nose out of the launch plane, right positive [rad]
@@ -52,8 +52,8 @@ class FlightFrame {
   [[nodiscard]] Difference difference(const earth::Pose& pose, const earth::Pose& less) const;
   /// Of navigation: truth less what it tells.
   [[nodiscard]] Difference navigation_error(const flight::FlightPoint& point) const;
-  /// From the nominal flight at the same time; none after its end, nor of a nominal flight of fewer than 5 points but at
-  /// its end.
+  /// From the nominal flight at the same time; none after its end, nor of a nominal flight of fewer than 5 points but
+  /// at its end.
   [[nodiscard]] std::optional<Difference> departure(const flight::FlightPoint& point) const;
 
  private:

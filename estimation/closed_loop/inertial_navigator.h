@@ -14,11 +14,11 @@
 namespace gyrobudget::inline v0::closed_loop {
 
 /// A flight::Navigator: the IMU's errors, alignment on the pad, strapdown or filter and its aids, all of one run of a
-/// navigation scene whose timeline is the planned flight. Fixes are those of the flight as it goes, at the times that the
-/// plan has. Periods of control are the IMU's samples.
+/// navigation scene whose timeline is the planned flight. Fixes are those of the flight as it goes, at the times that
+/// the plan has. Periods of control are the IMU's samples.
 ///
-/// Where the estimate leaves what can be computed (navigation::Diverged, earth::OutsideDomain), it tells numbers that are
-/// none from there on, and the flight ends as flight::Ended::not_finite.
+/// Where the estimate leaves what can be computed (navigation::Diverged, earth::OutsideDomain), it tells numbers that
+/// are none from there on, and the flight ends as flight::Ended::not_finite.
 class InertialNavigator {
  public:
   /// Up to ignition. @throws std::invalid_argument as budget::SimulatedNavigator.

@@ -82,7 +82,7 @@ struct Study {
   flight::FlightRecord nominal;               ///< perfect navigation, the vehicle as planned, the program alone
   std::optional<flight::FlightRecord> flown;  ///< with the sensors of run 0; none where it could not be aligned
   Eigen::Matrix3d C_enu, C_launch;            ///< east, north, up; downrange, crossrange, up at the pad
-  double azimuth = 0;
+  double azimuth = 0;                         ///< of the launch plane, clockwise from north [rad]
   MarginsAt margins;
   /// Of the nominal flight in open loop, by linear covariance; none for a flight too short to navigate.
   std::optional<budget::Budget> budget;
@@ -116,12 +116,12 @@ struct Study {
 /// sensors alone, vehicle and wind alone, both at once; run k has the same sensors and the same vehicle in each. The
 /// flight's duration is cut to whole periods. Deterministic in (seed, run): the same for any number of threads.
 ///
-/// Navigation is that of the scene (alignment, aids, filter); a scene without aids and alignment on the pad flies on the
-/// strapdown alone. Errors of the world that the scene names act on the nominal flight's increments.
+/// Navigation is that of the scene (alignment, aids, filter); a scene without aids and alignment on the pad flies on
+/// the strapdown alone. Errors of the world that the scene names act on the nominal flight's increments.
 ///
-/// @throws flight::SetupError as flight::fly does; navigation::SetupError as budget::budget_scene does and for runs below
-/// 0; navigation::Diverged where the open loop's covariance grows beyond all numbers. What Options::progress throws passes
-/// through. A navigator that diverges in flight ends that flight as flight::Ended::not_finite.
+/// @throws flight::SetupError as flight::fly does; navigation::SetupError as budget::budget_scene does and for runs
+/// below 0; navigation::Diverged where the open loop's covariance grows beyond all numbers. What Options::progress
+/// throws passes through. A navigator that diverges in flight ends that flight as flight::Ended::not_finite.
 [[nodiscard]] Study study(const flight::Plan& asked, const flight::Dispersion& dispersion,
                           const navigation::Scenario& scenario, const Options& options = {});
 

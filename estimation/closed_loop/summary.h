@@ -10,7 +10,7 @@
 
 namespace gyrobudget::inline v0::closed_loop {
 
-// --- Limits ------------------------------------------------------------------------------------------------------------
+// --- Limits ---------------------------------------------------------------------------------------------------------
 
 /// What a flight used of the limits.
 struct LimitsUsed {
@@ -24,7 +24,7 @@ struct LimitsUsed {
 };
 [[nodiscard]] LimitsUsed limits_used(const flight::Vehicle& vehicle, const flight::FlightRecord& record);
 
-// --- Margins -----------------------------------------------------------------------------------------------------------
+// --- Margins --------------------------------------------------------------------------------------------------------
 
 /// Margins that a loop is to have, both ways in gain, up to where the thrust has faded.
 inline constexpr double kGainDemandDb = 6;
@@ -51,7 +51,7 @@ struct LeastMargins {
 /// All of them are met, and there are some.
 [[nodiscard]] bool margins_met(const MarginsAt& margins);
 
-// --- Dispersion and navigation -----------------------------------------------------------------------------------------
+// --- Dispersion and navigation --------------------------------------------------------------------------------------
 
 /// Horizontal ellipse of one sigma.
 struct Ellipse {
@@ -75,8 +75,8 @@ inline constexpr double kRatioBand = 0.99;  ///< probability of that band
 /// None without a budget or without two complete flights; a ratio to nothing is not a number.
 [[nodiscard]] std::optional<NavigationCheck> navigation_check(const Study& study);
 
-/// Whether two studies have the same nominal flight and the same flights of the vehicle alone, to the last bit, as those
-/// of one plan with different sensors have.
+/// Whether two studies have the same nominal flight and the same flights of the vehicle alone, to the last bit, as
+/// those of one plan with different sensors have.
 [[nodiscard]] bool same_nominal(const Study& one, const Study& other);
 
 }  // namespace gyrobudget::inline v0::closed_loop

@@ -14,14 +14,15 @@ namespace gyrobudget::inline v0::closed_loop {
 
 /// How a flight answers to a small turn of its attitude against the one that it should have.
 ///
-/// With psi(t) the rotation vector by which the nose is commanded off (e axes), f the specific force, V the speed, x the
-/// nose, P the projector across it and L = q S C_Na/V the lateral force per lateral velocity, departures grow by
+/// With psi(t) the rotation vector by which the nose is commanded off (e axes), f the specific force, V the speed, x
+/// the nose, P the projector across it and L = q S C_Na/V the lateral force per lateral velocity, departures grow by
 ///   dp' = dv,   dv' = phi x f + (1 + h/l) (L/m) P (phi x v - dv),
 ///   P phi (1 - k V) = P psi - k x x dv,   k = h L/(I w^2 T/T_vac).
 /// phi is what is flown: the attitude loop has no integral part (frequency w, moment of inertia I), so it gives way to
 /// the moment that air exerts on the lever h between centre of pressure and centre of mass; to hold it, the nozzle, l
-/// behind the centre of mass, pushes h/l times the air's force to the same side. Changes of drag, of air with height, of
-/// gravity with place and the loop's own transients are left out: against flights of the VLM-1, 2.5 % of a distance and
+/// behind the centre of mass, pushes h/l times the air's force to the same side. Changes of drag, of air with height,
+/// of gravity with place and the loop's own transients are left out: against flights of the VLM-1, 2.5 % of a distance
+/// and
 /// 5.5 % across it, where nothing saturates.
 class TiltResponse {
  public:

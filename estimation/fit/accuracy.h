@@ -66,7 +66,8 @@ struct AccuracyOptions {
   const std::atomic<bool>* cancel = nullptr;  ///< set from anywhere: the blocks finished so far are the result
 };
 
-/// The terms that a study of a sensor fits unless others are asked for: N, B and K, and Q and R where the truth has them.
+/// The terms that a study of a sensor fits unless others are asked for: N, B and K, and Q and R where the truth has
+/// them.
 [[nodiscard]] std::vector<noise::Term> terms_to_measure(const std::vector<noise::Process>& truth);
 
 /// Simulates records of the truth (exact generator, record i from stream i of the seed), fits each by every method and

@@ -26,9 +26,9 @@ struct Combined {
 
 /// Random-effects mean of every coefficient Q N B K R that at least one result fitted:
 ///   c_i^2 = mu + u_i + e_i,  u_i of variance T^2 between the records, e_i of variance v_i within.
-/// It is on the scale of squares, where estimates are linear, unbiased and may be zero; logarithms have no zero and would
-/// leave out the records that saw nothing. v_i comes from each two-sided interval, (upper^2 - lower^2)/3.92 being a
-/// standard deviation; where the interval reaches zero, from its upper half. T^2 is Paule and Mandel's: the value at
+/// It is on the scale of squares, where estimates are linear, unbiased and may be zero; logarithms have no zero and
+/// would leave out the records that saw nothing. v_i comes from each two-sided interval, (upper^2 - lower^2)/3.92 being
+/// a standard deviation; where the interval reaches zero, from its upper half. T^2 is Paule and Mandel's: the value at
 /// which the weighted squares equal their degrees of freedom. The interval of mu is Hartung, Knapp, Sidik and Jonkman's
 /// with Student's t, never narrower than the normal one; that of another record adds T^2 (t with records - 2).
 /// One record gives itself.

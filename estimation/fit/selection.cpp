@@ -286,7 +286,8 @@ class Search {
     dropped_ = s.dropped;
   }
 
-  // What the record cannot tell from the chosen terms; beside a Gauss-Markov process, what would do in its place takes it.
+  // What the record cannot tell from the chosen terms; beside a Gauss-Markov process, what would do in its place takes
+  // it.
   void simplify(Selection& s) const {
     if (holds(s.terms, Term::gauss_markov)) {
       replace_gauss_markov(s);

@@ -42,8 +42,8 @@ struct Selection {
   std::vector<noise::Term> terms;    ///< chosen, in the order Q N B K R G S; empty where the record has no answer
   std::vector<Weighed> weighed;      ///< in the order in which they were
   std::vector<noise::Term> dropped;  ///< kept at first and made needless by a later one
-  /// With one of flicker, walk and ramp in place of another, a Gauss-Markov process in place of flicker, the likeliest of
-  /// these; or the Gauss-Markov process that flicker, walk or both replaced.
+  /// With one of flicker, walk and ramp in place of another, a Gauss-Markov process in place of flicker, the likeliest
+  /// of these; or the Gauss-Markov process that flicker, walk or both replaced.
   std::optional<Alternative> alternative;
   std::optional<double> correlation_time_s;  ///< of the chosen Gauss-Markov process, as it was weighed
   std::optional<double> frequency_hz;        ///< of the chosen line, as it was weighed
@@ -64,9 +64,9 @@ struct Selection {
 /// the step's model (parametric bootstrap), all at one level that their joint rate fixes. On boundaries no table holds:
 /// beside white noise alone flicker and walk need about 3.4 rather than 1.35, all candidates together.
 ///
-/// Measured: a term too many in 4.5 % of 1000 records of 3600 samples of white noise, 5.7 % of 600 beside a walk that each
-/// shows. One slow term in place of another is no such error and has no cut: of 1000 records of 1000 samples in which
-/// the walk of the paper's fibre-optic gyro begins to show, 15 % take it for flicker and 9 % for a ramp.
+/// Measured: a term too many in 4.5 % of 1000 records of 3600 samples of white noise, 5.7 % of 600 beside a walk that
+/// each shows. One slow term in place of another is no such error and has no cut: of 1000 records of 1000 samples in
+/// which the walk of the paper's fibre-optic gyro begins to show, 15 % take it for flicker and 9 % for a ramp.
 ///
 /// Deterministic for a seed at any thread count. Cost: about 0.5 s a step on two cores, whatever the length.
 /// @throws std::invalid_argument for dt, a repeated candidate or white noise among them, a rate outside (0, 0.5], or

@@ -199,7 +199,7 @@ class Bench {
   std::map<int, Covariance> covariances_;  // by taus an octave
 };
 
-// --- What is compared -------------------------------------------------------------------------------------------------
+// --- What is compared -----------------------------------------------------------------------------------------------
 
 std::vector<Entry> entries_of_one_length() {
   std::vector<Entry> list;

@@ -74,8 +74,9 @@ struct SweepOptions {
 /// the times are not.
 ///
 /// Every fit uses every tau (tau_min is dt): what cuts of the range cost is not the question here. Strided curves are
-/// fitted with the covariance of full overlap: their weights, and so their coverage, are those of a curve that is better
-/// than they are. Records over 500 000 samples are made by the streaming generator, whose flicker is 0.016 % from exact.
+/// fitted with the covariance of full overlap: their weights, and so their coverage, are those of a curve that is
+/// better than they are. Records over 500 000 samples are made by the streaming generator, whose flicker is 0.016 %
+/// from exact.
 ///
 /// Cost: with the defaults some minutes on two cores, most of it for the lengths of 10^6 and 10^7.
 /// @param truth processes of the sensor, at least one with a coefficient above zero.

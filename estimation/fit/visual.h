@@ -19,8 +19,8 @@ namespace gyrobudget::inline v0::fit {
 [[nodiscard]] Result read_visually(const allan::Curve& curve, const Options& options = {});
 
 /// Slope picking as published tools do it: of the straight lines of slope -1/2, 0 and +1/2 in the log-log plot, each
-/// through the tau where the curve's own slope (to the next tau) comes nearest to that, N is read at 1 s, B as the level
-/// over 0.664, K at 3 s. Nothing keeps the flat or the rise from being found in the scatter of the last taus.
+/// through the tau where the curve's own slope (to the next tau) comes nearest to that, N is read at 1 s, B as the
+/// level over 0.664, K at 3 s. Nothing keeps the flat or the rise from being found in the scatter of the last taus.
 /// Intervals, verdict and refusals as above.
 /// Source: the worked example of MATLAB's allanvar ("Inertial Sensor Noise Analysis Using Allan Variance"), restated.
 [[nodiscard]] Result read_slopes(const allan::Curve& curve, const Options& options = {});

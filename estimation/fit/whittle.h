@@ -15,9 +15,9 @@ namespace gyrobudget::inline v0::fit {
 /// for the rest (flicker: correlations up to 0.12 between the lowest, which this treats as none). Hence
 ///   -2 ln L = sum_k ln lambda_k + c_k^2 / lambda_k,
 /// in some 200 logarithmic bins, maximised over theta >= 0 by Newton's method. The ramp R is a mean, signed and linear.
-/// A Gauss-Markov correlation time and a line's frequency are searched over the whole band (ratio 10^(1/4), or the highest
-/// peak against the fitted spectrum from 8 cycles in the record on; then to the root of the likelihood's slope, 1e-10)
-/// unless Options has them, or says near what.
+/// A Gauss-Markov correlation time and a line's frequency are searched over the whole band (ratio 10^(1/4), or the
+/// highest peak against the fitted spectrum from 8 cycles in the record on; then to the root of the likelihood's slope,
+/// 1e-10) unless Options has them, or says near what.
 ///
 /// Intervals by profile likelihood ratio, cut 3.841, one-sided limit and boundary test 2.706; the ramp's test is
 /// two-sided (3.841), the line's is the largest of n frequencies (2 ln(20 n), 5 %). A line's interval is that of its
@@ -61,9 +61,10 @@ struct CrossCheck {
 /// the likelihood with the curve's Result::tau_min_s.
 ///
 /// Both see the same record, so where the model holds they differ by far less than their standard deviation. Limits,
-/// from the 99.9 % points over 1000 records of each of seven cases (both gyros of the paper over 1, 10 and 20 h, without
-/// flicker, white noise alone, flicker alone): 0.35 for N, 0.6 for B, 0.8 for others, times the relative standard
-/// deviation of K over 13 % within 1 to 4: with few independent long periods the two methods weigh them less alike.
+/// from the 99.9 % points over 1000 records of each of seven cases (both gyros of the paper over 1, 10 and 20 h,
+/// without flicker, white noise alone, flicker alone): 0.35 for N, 0.6 for B, 0.8 for others, times the relative
+/// standard deviation of K over 13 % within 1 to 4: with few independent long periods the two methods weigh them less
+/// alike.
 [[nodiscard]] CrossCheck cross_check(const Result& gls, const Result& whittle);
 
 }  // namespace gyrobudget::inline v0::fit

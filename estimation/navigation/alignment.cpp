@@ -79,7 +79,8 @@ double moved_flicker(const Epoch& epoch, double T, double dt) {
   return 2 / pi * std::max(0.0, fast / 2 + between - (std::log(T) - kWithin) / 2);
 }
 
-// Expected scatter() by what varies slowly: means of n parts differ as D within the record does from that within a part.
+// Expected scatter() by what varies slowly: means of n parts differ as D within the record does from that within a
+// part.
 double wander(const noise::ErrorModel& model, double T) {
   constexpr double n = kParts;
   double within =

@@ -64,8 +64,8 @@ struct Alignment {
     Eigen::Vector3d calibration = Eigen::Vector3d::Zero();  ///< scale, misalignment, g-sensitivity
     Eigen::Vector3d noise = Eigen::Vector3d::Zero();        ///< white noise and quantization
     /// What the record itself shows beyond that: sway, people, thermal creep. From the scatter of the means
-    /// of six equal parts beyond what the sensor's own errors make of it, widened by Student's t so that 1.96 sigma hold
-    /// 95 %. Zero where only means were
+    /// of six equal parts beyond what the sensor's own errors make of it, widened by Student's t so that 1.96 sigma
+    /// hold 95 %. Zero where only means were
     /// given.
     Eigen::Vector3d motion = Eigen::Vector3d::Zero();
     Eigen::Vector3d heading = Eigen::Vector3d::Zero();  ///< of a heading from outside
@@ -101,8 +101,8 @@ struct Alignment {
 /// mean: means are taken over the whole record. Linear in the errors: good where sigmas are below 10 degrees.
 /// At a pitch of 90 degrees, as on a launch pad, nothing changes.
 /// @throws SetupError for fewer than 12 increments, a latitude beyond 90 degrees, a limit or sigma out of range, a
-/// heading's axis of zero, an interval of the IMU or an epoch of the sensor out of range; std::invalid_argument for dt not
-/// positive, numbers that are not finite and a mean specific force of zero.
+/// heading's axis of zero, an interval of the IMU or an epoch of the sensor out of range; std::invalid_argument for dt
+/// not positive, numbers that are not finite and a mean specific force of zero.
 [[nodiscard]] Alignment align(std::span<const noise::ImuIncrement> imu, double dt, const AlignmentOptions& options);
 /// The same from means alone: what the body did in the meantime is not seen.
 [[nodiscard]] Alignment align(const StaticMeans& means, const AlignmentOptions& options);

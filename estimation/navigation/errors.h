@@ -8,8 +8,8 @@
 
 namespace gyrobudget::inline v0::navigation {
 
-/// A number that a scene, a filter or a budget is set up with is out of its range, or several numbers, each of which may
-/// be, cannot be together. The message has the value, the limit and the unit.
+/// A number that a scene, a filter or a budget is set up with is out of its range, or several numbers, each of which
+/// may be, cannot be together. The message has the value, the limit and the unit.
 class SetupError : public std::invalid_argument {
  public:
   using std::invalid_argument::invalid_argument;

@@ -128,14 +128,14 @@ struct Navigation {
 /// with the attitude of the start. Where no fix holds just then it is interpolated, and the fix behind is used no more.
 ///
 /// Earth rate, gravity and the rest as in strapdown.h and filter.h. The same bytes for the same input.
-/// What is asked is the scene's: filter, smoothing, times of solutions, reference. Scenario::smooth keeps the covariance
-/// of every solution in memory, n^2 numbers of 8 bytes for n states.
+/// What is asked is the scene's: filter, smoothing, times of solutions, reference. Scenario::smooth keeps the
+/// covariance of every solution in memory, n^2 numbers of 8 bytes for n states.
 ///
-/// What the data cannot answer is Navigation::status, with the solutions up to there; so is an estimate that leaves what
-/// can be computed (Diverged, earth::OutsideDomain).
+/// What the data cannot answer is Navigation::status, with the solutions up to there; so is an estimate that leaves
+/// what can be computed (Diverged, earth::OutsideDomain).
 /// @throws SetupError for a scene whose numbers are out of range, numbers of aids that there are not, more than 1e7
-/// solutions or fixes of rest, and smoothing of considered states; RecordingError for aids and fixes that are not one for
-/// one, or do not ascend; std::invalid_argument for increments that are not finite, which imu_log() never leaves.
+/// solutions or fixes of rest, and smoothing of considered states; RecordingError for aids and fixes that are not one
+/// for one, or do not ascend; std::invalid_argument for increments that are not finite, which imu_log() never leaves.
 [[nodiscard]] Navigation navigate(const Scenario& scenario, const Recording& recording);
 
 }  // namespace gyrobudget::inline v0::navigation

@@ -21,8 +21,9 @@ struct SimulatedImuOptions {
   double vibration = 0;   ///< level [m/s^2 rms], for vibration rectification
 };
 
-/// The centre of mass flies the trajectory, and the IMU sits at minus the sensor's lever arm from there, where it senses
-/// w' x r + w x (w x r) more: the first integrated in closed form, the second by Simpson's rule over each interval.
+/// The centre of mass flies the trajectory, and the IMU sits at minus the sensor's lever arm from there, where it
+/// senses w' x r + w x (w x r) more: the first integrated in closed form, the second by Simpson's rule over each
+/// interval.
 ///
 ///     navigation::SimulatedImu imu(earth::ascent({}), sensor, {.rate_hz = 100});
 ///     for (const noise::ImuIncrement& y : imu.next(8000)) use(y.angle, y.velocity);

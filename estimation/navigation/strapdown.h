@@ -29,15 +29,17 @@ namespace gyrobudget::inline v0::navigation {
 /// space then turns too fast in body axes for any polynomial. A jump in rate or force costs its size times
 /// dt^2/12, once, at any order.
 ///
-/// **Which order.** Error against run time (tests/bench/strapdown_benchmark, 1000 s at 300 m/s, S-turns of 0.5 g, 1 degree
-/// of coning and 0.2 g of sculling at 5 Hz; error of position in metres, nanoseconds a step on one core of an EPYC):
+/// **Which order.** Error against run time (tests/bench/strapdown_benchmark, 1000 s at 300 m/s, S-turns of 0.5 g, 1
+/// degree of coning and 0.2 g of sculling at 5 Hz; error of position in metres, nanoseconds a step on one core of an
+/// EPYC):
 ///   order                    1         2         3         4         5         6         7         8
 ///   100 Hz              1.1e+5    2.2e+3    3.2e+3       312       158        30       7.8       2.7
 ///   200 Hz              2.8e+4       140       209       5.0       2.8      0.13     0.043     0.003
 ///   400 Hz              7.1e+3       8.8        13     0.079     0.046    5.1e-4    1.8e-4    4.1e-6
 ///   nanoseconds            135       157       159       219       224       255       262       268
-/// Each pair of orders gains two powers of the step on slow coning and sculling. What an order leaves of faster ones, as
-/// a share of what order 1 leaves, by their frequency over the sample rate (the same for coning and sculling up to 1/3):
+/// Each pair of orders gains two powers of the step on slow coning and sculling. What an order leaves of faster ones,
+/// as a share of what order 1 leaves, by their frequency over the sample rate (the same for coning and sculling up to
+/// 1/3):
 ///   order                    1         2         3         4         5         6         7         8
 ///   1/10                     1     0.077     0.099     0.039     0.011     0.012    0.0010    0.0029
 ///   1/5                      1      0.28      0.21      0.37      0.20     0.095      0.28      0.23
@@ -67,8 +69,8 @@ class Strapdown {
   };
 
   /// @throws SetupError for an order out of range; std::invalid_argument for a velocity that is not finite or a
-  /// quaternion whose norm is off 1 by more than 1e-6; earth::OutsideDomain for a position nearer to Earth's centre than
-  /// 1000 km or not finite.
+  /// quaternion whose norm is off 1 by more than 1e-6; earth::OutsideDomain for a position nearer to Earth's centre
+  /// than 1000 km or not finite.
   explicit Strapdown(const earth::Pose& state, const Options& options);
   explicit Strapdown(const earth::Pose& state) : Strapdown(state, Options{}) {}
 

@@ -30,7 +30,7 @@ std::vector<DeviationPoint> points_of(const Analysis& analysis, std::size_t axis
   return analysis.axes.at(axis).curves.at(curve).points;
 }
 
-// --- One record -------------------------------------------------------------------------------------------------------
+// --- One record -----------------------------------------------------------------------------------------------------
 
 TEST(Analysis, HasTheDeviationsOfEachAxis) {
   const Record two = record({reference::normal(999, 1), reference::normal(999, 2)});
@@ -79,7 +79,7 @@ TEST(Analysis, LeavesOutWhatTheMinimumFillDoes) {
   EXPECT_NEAR(analyse(gaps).axes.front().mean, sum / 390, kRounding);
 }
 
-// --- Several segments -------------------------------------------------------------------------------------------------
+// --- Several segments -----------------------------------------------------------------------------------------------
 
 TEST(Analysis, PoolsSegmentsByTheirDegreesOfFreedom) {
   const std::vector<Record> segments{record({reference::normal(700, 5)}), record({reference::normal(300, 6)})};
@@ -127,7 +127,7 @@ TEST(Analysis, SegmentsOfOneSensorMatch) {
   EXPECT_THROW((void)analyse(std::span<const Record>{}), std::invalid_argument);
 }
 
-// --- Other views ------------------------------------------------------------------------------------------------------
+// --- Other views ----------------------------------------------------------------------------------------------------
 
 TEST(Analysis, SpectrumIsByTheMethodAskedFor) {
   const Record one = record({reference::normal(4000, 9)});
@@ -158,7 +158,7 @@ TEST(Analysis, WindowsAreAQuarterApartAndAtMost400) {
   EXPECT_THROW((void)windows(800.02), WindowError);
 }
 
-// --- Streams ----------------------------------------------------------------------------------------------------------
+// --- Streams --------------------------------------------------------------------------------------------------------
 
 TEST(StreamingAnalysis, HasTheTermsOfTheWholeRecord) {
   const Record two = record({reference::normal(5000, 11), reference::normal(5000, 12)});
@@ -191,8 +191,8 @@ TEST(StreamingAnalysis, RefusesOtherAxesThanItHas) {
   EXPECT_THROW(stream.push(std::vector<std::vector<double>>(2)), std::invalid_argument);
 }
 
-// The exact loss is from the sum over all lags. The formula is its limit: at these lengths it is off by one term, the last
-// one of the record, and by what a stride of one sample costs itself.
+// The exact loss is from the sum over all lags. The formula is its limit: at these lengths it is off by one term, the
+// last one of the record, and by what a stride of one sample costs itself.
 TEST(StreamingAnalysis, TheLossOfAnOverlapIsThatOfWhiteNoise) {
   const noise::Process white = noise::White{1};
   constexpr std::int64_t kSamples = 1 << 17, kFactor = 1 << 8;

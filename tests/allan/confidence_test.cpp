@@ -84,7 +84,8 @@ TEST(EquivalentDof, OfMeansAloneIsInfiniteAndOfNothingThrows) {
 // ---- intervals -------------------------------------------------------------------------------------------------
 
 TEST(ChiSquareInterval, TabulatedQuantiles) {
-  // Chi-square quantiles at 2.5 % and 97.5 %: any table, e.g. NIST/SEMATECH e-Handbook of Statistical Methods 1.3.6.7.4.
+  // Chi-square quantiles at 2.5 % and 97.5 %: any table, e.g. NIST/SEMATECH e-Handbook of Statistical Methods
+  // 1.3.6.7.4.
   const struct { double edf, low, high; } rows[] = {{1, 0.001, 5.024}, {10, 3.247, 20.483}, {100, 74.222, 129.561}};
   for (const auto& row : rows) {
     const Interval interval = chi_square_interval(1, row.edf);

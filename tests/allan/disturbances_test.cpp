@@ -31,8 +31,8 @@ std::vector<double> record(const Mix& mix, std::uint64_t seed) {
   return noise::generate_record(mix, kSamples, 1, {seed, 0});
 }
 
-// At a false alarm of 2 % a record, alarms among 500 records are at most binomial(500, 0.02): more than 22 has probability
-// 4e-4. Thresholds are bounds (they sum over dependent tests), so usually there are fewer.
+// At a false alarm of 2 % a record, alarms among 500 records are at most binomial(500, 0.02): more than 22 has
+// probability 4e-4. Thresholds are bounds (they sum over dependent tests), so usually there are fewer.
 constexpr double kFalseAlarm = 0.02;
 constexpr int kMostAlarms = 22;
 

@@ -1,4 +1,5 @@
-// SPDX-License-Identifier: MIT The estimators as textbooks define them (NIST SP 1065 section 5.2), term by
+// SPDX-License-Identifier: MIT
+// The estimators as textbooks define them (NIST SP 1065 section 5.2), term by
 // term in long double from phases; nothing is shared with the library.
 #pragma once
 

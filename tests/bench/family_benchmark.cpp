@@ -1,4 +1,5 @@
-// SPDX-License-Identifier: MIT The whole family on one record: time, memory and error of each estimator, of
+// SPDX-License-Identifier: MIT
+// The whole family on one record: time, memory and error of each estimator, of
 // strides, streaming and statistics. Prints tables in Markdown.
 //
 //   family_benchmark [SAMPLES]          (3.6e6: 10 h at 100 Hz)

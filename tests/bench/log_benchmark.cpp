@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // How long read_log and the whole `gyrobudget calibrate` take beside only parsing the numbers of the same file, and how
-// much memory they need beside the numbers as doubles. They alternate in one run: what disturbs the machine disturbs all.
+// much memory they need beside the numbers as doubles. They alternate in one run: what disturbs the machine disturbs
+// all.
 //
 //     log_benchmark [hours, 10] [repetitions, 7] [folder for the log, the system's temporary one]
 #include "gyrobudget/app/log/log.h"

@@ -70,7 +70,7 @@ class Allan : public testing::Test {
   const Scratch scratch_;
 };
 
-// --- Estimators -----------------------------------------------------------------------------------------------------------
+// --- Estimators -----------------------------------------------------------------------------------------------------
 
 /// Plain sums of NIST SP 1065 at one m, in deg/h (time deviation: deg/h s).
 double textbook(const std::vector<double>& y, std::size_t m, const std::string& estimator) {
@@ -177,7 +177,7 @@ TEST_F(Allan, RefusesWhatNoEstimatorIs) {
   expect_refused(log + " --stride 7", kUsage, "--stride 7");
 }
 
-// --- Segments ---------------------------------------------------------------------------------------------------------------
+// --- Segments -------------------------------------------------------------------------------------------------------
 
 TEST_F(Allan, SeveralLogsArePooledByDegreesOfFreedom) {
   const std::string a = scratch_.file("a.csv", csv(noise(4000, 1))), b = scratch_.file("b.csv", csv(noise(1000, 2)));
@@ -258,7 +258,7 @@ TEST_F(Allan, UnevenTimesAreResampledOnlyWhenAsked) {
   expect_refused(log + " --resample 4 --stream", kUsage, "leave out --resample");
 }
 
-// --- Binary logs --------------------------------------------------------------------------------------------------------------
+// --- Binary logs ----------------------------------------------------------------------------------------------------
 
 TEST_F(Allan, BinaryLogsAreTheTextInOtherClothes) {
   const auto y = noise(3000);
@@ -317,7 +317,7 @@ TEST_F(Allan, BinaryLogsNeedToBeTold) {
   EXPECT_NE(endless.err.find("use f64"), std::string::npos) << endless.err;
 }
 
-// --- Streams --------------------------------------------------------------------------------------------------------------------
+// --- Streams --------------------------------------------------------------------------------------------------------
 
 TEST_F(Allan, AStreamHasTheTermsOfTheWholeLogAtEveryStride) {
   const auto y = noise(20000);
@@ -387,7 +387,7 @@ TEST_F(Allan, StreamsRefuseWhatNeedsTheWholeLog) {
   expect_refused(scratch_.file("one.f64", raw<double>({1})) + kBinary + "--stream", kBadInput, "expected at least 2");
 }
 
-// --- Other views ------------------------------------------------------------------------------------------------------------------
+// --- Other views ----------------------------------------------------------------------------------------------------
 
 TEST_F(Allan, SpectraReadWhiteNoiseAsItsCoefficient) {
   const std::string log = scratch_.file("log.csv", csv(noise(20000)));

@@ -216,7 +216,7 @@ TEST_F(BadInput, InterruptWhileReading) {
   EXPECT_EQ(scratch_.files(), 0U);
 }
 
-// --- Nothing of the user's is destroyed -------------------------------------------------------------------------------
+// --- Nothing of the user's is destroyed -----------------------------------------------------------------------------
 
 TEST_F(BadInput, OutputsNeverReplaceTheInputOrOneAnother) {
   const std::string text = good_log(1000), log = scratch_.file("log.csv", text), page = scratch_.path("page.html");
@@ -245,7 +245,7 @@ TEST_F(BadInput, AKnockIsNamed) {
   EXPECT_NE(run.out.find("99.8 s"), std::string::npos) << run.out;
 }
 
-// --- Usage ------------------------------------------------------------------------------------------------------------
+// --- Usage ----------------------------------------------------------------------------------------------------------
 
 TEST_F(BadInput, UsageErrors) {
   expect_refusal(gyrobudget_run("calibrat x.csv"), kUsage, {"calibrat"});

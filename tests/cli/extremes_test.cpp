@@ -70,8 +70,8 @@ const std::vector<std::string> kWays{"", "--method whittle --terms N,B,K", "--cr
 
 double si(const Json& axis, const std::string& key) { return axis["parameters"][key]["si"]["value"].get<double>(); }
 
-// Of white noise of standard deviation 1 at 10 Hz, N = sqrt(0.1), known to 1/sqrt(2 n) = 1.1 %; 4 sigma. With G beside it
-// the two share the shortest taus: 3 times that.
+// Of white noise of standard deviation 1 at 10 Hz, N = sqrt(0.1), known to 1/sqrt(2 n) = 1.1 %; 4 sigma. With G beside
+// it the two share the shortest taus: 3 times that.
 void expect_white(const Outcome& outcome, double factor, const std::string& way) {
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   const Json axis = axis_of(outcome);

@@ -21,7 +21,7 @@ nlohmann::json json_of(const Outcome& run) {
   return nlohmann::json::parse(run.out, nullptr, false);
 }
 
-// --- Tables of deviations ---------------------------------------------------------------------------------------------
+// --- Tables of deviations -------------------------------------------------------------------------------------------
 
 constexpr double kArw = 0.15;  // deg/sqrt(h)
 constexpr double kRrw = 4.32;  // deg/h/sqrt(h)
@@ -100,7 +100,7 @@ TEST_F(CurveTables, RefuseWhatIsAboutLogs) {
   }
 }
 
-// --- Missing samples ----------------------------------------------------------------------------------------------------
+// --- Missing samples ------------------------------------------------------------------------------------------------
 
 constexpr int kRows = 1000;
 

@@ -97,8 +97,8 @@ TEST_F(SimulateImu, TruthIsATrajectoryAgain) {
   }
 }
 
-// An IMU off the centre of mass senses w' x r + w x (w x r) more, by the differences of its own gyros; a spin of 1 rad/s
-// at 2 m is 2 m/s^2.
+// An IMU off the centre of mass senses w' x r + w x (w x r) more, by the differences of its own gyros; a spin of 1
+// rad/s at 2 m is 2 m/s^2.
 TEST_F(SimulateImu, AnIMUOffTheCentreOfMassSensesItsTurning) {
   const std::string spin = "static:latitude=0,duration=1,spin_z=57.29577951308232 --rate 100";
   const auto at_centre = rows(simulate(kIdeal, spin));

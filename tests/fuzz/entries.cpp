@@ -41,7 +41,7 @@ void promise(bool kept, const char* what) {
   if (!kept) throw std::logic_error(what);
 }
 
-// --- Logs ---------------------------------------------------------------------------------------------------------------
+// --- Logs -----------------------------------------------------------------------------------------------------------
 
 /// The first byte chooses the options, so that a fuzzer reaches them.
 log::LogOptions options_of(std::uint8_t choice) {
@@ -134,7 +134,7 @@ void read_cut(std::string_view bytes) {
   }
 }
 
-// --- The others -----------------------------------------------------------------------------------------------------------
+// --- The others -----------------------------------------------------------------------------------------------------
 
 void read_sensor(std::string_view bytes) {
   const MemoryFile file(bytes);

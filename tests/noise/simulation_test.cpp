@@ -100,7 +100,7 @@ TEST(Simulation, RefusesWhatIsNone) {
   EXPECT_THROW(Simulation(sensor(), wrong), std::invalid_argument);
 }
 
-// --- Models -----------------------------------------------------------------------------------------------------------
+// --- Models ---------------------------------------------------------------------------------------------------------
 
 double density(const Model& model, double frequency_hz) { return ModelMoments(model, 0.1).psd(frequency_hz); }
 

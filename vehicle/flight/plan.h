@@ -20,8 +20,8 @@ struct Plan {
   NavigatorFaults navigator_faults;
 };
 
-/// With perfect navigation, without faults, by the program of attitude alone: the flight that guidance follows. Its points are as
-/// dense as trajectory() needs them: 20 Hz, or of a vehicle that bends every period.
+/// With perfect navigation, without faults, by the program of attitude alone: the flight that guidance follows. Its
+/// points are as dense as trajectory() needs them: 20 Hz, or of a vehicle that bends every period.
 /// @throws SetupError as fly() and AttitudeControl do.
 [[nodiscard]] FlightRecord fly_nominal(const Plan& plan);
 

@@ -39,8 +39,8 @@ struct Bending {
   double slope_at_imu = -0.47;
 };
 
-/// A number that a flight, its vehicle or who steers it is set up with is out of its range, or several numbers cannot be
-/// together. The message has the value, the limit and the unit. Mistakes in the calling program are plain
+/// A number that a flight, its vehicle or who steers it is set up with is out of its range, or several numbers cannot
+/// be together. The message has the value, the limit and the unit. Mistakes in the calling program are plain
 /// std::invalid_argument.
 class SetupError : public std::invalid_argument {
  public:

@@ -166,7 +166,7 @@ TEST_F(BinaryLog, ATextThatIsNumPyIsPointedToItsFormat) {
   EXPECT_EQ(log::read_log(said).samples, 6);
 }
 
-// --- Writing --------------------------------------------------------------------------------------------------------------
+// --- Writing --------------------------------------------------------------------------------------------------------
 
 TEST_F(BinaryLog, WrittenFilesAreReadBackBitForBit) {
   std::vector<double> x, y;
@@ -196,7 +196,7 @@ TEST_F(BinaryLog, TheHeaderIsTheOneThatNumPyWrites) {
   EXPECT_EQ(content(target), expected);
 }
 
-// --- Streams ----------------------------------------------------------------------------------------------------------------
+// --- Streams --------------------------------------------------------------------------------------------------------
 
 std::vector<std::vector<double>> streamed(log::LogStream& log) {
   std::vector<std::vector<double>> all(log.columns().size()), piece;

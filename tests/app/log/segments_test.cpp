@@ -109,7 +109,7 @@ TEST_F(Segments, RefusalsSayWhatToDo) {
   EXPECT_THROW((void)cut(kHead + rows(0, 50), 0), std::invalid_argument);
 }
 
-// --- Resampling ----------------------------------------------------------------------------------------------------------
+// --- Resampling -----------------------------------------------------------------------------------------------------
 
 TEST_F(Segments, ResampledRatesAreMeansOfTheirIntervals) {
   const Record r = read("t (s),w (rad/s)\n0,1\n0.2,3\n0.9,5\n1.1,7\n2.5,10\n2.7,nan\n3.0,0\n3.1,0\n3.2,0\n4.05,9\n",

@@ -26,8 +26,8 @@ struct Violation {
 class JsonSchemas {
  public:
   /// @param documents one schema each, with an "$id".
-  /// @throws std::invalid_argument for an unknown keyword, a keyword whose value has the wrong form, a reference to what
-  /// is not there, or an "$id" that is missing or given twice; the message has the document and the JSON pointer.
+  /// @throws std::invalid_argument for an unknown keyword, a keyword whose value has the wrong form, a reference to
+  /// what is not there, or an "$id" that is missing or given twice; the message has the document and the JSON pointer.
   explicit JsonSchemas(const std::vector<nlohmann::json>& documents);
 
   /// Where `value` breaks the document named `id`, in the order of the value; empty where it conforms.

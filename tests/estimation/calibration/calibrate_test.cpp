@@ -40,8 +40,8 @@ Unusable::Reason reason_of(Call&& call) {
   return Unusable::Reason::too_short;
 }
 
-// N of n samples of white noise has a relative standard deviation of about 1/sqrt(2 n) by likelihood; five of those, and
-// as much again for the share of the other terms in the shortest taus.
+// N of n samples of white noise has a relative standard deviation of about 1/sqrt(2 n) by likelihood; five of those,
+// and as much again for the share of the other terms in the shortest taus.
 double tolerance(std::int64_t samples) { return 10 / std::sqrt(2.0 * static_cast<double>(samples)); }
 
 TEST(Calibrate, FindsTheNoiseOfACleanRecord) {

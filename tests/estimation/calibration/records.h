@@ -23,8 +23,8 @@ struct NamedRecord {
   std::string name;
   allan::Record record;
 };
-/// Clean; with knocks, a step, a warm-up, a drift, a line, gaps; quantized; silent; two gyros of different grade beside an
-/// accelerometer.
+/// Clean; with knocks, a step, a warm-up, a drift, a line, gaps; quantized; silent; two gyros of different grade beside
+/// an accelerometer.
 [[nodiscard]] std::vector<NamedRecord> ten_records();
 
 }  // namespace gyrobudget::tests

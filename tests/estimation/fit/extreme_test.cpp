@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Where a fit could break: every answer is right to its own stated scatter or says that there is none; no NaN, no abort.
+// Where a fit could break: every answer is right to its own stated scatter or says that there is none; no NaN, no
+// abort.
 #include "gyrobudget/allan/factors.h"
 #include "gyrobudget/estimation/fit/whittle.h"
 #include "gyrobudget/noise/generate.h"

@@ -100,7 +100,8 @@ TEST(SineLikelihood, InformationIsTheCurvature) {
   std::vector<double> nothing(9999, 0.0);
   const SineLikelihood shape(SineBins(nothing, 10000, 1, 9999), terms, false);
   const Eigen::Vector3d theta(gyro.n * gyro.n, gyro.b * gyro.b, gyro.k * gyro.k);
-  // Data with exactly the expected power: the estimate is the truth, the cost's second difference twice the information.
+  // Data with exactly the expected power: the estimate is the truth, the cost's second difference twice the
+  // information.
   const SineLikelihood likelihood = shape.with_power(shape.variance(theta));
   const auto best = likelihood.maximise();
   ASSERT_TRUE(best.converged);

@@ -54,8 +54,8 @@ void expect_mean(const std::vector<double>& of_run, double expected) {
 
 }  // namespace
 
-// 600 s with GNSS and a minute without, a truth with exact 1/f, random walk and turn-on bias: errors are as large as the
-// filter says, in navigation and in the bias itself.
+// 600 s with GNSS and a minute without, a truth with exact 1/f, random walk and turn-on bias: errors are as large as
+// the filter says, in navigation and in the bias itself.
 TEST(Consistency, OfAFilterWithThreeFlickerStates) {
   const Verdict v = consistency::fly({.sensor = consistency::mems(), .flicker_states = 3, .runs = kRuns}, 1);
   expect_mean(v.of_run, 9);

@@ -31,7 +31,8 @@ TEST(SimulatedImu, OfAnIdealSensorIsTheTruth) {
   const auto truth = path.increments(1 / kRate);
   ASSERT_EQ(truth.size(), 500U);
   for (std::size_t k = 0; k < truth.size(); ++k) {
-    // The interval's ends are rounded: of an angle or velocity of one interval by a few times 1e-16 of ten seconds' worth.
+    // The interval's ends are rounded: of an angle or velocity of one interval by a few times 1e-16 of ten seconds'
+    // worth.
     constexpr double kRounding = 1e-12;
     EXPECT_LT((vector(readings[k].angle) - truth[k].angle).norm(), kRounding);
     EXPECT_LT((vector(readings[k].velocity) - truth[k].velocity).norm(), kRounding);
