@@ -82,7 +82,7 @@ struct Study {
   flight::FlightRecord nominal;               ///< perfect navigation, the vehicle as planned, the program alone
   std::optional<flight::FlightRecord> flown;  ///< with the sensors of run 0; none where it could not be aligned
   Eigen::Matrix3d C_enu, C_launch;            ///< east, north, up; downrange, crossrange, up at the pad
-  double azimuth = 0;
+  double azimuth = 0;  ///< of the launch plane, clockwise from north [rad]
   MarginsAt margins;
   /// Of the nominal flight in open loop, by linear covariance; none for a flight too short to navigate.
   std::optional<budget::Budget> budget;
