@@ -53,7 +53,7 @@ class StreamingDeviation {
 
   /// Joins what was taken in of the part of the log that follows this one, as if all had been pushed here:
   /// the terms are the same, their sum differs by its rounding.
-  /// @throws std::invalid_argument where `next` does not begin at this one's end, or has another dt, overlap
+  /// @throws std::invalid_argument where `following` does not begin at this one's end, or has another dt, overlap
   /// or fill.
   void append(const StreamingDeviation& following);
 

@@ -36,6 +36,7 @@ namespace gyrobudget::inline v0::noise {
 /// Wood & Chan 1994). Time O(n log n), memory about 11 numbers a sample while a call runs, 1 between calls.
 class RecordGenerator {
  public:
+  /// Records of `samples` rates, dt [s] apart.
   /// @throws std::invalid_argument also for samples < 1, or above 5e8 where there is flicker.
   RecordGenerator(std::span<const Process> processes, std::int64_t samples, double dt);
   ~RecordGenerator();
@@ -49,11 +50,11 @@ class RecordGenerator {
   std::unique_ptr<const Plan> plan_;
 };
 
-/// One whole record of the sum of `processes`, exact in distribution.
+/// One whole record of the sum of `processes`, every dt [s], exact in distribution.
 [[nodiscard]] std::vector<double> generate_record(std::span<const Process> processes, std::int64_t samples, double dt,
                                                   StreamKey key);
 
-/// Flicker as a sum of Gauss-Markov processes and one rate random walk, for clusters from dt to longest_tau.
+/// Flicker as a sum of Gauss-Markov processes and one rate random walk, for clusters from dt to longest_tau [s].
 ///
 /// Flicker's structure function is a mixture of exponentials: with a = dt/Tc,
 ///     D(h) = (2 B^2/pi) int_0^inf (1 - e^(-a h)) (a/2)/sinh(a/2) dln(a),
@@ -79,6 +80,7 @@ class Generator {
     double longest_tau = 1e5;     ///< [s] end of the band of the 1/f approximation
     double poles_per_decade = 2;  ///< see flicker_approximation
   };
+  /// Rates every dt [s].
   Generator(std::span<const Process> processes, double dt, const Options& options);
   /// Filtered noise besides, at rest before sample 0, each from a stream of letter F. More than 128 taps run by
   /// Fourier transforms of blocks: 50 ns a sample at 1000 taps, 100 ns at 1e5.

@@ -137,6 +137,7 @@ class Imu {
     double poles_per_decade = 2;  ///< of flicker: 0.02 % error of its Allan deviation, see flicker_approximation
   };
 
+  /// Increments are those of intervals of dt [s].
   /// @throws std::invalid_argument for dt, a vibration level, a duration or a coefficient that is negative
   /// (ramp: any sign) or not finite, an order of the low pass other than 1 and 2, a delay of more than 1e7
   /// samples, an epoch of more than 2^62 samples or one that ends in the calibration, run >= 2^45, and what

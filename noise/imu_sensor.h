@@ -84,6 +84,7 @@ struct ImuInput {
 /// Readings of a triad, endless and in constant memory. Axis i draws from stream key.stream | i << 46.
 class ImuGenerator {
  public:
+  /// Readings every dt [s].
   /// @throws std::invalid_argument for dt not positive and finite, values that are not finite (range: NaN or
   /// negative), a negative resolution, what require_valid refuses of the filter, key.stream >= 2^46.
   ImuGenerator(ImuSensor sensor, double dt, StreamKey key);

@@ -35,8 +35,8 @@ struct Jerath {
   std::int64_t taps = 10'000;
   Filter filter = Filter::autoregressive;
 
-  /// @throws std::invalid_argument for taps outside 1 ... 1e7. The sample interval does not enter: every part
-  /// is given by its coefficient.
+  /// @throws std::invalid_argument for taps outside 1 ... 1e7. The sample interval dt [s] does not enter: every
+  /// part is given by its coefficient.
   [[nodiscard]] Model model(double dt) const;
 };
 

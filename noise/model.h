@@ -26,6 +26,7 @@ struct Model {
 /// Exact second moments of a model as it is implemented, truncation and start from rest included.
 class ModelMoments {
  public:
+  /// Of the model sampled every dt [s].
   /// @throws std::invalid_argument for dt not positive and finite and what FilterMoments refuses.
   ModelMoments(Model model, double dt);
 

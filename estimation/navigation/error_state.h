@@ -68,7 +68,7 @@ struct ErrorTerm {
   bool considered = false;  ///< Schmidt: counted in the covariance, never corrected
 };
 
-/// exp(-dt/Tc): what is left of a term after dt.
+/// exp(-dt/Tc): what is left of a term after dt [s].
 [[nodiscard]] double decay(const ErrorTerm& term, double dt);
 /// Mean of exp(-t/Tc) over 0 to dt: what acts of a term over a step, by its value at the start.
 [[nodiscard]] double mean_decay(const ErrorTerm& term, double dt);

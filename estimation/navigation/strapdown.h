@@ -44,8 +44,8 @@ namespace gyrobudget::inline v0::navigation {
 ///   1/10                     1     0.077     0.099     0.039     0.011     0.012    0.0010    0.0029
 ///   1/5                      1      0.28      0.21      0.37      0.20     0.095      0.28      0.23
 ///   1/4                      1      0.42      0.17      0.60      0.66      0.30      0.36      0.98
-///   1/3                      1      0.64      0.11      0.64       1.5       2.2       2.5       2.0
-///   worst, up to 1/2         1      0.96      0.89      0.77       1.5       2.9       5.3       9.3
+///   1/3                      1      0.65      0.12      0.63       1.5       2.3       2.7       2.1
+///   worst, up to 1/2         1        <1        <1        <1       1.5       2.9       5.4       9.6
 /// The default, 4, is the highest order that never does worse than order 1, whatever vibrates. Orders 5 to 8 are for
 /// sensors whose band ends below a fifth of the sample rate, where they are better by orders of magnitude for a fifth
 /// more run time; above a quarter of it they make drift out of vibration.

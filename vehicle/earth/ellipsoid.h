@@ -54,12 +54,12 @@ class OutsideDomain : public std::invalid_argument {
 /// @throws OutsideDomain where p_eb_e is not finite or is farther than 1e15 m.
 [[nodiscard]] Geodetic to_geodetic(const Eigen::Vector3d& p_eb_e);
 
-/// Outward normal of the ellipsoid, "up", in ECEF axes.
+/// Outward normal of the ellipsoid, "up", at a latitude and longitude [rad], in ECEF axes.
 [[nodiscard]] Eigen::Vector3d up_e(double latitude, double longitude);
 
-/// Radius of curvature in the meridian, R_N = a (1 - e^2)/(1 - e^2 sin^2 L)^(3/2) [m].
+/// Radius of curvature in the meridian, R_N = a (1 - e^2)/(1 - e^2 sin^2 L)^(3/2) [m], at a latitude L [rad].
 [[nodiscard]] double meridian_radius(double latitude);
-/// Transverse radius of curvature, R_E = a/(1 - e^2 sin^2 L)^(1/2) [m].
+/// Transverse radius of curvature, R_E = a/(1 - e^2 sin^2 L)^(1/2) [m], at a latitude L [rad].
 [[nodiscard]] double transverse_radius(double latitude);
 
 }  // namespace gyrobudget::inline v0::earth

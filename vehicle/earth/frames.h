@@ -15,9 +15,9 @@
 
 namespace gyrobudget::inline v0::earth {
 
-/// C_en of north, east, down. At a pole the longitude still tells the axes apart.
+/// C_en of north, east, down at a latitude and longitude [rad]. At a pole the longitude still tells the axes apart.
 [[nodiscard]] Eigen::Matrix3d C_e_ned(double latitude, double longitude);
-/// C_el of east, north, up.
+/// C_el of east, north, up at a latitude and longitude [rad].
 [[nodiscard]] Eigen::Matrix3d C_e_enu(double latitude, double longitude);
 
 /// Earth's rate in north, east, down: omega (cos L, 0, -sin L) [rad/s].
@@ -40,7 +40,7 @@ class Inertial {
   explicit Inertial(double angle_at_epoch = 0) : angle_at_epoch_(angle_at_epoch) {}
   [[nodiscard]] double angle(double t) const { return angle_at_epoch_ + wgs84::kEarthRate * t; }
   [[nodiscard]] Eigen::Matrix3d C_ie(double t) const;
-  /// From p_eb_e, v_eb_e to p_ib_i, v_ib_i = C_ie (v_eb_e + w_ie x p_eb_e).
+  /// At a time t [s] after the epoch: from p_eb_e, v_eb_e to p_ib_i, v_ib_i = C_ie (v_eb_e + w_ie x p_eb_e).
   [[nodiscard]] Moving from_ecef(const Moving& moving, double t) const;
   /// From p_ib_i, v_ib_i to p_eb_e, v_eb_e.
   [[nodiscard]] Moving to_ecef(const Moving& moving, double t) const;

@@ -30,7 +30,7 @@ namespace gyrobudget::inline v0::earth {
 /// @throws as normal_gravitation.
 [[nodiscard]] Eigen::Matrix3d normal_gravity_gradient(const Eigen::Vector3d& p_eb_e);
 
-/// Somigliana's formula: magnitude of normal gravity on the ellipsoid itself [m/s^2],
+/// Somigliana's formula: magnitude of normal gravity on the ellipsoid itself at a latitude L [rad], [m/s^2],
 ///   gamma = gamma_e (1 + k sin^2 L)/(1 - e^2 sin^2 L)^(1/2),  k = b gamma_p/(a gamma_e) - 1.
 [[nodiscard]] double somigliana(double latitude);
 

@@ -89,7 +89,7 @@ struct BurnState {
   double centre_of_mass;                            ///< station [m]
   double roll_inertia, pitch_inertia, yaw_inertia;  ///< [kg m^2]
 };
-/// At a time after ignition; before it as at 0, after burn_time as at its end but without thrust.
+/// At a time t [s] after ignition; before it as at 0, after burn_time as at its end but without thrust.
 [[nodiscard]] BurnState burn_state(const Vehicle& vehicle, double t);
 
 /// Where a number comes from.

@@ -199,16 +199,20 @@ TEST(StrapdownMoving, ErrorFallsAtItsOrderFromATenthOfASecondToAMillisecond) {
       before = error;
     }
   }
+  constexpr double kAtOnce = 1e-6;         // [m] what jumps and rounding leave at any step
+  constexpr double kOfGravitation = 1e-3;  // [m/s^2] its values amid the steps
+  constexpr double kOfTurns = 6;  // [m/s^5] half a tilt times gravity over 20 s; a tilt of order 4 falls as dt^5
   for (const double dt : {0.1, 0.01, 0.001}) {
-    const Error error = flown(truth, dt);
-    EXPECT_LT(error.position, 1e-6 + 1e-3 * dt * dt) << dt;
+    const double highest = kAtOnce + kOfGravitation * dt * dt;
+    EXPECT_LT(flown(truth, dt, {.order = Strapdown::kHighestOrder}).position, highest) << dt;
+    EXPECT_LT(flown(truth, dt).position, highest + kOfTurns * std::pow(dt, 5)) << dt;
   }
 }
 
 TEST(StrapdownMoving, StepsMayBeUneven) {
   const Trajectory truth = moving(30);
-  const auto jittered = [&](double spread) {
-    Strapdown strapdown(truth.at(0).pose);
+  const auto jittered = [&](double spread, int order) {
+    Strapdown strapdown(truth.at(0).pose, {.order = order});
     double t = 0;
     for (int k = 0; t < 29.9; ++k) {
       const double dt = 0.005 * (1 + spread * std::sin(12.9898 * k));
@@ -217,29 +221,50 @@ TEST(StrapdownMoving, StepsMayBeUneven) {
     }
     return error_of(strapdown, truth.at(t));
   };
-  const Error even = jittered(0);
-  const Error uneven = jittered(0.4);
+  constexpr double kSpread = 0.4;
+  const Error even = jittered(0, Strapdown::kHighestOrder);
+  const Error uneven = jittered(kSpread, Strapdown::kHighestOrder);
   EXPECT_LT(even.position, 2e-7);
   EXPECT_LT(uneven.position, 5e-6);
   EXPECT_LT(uneven.attitude.norm(), 5e-9);
+  // What order 4 leaves of vibration goes with the sixth power of the step, of which the longest counts most.
+  const int chosen = Strapdown::Options{}.order;
+  const double growth = std::pow(1 + kSpread, chosen + 2);
+  EXPECT_LT(jittered(kSpread, chosen).position, growth * jittered(0, chosen).position);
+  EXPECT_LT(jittered(kSpread, chosen).attitude.norm(), growth * jittered(0, chosen).attitude.norm());
 }
 
 TEST(StrapdownMoving, AChangeOfRateEndsTheHistory) {
-  // From 200 Hz to 20 Hz and back, and once a time stamp a nanosecond after the last.
+  // From 200 Hz to 50 Hz and back, and once a time stamp a nanosecond after the last.
+  constexpr double kSlow = 0.02;          // [s]
+  constexpr double kSlowFrom = 6;         // [s]
+  constexpr double kSlowUntil = 8;        // [s]
+  constexpr double kEnd = 10;             // [s]
+  constexpr double kShaken = 2 * pi * 5;  // [rad/s] coning and sculling of moving()
   const Trajectory truth = moving(12);
-  Strapdown strapdown(truth.at(0).pose);
-  double t = 0;
-  const auto go = [&](double until, double dt) {
-    for (; t < until - dt / 2; t += dt) strapdown.step(truth.increment(t, t + dt), dt);
+  const auto error_with = [&](int order) {
+    Strapdown strapdown(truth.at(0).pose, {.order = order});
+    double t = 0;
+    const auto go = [&](double until, double dt) {
+      for (; t < until - dt / 2; t += dt) strapdown.step(truth.increment(t, t + dt), dt);
+    };
+    go(4, 0.005);
+    go(4 + 1e-9, 1e-9);
+    go(kSlowFrom, 0.005);
+    go(kSlowUntil, kSlow);
+    go(kEnd, 0.002);
+    return error_of(strapdown, truth.at(t));
   };
-  go(4, 0.005);
-  go(4 + 1e-9, 1e-9);
-  go(6, 0.005);
-  go(8, 0.02);
-  go(10, 0.002);
-  const Error error = error_of(strapdown, truth.at(t));
-  EXPECT_LT(error.attitude.norm(), 1e-5);
-  EXPECT_LT(error.position, 1e-3);
+  const Error highest = error_with(Strapdown::kHighestOrder);
+  EXPECT_LT(highest.attitude.norm(), 1e-5);
+  EXPECT_LT(highest.position, 1e-3);
+  // The default has the cone's rate left over while steps are long, and as much again for sculling; that tilts gravity.
+  const int chosen = Strapdown::Options{}.order;
+  const double cone = 2 * std::pow(std::sin(kDegree / 2), 2) * kShaken;
+  const double tilt = 2 * coning_left(chosen, kShaken * kSlow) * cone * (kSlowUntil - kSlowFrom);
+  const Error error = error_with(chosen);
+  EXPECT_LT(error.attitude.norm(), tilt);
+  EXPECT_LT(error.position, tilt * kG * std::pow(kEnd - kSlowFrom, 2) / 2);
 }
 
 TEST(StrapdownMoving, OverThePolesAndTheDateLine) {
@@ -274,10 +299,15 @@ TEST(StrapdownMoving, FiveTurnsASecondAndATurnAStep) {
   // What is fixed in space turns in body axes by 1.8, 9 and 18 degrees a step.
   for (const auto& [dt, attitude, position] :
        {std::tuple{0.001, 1e-13, 1e-8}, {0.005, 2e-11, 1e-4}, {0.01, 2e-9, 5e-3}}) {
-    const Error error = flown(truth, dt);
+    const Error error = flown(truth, dt, {.order = Strapdown::kHighestOrder});
     EXPECT_LT(error.attitude.norm(), attitude) << dt;
     EXPECT_LT(error.position, position) << dt;
   }
+  const Error fine = flown(truth, 0.005);
+  const Error coarse = flown(truth, 0.01);
+  const int chosen = Strapdown::Options{}.order;
+  EXPECT_NEAR(std::log2(coarse.attitude.norm() / fine.attitude.norm()), chosen + 1, 0.1);
+  EXPECT_NEAR(std::log2(coarse.position / fine.position), chosen + 1, 0.1);
   // At a turn a step weight averages to its part along the axis: attitude survives, but for what Earth's
   // rate across the axis would add, position cannot.
   const Error whole = flown(truth, 0.2);
