@@ -28,6 +28,7 @@ namespace {
 
 namespace earth = gyrobudget::earth;
 namespace navigation = gyrobudget::navigation;
+namespace noise = gyrobudget::noise;
 using navigation::Carrier;
 using navigation::Effect;
 using navigation::Form;

@@ -79,7 +79,7 @@ TEST_F(CurveTables, TakeTausAsTheyArePrinted) {
 TEST_F(CurveTables, RefuseTausThatAreNoWholeNumberOfSamples) {
   const Outcome run = calibrate(table({0.1, 0.2, 0.4, 0.0333 * 25, 1.6, 3.2}), "--rate 10 --duration 10h");
   EXPECT_EQ(run.exit_code, kBadInput);
-  for (const char* part : {"adev.csv", "tau = 0.8325 s", "whole number of samples", "--rate 10 Hz"}) {
+  for (const char* part : {"adev.csv", "tau = 0.8325 s", "whole number of samples at 10 Hz", "--rate"}) {
     EXPECT_NE(run.err.find(part), std::string::npos) << part << " is not in: " << run.err;
   }
   EXPECT_EQ(run.out, "");

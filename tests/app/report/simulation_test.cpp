@@ -44,7 +44,7 @@ TEST(SimulatedLog, OfAnImuHasRowsOfTheIntervalsBeforeThem) {
   EXPECT_THAT(rates.comment, HasSubstr("trajectory ascent, seed 1, run 2, 100 Hz, no vibration; each row is the mean"));
   const auto increments = imu_head({.vibration = 19.6133}, "MEMS", "ascent", "rad", true, 0, log::Format::csv);
   EXPECT_EQ(increments.columns.back().unit, "m/s");
-  EXPECT_THAT(increments.comment, HasSubstr("vibration 2 g rms; each row is the increment over"));
+  EXPECT_THAT(increments.comment, HasSubstr("vibration 2.000 g rms; each row is the increment over"));
 }
 
 TEST(SimulatedLog, SaysWhatIsSpecial) {

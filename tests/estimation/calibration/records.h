@@ -16,7 +16,8 @@ namespace gyrobudget::tests {
 
 inline constexpr double kRecordRate = 10;  ///< [Hz]
 
-inline constexpr double kQuantization = 2e-5;  ///< of the quantized record: five times the white noise at 0.1 s [rad]
+inline constexpr double kQuantization =
+    1e-4;  ///< of the quantized record: it has 160 times the variance of the white noise at 0.1 s [rad]
 
 /// A record and what is special about it.
 struct NamedRecord {

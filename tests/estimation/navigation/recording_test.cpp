@@ -52,7 +52,7 @@ TEST(ImuLog, UnevenIncrementsKeepTheirOwnIntervals) {
 TEST(ImuLog, AGapIsBridgedByAStraightRate) {
   // 40 to 80 ms are lost: the sample at 90 ms covers the 10 ms before it.
   ImuSamples samples = increments({10, 20, 30, 40, 90, 100}, 10);
-  samples.values[4] = {{0, 0, 0.05}, {angle(0.09) - angle(0.08), 0, 0}};
+  samples.values[4] = {.angle = {angle(0.09) - angle(0.08), 0, 0}, .velocity = {0, 0, 0.05}};
   const ImuLog log = imu_log(samples);
   EXPECT_EQ(log.gaps, 1);
   EXPECT_NEAR(log.longest_gap, 0.04, kRounding);
@@ -84,7 +84,7 @@ TEST(ImuLog, RatesAreMeansOrInstants) {
   ImuSamples samples;
   for (int k = 0; k <= 4; ++k) {
     samples.stamps.push_back(k * 10 * kMillisecond);
-    samples.values.push_back({{0, 0, 5}, {3 + 2 * 0.01 * k, 0, 0}});  // the rate at the stamp
+    samples.values.push_back({.angle = {3 + 2 * 0.01 * k, 0, 0}, .velocity = {0, 0, 5}});  // the rate at the stamp
   }
   samples.gyro = samples.accelerometer = SampleKind::mean;
   EXPECT_NEAR(sum_of_angles(imu_log(samples)).x(), 5 * 0.03 + 0.01 * 0.2, kRounding);
