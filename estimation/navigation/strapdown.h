@@ -47,8 +47,9 @@ namespace gyrobudget::inline v0::navigation {
 ///   1/3                      1      0.65      0.12      0.63       1.5       2.3       2.7       2.1
 ///   worst, up to 1/2         1        <1        <1        <1       1.5       2.9       5.4       9.6
 /// The default, 4, is the highest order that never does worse than order 1, whatever vibrates. Orders 5 to 8 are for
-/// sensors whose band ends below a fifth of the sample rate, where they are better by orders of magnitude for a fifth
-/// more run time; above a quarter of it they make drift out of vibration.
+/// sensors whose band ends below a fifth of the sample rate: order 8 leaves less than a tenth of what order 4 does at a
+/// tenth of that rate, and a thousandth at a fortieth, for a fifth more run time. Above a quarter of the rate these
+/// orders make drift out of vibration.
 ///
 /// The vertical channel is unstable by nature: an error in height grows e-fold every sqrt(R/2g) = 570 s.
 ///

@@ -2,20 +2,20 @@
 #include "gyrobudget/estimation/navigation/simulated_imu.h"
 
 #include "gyrobudget/vehicle/earth/paths.h"
+#include "gyrobudget/vehicle/earth/vector.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 using namespace gyrobudget;  // NOLINT
+using earth::vector;
 using Eigen::Vector3d;
 using navigation::SimulatedImu;
 
 namespace {
 
 constexpr double kRate = 50;
-
-Vector3d vector(const noise::Vector3& v) { return {v[0], v[1], v[2]}; }
 
 noise::SensorModel noisy() {
   noise::SensorModel sensor{.gyro = {.white = 1e-4, .bias_instability = 1e-5}};
