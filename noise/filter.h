@@ -43,8 +43,8 @@ void require_valid(const FilteredNoise& noise);
 /// @throws std::invalid_argument unless 1 <= taps <= 1e7.
 [[nodiscard]] FilteredNoise moving_average_flicker(double b, std::int64_t taps);
 
-/// Two-sided power spectral density [signal^2/Hz] of the stationary noise sampled every dt [s], sigma^2 dt |b(z)/a(z)|^2 at
-/// z = exp(2 pi i f dt). Error below 1e-15 (taps) / |a(z)| of it; time O(taps).
+/// Two-sided power spectral density [signal^2/Hz] of the stationary noise sampled every dt [s], sigma^2 dt
+/// |b(z)/a(z)|^2 at z = exp(2 pi i f dt). Error below 1e-15 (taps) / |a(z)| of it; time O(taps).
 /// @throws std::invalid_argument for a frequency outside (0, 1/(2 dt)] and what require_valid refuses.
 [[nodiscard]] double psd(const FilteredNoise& noise, double frequency_hz, double dt);
 
