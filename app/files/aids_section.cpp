@@ -31,9 +31,11 @@ Dimension dimension_of(Aid::Kind kind) {
       return kLength;
     case Aid::Kind::attitude:
       return dimension::kAngle;
-    default:
-      return dimension::kVelocity;
+    case Aid::Kind::velocity:
+    case Aid::Kind::rest:
+      break;
   }
+  return dimension::kVelocity;
 }
 
 class AidsReader {

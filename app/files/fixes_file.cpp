@@ -25,9 +25,10 @@ std::string_view header(Aid::Kind kind) {
       return ",height (m)";
     case Aid::Kind::attitude:
       return ",q_w (1),q_x (1),q_y (1),q_z (1)";
-    default:
-      return "";
+    case Aid::Kind::rest:
+      break;
   }
+  return "";
 }
 
 std::string_view empty_cells(Aid::Kind kind) {
@@ -45,12 +46,15 @@ std::string cells(Aid::Kind kind, const Fix& fix) {
       return fmt::format(",{:.9g},{:.9g},{:.9g}", fix.value[0], fix.value[1], fix.value[2]);
     case Aid::Kind::height:
       return fmt::format(",{:.6f}", fix.value[0]);
-    default: {
+    case Aid::Kind::attitude: {
       const double sign = fix.q_nb.w() < 0 ? -1 : 1;
       return fmt::format(",{:.12f},{:.12f},{:.12f},{:.12f}", sign * fix.q_nb.w(), sign * fix.q_nb.x(),
                          sign * fix.q_nb.y(), sign * fix.q_nb.z());
     }
+    case Aid::Kind::rest:
+      break;
   }
+  return "";
 }
 
 }  // namespace

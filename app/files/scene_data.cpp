@@ -167,7 +167,8 @@ Plan plan_of(Aid::Kind kind, const log::NamedColumns& columns) {
     case Aid::Kind::velocity:
       return {{kNorth, kEast, columns.find(kUp) ? kUp : kDown},
               "velocity_north (m/s), velocity_east (m/s), velocity_down (m/s) or velocity_up, and time (s)"};
-    default:
+    case Aid::Kind::attitude:
+    case Aid::Kind::rest:  // has no file
       break;
   }
   const std::string names = "heading (deg), pitch (deg), roll (deg) or q_w, q_x, q_y, q_z, and time (s)";
@@ -208,8 +209,11 @@ Fix fix_of(Aid::Kind kind, const File& file, std::size_t row, const Plan& plan, 
     case Aid::Kind::velocity:
       fix.value = {at(0), at(1), plan.wanted.back().name == kUp.name ? -at(2) : at(2)};
       break;
-    default:
+    case Aid::Kind::attitude:
       fix.q_nb = attitude(file, row, plan, table);
+      break;
+    case Aid::Kind::rest:  // has no file
+      break;
   }
   return fix;
 }

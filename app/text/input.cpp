@@ -97,7 +97,7 @@ std::string read_text(const std::string& path, std::size_t most, std::string_vie
   return text;
 }
 
-void check_text(std::string_view name, std::string_view head) {
+void check_text(std::string_view name, std::string_view text) {
   for (const Signature& s : kSignatures) {
     if (text.starts_with(s.bytes)) fail(name, fmt::format("found {}, expected a text file; {}", s.what, s.mend));
   }

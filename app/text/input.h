@@ -38,8 +38,9 @@ class InputFile {
 /// @throws InputError where it cannot be read, is empty, is larger, or is no text.
 [[nodiscard]] std::string read_text(const std::string& path, std::size_t most, std::string_view what);
 
-/// @throws InputError for what is no text, seen from its first kTextHead bytes.
-void check_text(std::string_view name, std::string_view head);
+/// @param text  of which the first kTextHead bytes are looked at
+/// @throws InputError for what is no text.
+void check_text(std::string_view name, std::string_view text);
 
 /// @param error  the system's errno
 /// @throws InputError "name: cannot be read: reason; mend"

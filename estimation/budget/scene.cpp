@@ -171,11 +171,13 @@ class Builder {
         return navigation::HeightFix{at.height, aid.sigma[0], number};
       case navigation::Aid::Kind::attitude:
         return navigation::AttitudeFix{truth.pose.q_eb, aid.sigma, number};
-      default:
+      case navigation::Aid::Kind::velocity:
+      case navigation::Aid::Kind::rest:
         if (aid.kind == navigation::Aid::Kind::rest) check_rest(aid, truth.pose.v_eb_e.norm(), t);
         return navigation::VelocityFix{truth.pose.v_eb_e + C * w_eb_b.cross(aid.lever_arm), aid.sigma, axes,
                                        aid.lever_arm, number};
     }
+    throw std::logic_error("an aid of no known kind");
   }
 
   // Zero velocity in flight would aid as no device can.

@@ -7,8 +7,10 @@
 //     for (std::size_t i = 0; i < study.budget.lines.size(); ++i)
 //       use(study.budget.lines[i].name, study.axes.position_sigma(study.line(i), budget::Component::rss));
 //
-// The parts of it are error_budget.h (covariance by source), adjoint.h (the same as integrals), monte_carlo.h and
-// agreement.h (what the flights say of the covariance).
+// Independent sources add up: P = sum_i P_i, each P_i carried along the scene by P+ = F P F^T + Q with the filter's
+// gains frozen. The parts of it are scene.h (a scene made ready, what may be left out, how far a source may grow),
+// error_budget.h (covariance by source, with the recursion), adjoint.h (the same as integrals), monte_carlo.h and
+// scene_runs.h (flights of the whole chain and of one source), and agreement.h (what these say of the covariance).
 #pragma once
 
 #include "gyrobudget/estimation/navigation/scenario.h"
@@ -46,7 +48,7 @@ struct Options {
   std::optional<Limit> limit;
 
   int runs = 0;              ///< of Monte Carlo; 0: none
-  bool each_source = false;  ///< and so many runs of each source alone
+  bool each_source = false;  ///< and so many runs of each source alone; nothing where `runs` is 0
   std::uint64_t seed = 1;    ///< of the random numbers of Monte Carlo
   /// After each run, from one thread at a time: runs done so far and runs in all, those of the sources too; false
   /// stops.

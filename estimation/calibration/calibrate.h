@@ -2,8 +2,10 @@
 // The job of a datasheet: from a record of a sensor at rest to its noise coefficients, with intervals and verdicts.
 //
 //     const calibration::Datasheet sheet = calibration::calibrate(log::read_log({.path = "imu.csv", .unit = "deg/s"}));
-//     for (const calibration::AxisDatasheet& axis : sheet.axes)
-//       if (axis.has_answer()) use(axis.fit[noise::Term::white].value);
+//     for (const calibration::AxisDatasheet& axis : sheet.axes) {
+//       const fit::Coefficient& n = axis.fit[noise::Term::white];
+//       if (axis.has_answer() && n.status == fit::Status::identified) use(n.value, n.lower, n.upper);
+//     }
 //
 // What the program prints for `gyrobudget calibrate` are these numbers.
 #pragma once
@@ -49,7 +51,9 @@ struct Options {
   /// Of the curve that is shown, and read by the methods that read; the fit has octaves.
   allan::Taus taus{.kind = allan::Taus::Kind::logarithmic, .count = 50};
   allan::Form form = allan::Form::full;
-  double minimum_fill = allan::kMinimumFill;  ///< part of a cluster's samples that must exist, in (0, 1]
+  /// Part of a cluster's samples that must exist for it to count, in (0, 1]. Where outliers are masked it is 0.8,
+  /// unless it is 1: they can be as many as clusters may miss.
+  double minimum_fill = allan::kMinimumFill;
 };
 
 /// The likelihood of the record beside the fit of its curve.
@@ -76,7 +80,9 @@ struct AxisDatasheet {
   std::optional<Findings> findings;           ///< of a record; a table of deviations has none
   Facts facts;
 
-  /// A converged fit that the record does not contradict, with at least one of N, B, K and G identified.
+  /// A converged fit whose verdict is not "not described" (methods that only read the curve have none), with at least
+  /// one of N, B, K and G identified: the others may be upper bounds. What was found beside noise and not masked is not
+  /// in it: Findings::spoil says that.
   [[nodiscard]] bool has_answer() const;
   /// No cross-check was asked for, or it agrees.
   [[nodiscard]] bool is_confirmed() const { return !cross_checked || cross_checked->check.agrees; }

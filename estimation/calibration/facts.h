@@ -31,6 +31,7 @@ struct Facts {
 
 /// @param fit      of the axis
 /// @param octaves  the curve that was fitted
+/// Throws nothing of its own.
 [[nodiscard]] Facts facts_of(const fit::Result& fit, const allan::Curve& octaves);
 
 /// True where none of N, B, K and G is identified: the samples are all equal, or there is nothing but quantization.

@@ -197,7 +197,7 @@ struct Data {
 ///                    Options::frequency_hz, a covariance of other factors, fewer taus than terms plus one, or
 ///                    Method::whittle, which needs samples.
 /// Sources: theory of generalised least squares; IEEE Std 952-2020 annex C for the model; the interval construction
-/// and its measured coverage are this project's own (tests/fit, fit_study).
+/// and its measured coverage are this project's own (tests/estimation/fit/fit_study).
 [[nodiscard]] Result fit(const allan::Curve& curve, const allan::CurveCovariance& covariance,
                          const Options& options = {});
 /// The same for a single curve, making the covariance on the way.

@@ -60,9 +60,11 @@ struct Sweep {
 
 struct SweepOptions {
   std::int64_t samples = 36'000;      ///< of the records for all but the lengths
-  std::int64_t longest = 10'000'000;  ///< lengths go by decades from 10^4 to this
-  double dt = 1;
-  int records = 200;  ///< of each way; fewer of lengths above 10^5, at least 4
+  std::int64_t longest = 10'000'000;  ///< lengths go by decades from 10^4 to this; none where it is less
+  double dt = 1;                      ///< sample interval [s]
+  /// Of each way; of lengths above 10^5 as many as make 2 10^7 samples, where that is fewer. An RMSE of n records is
+  /// known to 1/sqrt(2 n) of itself, a coverage c to sqrt(c (1 - c)/n).
+  int records = 200;
   std::uint64_t seed = 1;
   std::vector<noise::Term> terms{kDefaultTerms.begin(), kDefaultTerms.end()};  ///< of every fit
   /// Called from one thread at a time after each block of records; work in a unit of its own.

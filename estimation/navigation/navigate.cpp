@@ -127,7 +127,8 @@ class Comparison {
         case Aid::Kind::attitude:
           attitude_ = i;
           break;
-        default:
+        case Aid::Kind::height:
+        case Aid::Kind::rest:
           throw SetupError(fmt::format("reference: {} measures {}, expected position, velocity or attitude",
                                        scenario.aids[i].name, name(scenario.aids[i].kind)));
       }

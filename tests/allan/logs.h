@@ -26,7 +26,7 @@ inline void expect_printed(double value, double published, int digits) {
   EXPECT_NEAR(value, published, 0.501 * unit);
 }
 
-inline std::string path(const std::string& name) { return std::string(GYROBUDGET_DATA) + "/" + name; }
+inline std::string path(const std::string& name) { return GYROBUDGET_DATA "/" + name; }
 
 #define SKIP_WITHOUT(name) \
   if (!std::filesystem::exists(path(name))) GTEST_SKIP() << "no " << path(name) << "; set GYROBUDGET_DATA"

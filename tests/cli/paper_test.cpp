@@ -226,7 +226,7 @@ double of(const std::string& id, const char* what, const char* gyro) {
 }
 double km(const std::string& id, const char* gyro) { return of(id, "ours", gyro); }
 
-// Of first-order theory, tests/closed_loop/tilt_test.cpp.
+// Of first-order theory, tests/estimation/closed_loop/tilt_test.cpp.
 constexpr double kTheory = 0.025;
 
 void distances_are_the_lag_of_the_loop_whatever_the_gyro() {

@@ -154,10 +154,10 @@ TEST_F(SceneFile, ALogInCountsWithOtherAxes) {
   const auto& imu = found.recording.imu;
   ASSERT_EQ(imu.increments.size(), 3U);
   const double count = 0.1 / 3600 * kDegree;
-  EXPECT_NEAR(imu.increments[1].angle.x(), 2 * count, 1e-18);
-  EXPECT_NEAR(imu.increments[1].angle.y(), 1 * count, 1e-18);
-  EXPECT_NEAR(imu.increments[1].angle.z(), -3 * count, 1e-18);
-  EXPECT_NEAR(imu.increments[1].velocity.z(), -80 * 125e-6 * 9.80665, 1e-12);
+  EXPECT_NEAR(imu.increments[1].angle[0], 2 * count, 1e-18);
+  EXPECT_NEAR(imu.increments[1].angle[1], 1 * count, 1e-18);
+  EXPECT_NEAR(imu.increments[1].angle[2], -3 * count, 1e-18);
+  EXPECT_NEAR(imu.increments[1].velocity[2], -80 * 125e-6 * 9.80665, 1e-12);
   EXPECT_EQ(found.recording.origin, 0);
   EXPECT_TRUE(found.notes.empty());
 }
@@ -175,7 +175,7 @@ TEST_F(SceneFile, RatesFromTheHeaderAndAids) {
   const auto& r = found.recording;
   EXPECT_EQ(r.origin, 0);  // the clock of a run is kept
   EXPECT_EQ(r.imu.gaps, 1);
-  EXPECT_NEAR(r.imu.increments[1].angle.x(), 0.1 * kDegree, 1e-15);
+  EXPECT_NEAR(r.imu.increments[1].angle[0], 0.1 * kDegree, 1e-15);
   ASSERT_EQ(found.notes.size(), 2U);
   EXPECT_CONTAINS(found.notes[0], "1 gap of 0.2 s");
   EXPECT_CONTAINS(found.notes[1], "ins.velocity: 1 of 3 rows have a number missing");

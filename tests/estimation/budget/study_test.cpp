@@ -98,7 +98,7 @@ TEST(BudgetStudy, AxesAreThoseOfTheSiteOrOfThePlaceReached) {
   const earth::Trajectory path = earth::cruise({.speed = 300, .duration = 3600});
   const auto up = [](const earth::Geodetic& at) { return earth::up_e(at.latitude, at.longitude); };
   const Study reached = study(scenario, path);
-  EXPECT_LT((reached.axes.C_enu.col(2) - up(earth::to_geodetic(path.at(3600).p_eb_e))).norm(), 1e-12);
+  EXPECT_LT((reached.axes.C_enu.col(2) - up(earth::to_geodetic(path.at(3600).pose.p_eb_e))).norm(), 1e-12);
   scenario.site = earth::Geodetic{0.1, 0.2, 0};
   const Study at_site = study(scenario, path);
   EXPECT_LT((at_site.axes.C_enu.col(2) - up(*scenario.site)).norm(), 1e-12);

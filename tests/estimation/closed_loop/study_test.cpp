@@ -170,22 +170,21 @@ budget::SimulatedScene simulated(double duration) {
 TEST(InertialNavigator, KeepsWhatItNavigates) {
   InertialNavigator navigator(simulated(3), 0);
   const Vector3d start = navigator.state().p_eb_e;
-  navigator.step({Vector3d(-9.8 * 0.01, 0, 0), Vector3d::Zero()}, 0.01);
+  navigator.step({.velocity = {-9.8 * 0.01, 0, 0}}, 0.01);
   EXPECT_LT((navigator.state().p_eb_e - start).norm(), 1);
   EXPECT_FALSE(navigator.diverged());
 }
 
 TEST(InertialNavigator, TellsNoNumberOnceItHasDiverged) {
   InertialNavigator navigator(simulated(3), 0);
-  navigator.step({Vector3d(1e300, 0, 0), Vector3d::Zero()}, 0.01);
+  navigator.step({.velocity = {1e300, 0, 0}}, 0.01);
   EXPECT_TRUE(navigator.diverged());
   EXPECT_FALSE(navigator.state().p_eb_e.allFinite());
-  navigator.step({Vector3d::Zero(), Vector3d::Zero()}, 0.01);  // nor ever again
+  navigator.step({}, 0.01);  // nor ever again
   EXPECT_FALSE(navigator.state().q_eb.coeffs().allFinite());
   // An increment that is no number is a mistake of who calls.
   InertialNavigator other(simulated(3), 0);
-  EXPECT_THROW(other.step({Vector3d::Constant(std::numeric_limits<double>::quiet_NaN()), Vector3d::Zero()}, 0.01),
-               std::invalid_argument);
+  EXPECT_THROW(other.step({.velocity = {std::numeric_limits<double>::quiet_NaN(), 0, 0}}, 0.01), std::invalid_argument);
 }
 
 TEST(ClosedLoop, WhatACallerThrowsPassesThrough) {

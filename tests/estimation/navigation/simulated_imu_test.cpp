@@ -34,8 +34,8 @@ TEST(SimulatedImu, OfAnIdealSensorIsTheTruth) {
     // The interval's ends are rounded: of an angle or velocity of one interval by a few times 1e-16 of ten seconds'
     // worth.
     constexpr double kRounding = 1e-12;
-    EXPECT_LT((vector(readings[k].angle) - truth[k].angle).norm(), kRounding);
-    EXPECT_LT((vector(readings[k].velocity) - truth[k].velocity).norm(), kRounding);
+    EXPECT_LT((vector(readings[k].angle) - vector(truth[k].angle)).norm(), kRounding);
+    EXPECT_LT((vector(readings[k].velocity) - vector(truth[k].velocity)).norm(), kRounding);
   }
 }
 
