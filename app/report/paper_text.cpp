@@ -155,10 +155,8 @@ std::vector<std::string> paper_words(const Paper& paper) {
 std::string paper_table(const Paper& paper) {
   std::string out = fmt::format(
       "Nunes et al., \"Simulation of an Interferometric Fiber Optic Gyroscope Applied to a Rocket Model\"\n"
-      "Ours: records of {} at {:g} Hz, seed {}. Published: as printed; empty where the paper shows a curve "
-      "only.\n"
-      "Theory: what the reading is without chance. Our fit: of the record that was read, by least "
-      "squares.\n\n",
+      "Ours: records of {} at {:g} Hz, seed {}. Published: as printed; empty where the paper shows a curve only.\n"
+      "Theory: what the reading is without chance. Our fit: of the record that was read, by least squares.\n\n",
       duration_text(paper.duration_s), paper.rate_hz, paper.seed);
   for (const Section& section : kSections) {
     const auto rows = rows_of(paper, section);

@@ -138,8 +138,8 @@ TEST_F(Navigate, OneSceneIsSimulatedAndNavigated) {
   const std::string scene = scratch_.file(
       "flight.yaml",
       "name: a minute without aids\ntrajectory: cruise:speed=100,duration=60,turn_acceleration=3\nsensor: imu.yaml\n"
-      "imu: {file: flight.csv}\nreference: {file: truth.csv}\nalignment: {position: start, velocity: start, attitude: "
-      "start, position_sigma: 1 cm, velocity_sigma: 1 mm/s, level_sigma: 0.001 deg, heading_sigma: 0.001 deg}\n"
+      "imu: {file: flight.csv}\nreference: {file: truth.csv}\n"
+      "alignment: {position: start, velocity: start, attitude: start, position_sigma: 1 cm, velocity_sigma: 1 mm/s, level_sigma: 0.001 deg, heading_sigma: 0.001 deg}\n"
       "aids: {start: {file: truth.csv, used: no, position: 1 m, velocity: 1 m/s, attitude: 1 deg}}\n");
   const std::string sensor = scratch_.file(
       "imu.yaml", "gyro: {arw: 0.1 deg/sqrt(h), turn_on_bias: 5 deg/h}\naccelerometer: {turn_on_bias: 1 mg}\n");

@@ -189,8 +189,7 @@ TEST_F(SceneFile, RatesFromTheHeaderAndAids) {
 TEST_F(SceneFile, TheClockOfAnEpochCountsFromTheFirstSample) {
   (void)file("imu.csv",
              "time (ns),gyro_x (deg/s),gyro_y (deg/s),gyro_z (deg/s),accel_x (g),accel_y (g),accel_z (g)\n"
-             "1403636579758555392,1,0,0,0,0,-1\n1403636579763555392,1,0,0,0,0,-1\n1403636579768555392,1,0,0,"
-             "0,0,-1\n");
+             "1403636579758555392,1,0,0,0,0,-1\n1403636579763555392,1,0,0,0,0,-1\n1403636579768555392,1,0,0,0,0,-1\n");
   const auto r = data(kHead).recording;
   EXPECT_EQ(r.origin, 1403636579758555392);
   EXPECT_EQ(r.imu.stamps.front(), 1403636579753555392);

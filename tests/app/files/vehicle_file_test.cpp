@@ -176,10 +176,11 @@ TEST_F(VehicleFile, OriginsHaveWords) {
 }
 
 TEST_F(VehicleFile, AVehicleBasedOnAnotherKeepsWhatItDoesNotGive) {
-  (void)file("base.yaml", kLeast +
-                              "actuator: {frequency: 6 Hz, delay: 5 ms}\n"
-                              "bending: {frequency: 5 Hz, damping: 1 %, gimbal_deflection: 2, "
-                              "slope_at_imu: 1 deg/m, origin: derived, reason: beam}\n");
+  (void)file(
+      "base.yaml",
+      kLeast +
+          "actuator: {frequency: 6 Hz, delay: 5 ms}\n"
+          "bending: {frequency: 5 Hz, damping: 1 %, gimbal_deflection: 2, slope_at_imu: 1 deg/m, origin: derived, reason: beam}\n");
   const files::VehicleFile stiffer = read(
       "based_on: base.yaml\nactuator: {frequency: 9 Hz, origin: assumed, reason: study}\n"
       "pitch_inertia: 7e3 kg m^2\n");

@@ -294,8 +294,7 @@ TEST_F(SensorFile, TheExamplesHoldThePapersValues) {
 TEST_F(SensorFile, Kalibr) {
   const SensorModel m = read(
       "#Accelerometers\naccelerometer_noise_density: 1.86e-03   #Noise density (continuous-time)\n"
-      "accelerometer_random_walk:   4.33e-04\ngyroscope_noise_density:     1.87e-04\ngyroscope_random_walk: "
-      "2.66e-05\n"
+      "accelerometer_random_walk:   4.33e-04\ngyroscope_noise_density:     1.87e-04\ngyroscope_random_walk: 2.66e-05\n"
       "rostopic:                    /imu0\nupdate_rate:                 200.0\n");
   EXPECT_EQ(m.gyro.white, 1.87e-4);
   EXPECT_EQ(m.gyro.rate_random_walk, 2.66e-5);
@@ -307,8 +306,7 @@ TEST_F(SensorFile, Kalibr) {
 TEST_F(SensorFile, OpenVinsNestsKalibrUnderItsImu) {
   const SensorModel m = read(
       "%YAML:1.0\n\nimu0:\n  T_i_b:\n    - [1.0, 0.0, 0.0, 0.0]\n  accelerometer_noise_density: 0.002\n"
-      "  accelerometer_random_walk: 3.0e-03\n  gyroscope_noise_density: 1.6968e-04\n  gyroscope_random_walk: "
-      "1.9393e-05\n"
+      "  accelerometer_random_walk: 3.0e-03\n  gyroscope_noise_density: 1.6968e-04\n  gyroscope_random_walk: 1.9393e-05\n"
       "  model: calibrated\n  update_rate: 200.0\n");
   EXPECT_EQ(m.gyro.white, 1.6968e-4);
   EXPECT_EQ(m.accelerometer.value().rate_random_walk, 3e-3);
