@@ -2,11 +2,10 @@
 // The verb accuracy: its result, its limits and exit codes, the same bytes from any number of threads, interrupts.
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include <map>
 #include <string>
 
+#include "../json.h"
 #include "program.h"
 
 namespace gyrobudget::tests {
@@ -19,7 +18,7 @@ const std::string kShort = kMems + "--records 64 --duration 1h -q ";
 
 /// All but the times.
 Json timeless(const std::string& text) {
-  Json json = Json::parse(text, nullptr, false);
+  Json json = parsed<Json>(text);
   for (const char* key : {"seconds", "seconds_per_record", "command"}) json.erase(key);
   for (Json& method : json["methods"]) method.erase("seconds_per_fit");
   return json;
@@ -29,7 +28,7 @@ TEST(Accuracy, MeasuresEveryMethodAgainstTheTruth) {
   const Outcome run = gyrobudget_run(kShort + "--json --methods gls,edf,loglog,slope,visual,whittle");
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(run.err, "");
-  const Json json = Json::parse(run.out, nullptr, false);
+  const Json json = parsed<Json>(run.out);
   EXPECT_EQ(json["schema"], "gyrobudget.accuracy/1");
   EXPECT_EQ(json["record"]["samples"], 3600);
   EXPECT_EQ(json["records"], 64);
@@ -59,7 +58,7 @@ TEST(Accuracy, LimitsSetTheExitCodeAndAreAllPrinted) {
   EXPECT_EQ(held.out.find("BROKEN"), std::string::npos) << held.out;
   const Outcome broken = gyrobudget_run(kShort + "--json --require 'arw.rmse<0.5*crlb, coverage in 0.8..1'");
   EXPECT_EQ(broken.exit_code, 1);
-  const Json requirements = Json::parse(broken.out, nullptr, false)["requirements"];
+  const Json requirements = parsed<Json>(broken.out)["requirements"];
   ASSERT_EQ(requirements.size(), 4U);  // the first of arw, the second of each coefficient
   EXPECT_FALSE(requirements[0]["met"].get<bool>());
   EXPECT_GT(requirements[0]["value"].get<double>(), 0.5);
@@ -92,7 +91,7 @@ TEST(Accuracy, AnAccelerometerHasItsOwnUnits) {
   const Outcome run =
       gyrobudget_run("accuracy " + sensor + " --axis accelerometer --records 16 --duration 1h -q --json");
   ASSERT_EQ(run.exit_code, 0) << run.err;
-  const Json coefficients = Json::parse(run.out, nullptr, false)["methods"][0]["coefficients"];
+  const Json coefficients = parsed<Json>(run.out)["methods"][0]["coefficients"];
   EXPECT_NEAR(coefficients["vrw"]["truth"].get<double>(), 0.05, 1e-9);
   EXPECT_EQ(coefficients["bias_instability"]["unit"], "ug");
   EXPECT_EQ(coefficients["accel_rw"]["truth"], 0);
@@ -105,7 +104,7 @@ TEST(Accuracy, AnInterruptPrintsWhatIsDone) {
       "%P " + kMems + "--records 1000000 --duration 1h --methods gls --json & p=$!; sleep 1.5; kill -INT $p; wait $p");
   EXPECT_EQ(run.exit_code, 130);
   EXPECT_NE(run.err.find("interrupted: the result is that of the first"), std::string::npos) << run.err;
-  const Json json = Json::parse(run.out, nullptr, false);
+  const Json json = parsed<Json>(run.out);
   ASSERT_FALSE(json.is_discarded()) << run.out;
   EXPECT_FALSE(json["complete"].get<bool>());
   const int records = json["records"];
@@ -123,7 +122,7 @@ TEST(Accuracy, SweepHasEveryGroupOnTheSameRecords) {
                                      scratch.path("page.html"));
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_EQ(scratch.files(), 1U);
-  const Json json = Json::parse(run.out, nullptr, false);
+  const Json json = parsed<Json>(run.out);
   EXPECT_EQ(json["schema"], "gyrobudget.accuracy_sweep/1");
   std::map<std::string, int> rows;
   for (const Json& row : json["rows"]) {

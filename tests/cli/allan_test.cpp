@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <cstdint>
@@ -14,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "../json.h"
 #include "program.h"
 
 namespace gyrobudget::tests {
@@ -25,7 +25,7 @@ constexpr int kUsage = 2, kBadInput = 3, kInterrupted = 130;
 
 json json_of(const Outcome& run) {
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  return json::parse(run.out, nullptr, false);
+  return parsed<json>(run.out);
 }
 
 /// White noise of variance 1/12, the same on every machine.

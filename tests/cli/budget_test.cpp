@@ -2,8 +2,6 @@
 // gyrobudget budget: shipped scenes, tables, JSON, exit codes.
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <fstream>
@@ -11,6 +9,7 @@
 #include <sstream>
 #include <string>
 
+#include "../json.h"
 #include "program.h"
 
 namespace gyrobudget::tests {
@@ -26,7 +25,7 @@ Outcome budget(const std::string& scene, const std::string& options = "") {
 json budget_json(const std::string& scene, const std::string& options = "", int exit_code = 0) {
   const Outcome run = budget(scene, options + " --json");
   EXPECT_EQ(run.exit_code, exit_code) << scene << ": " << run.err;
-  return json::parse(run.out, nullptr, false);
+  return parsed<json>(run.out);
 }
 
 double rss(const json& found, const std::string& source) {
@@ -90,9 +89,8 @@ TEST(BudgetScenes, WhatTheNoiseOfTwoGyrosCostsAnAscent) {
   const Scratch scratch;
   const std::string scene = scratch.file("ascent.yaml", "name: ascent\nsite: alcantara\ntrajectory: ascent\n");
   const auto of = [&](const std::string& sensor) {
-    return json::parse(
-        gyrobudget_run("budget " + scene + " --keep-all --json --sensor " + kExamples + "/sensors/" + sensor).out,
-        nullptr, false);
+    return parsed<json>(
+        gyrobudget_run("budget " + scene + " --keep-all --json --sensor " + kExamples + "/sensors/" + sensor).out);
   };
   const json ifog = of("ifog.yaml"), mems = of("mems.yaml");
   EXPECT_GT(rss(ifog, "gyro.arw"), 0.045);
@@ -248,7 +246,7 @@ TEST(BudgetVerb, JsonIsAloneOnStdout) {
   const std::string page = scratch.path("budget.html");
   const Outcome run = budget("vlm1-ideal", "--json --report " + page);
   EXPECT_EQ(run.exit_code, 0);
-  EXPECT_FALSE(json::parse(run.out, nullptr, false).is_discarded());
+  EXPECT_FALSE(parsed<json>(run.out).is_discarded());
   EXPECT_NE(run.err.find("report page"), std::string::npos);
   std::ifstream in(page);
   EXPECT_TRUE(in.good());
@@ -308,7 +306,7 @@ TEST(BudgetVerb, ACutOffGyroIsNamedAndContradictsTheCovariance) {
   const std::string sensor = scratch.file("slow.yaml", "gyro: {arw: 0.1 deg/sqrt(h), range: 0.28 deg/s}\n");
   const std::string scene =
       scratch.file("slow-scene.yaml", "site: alcantara\ntrajectory: ascent\nsensor: " + sensor + "\n");
-  const json found = json::parse(gyrobudget_run("budget " + scene + " --runs 50 --rate 20 --json").out, nullptr, false);
+  const json found = parsed<json>(gyrobudget_run("budget " + scene + " --runs 50 --rate 20 --json").out);
   const json& mc = found["monte_carlo"];
   const auto& cut = mc["saturated_axes"]["gyro"];
   EXPECT_EQ(cut[0], 0);
@@ -339,8 +337,7 @@ TEST(BudgetVerb, LargeAnglesAreNamedAndContradictTheCovariance) {
   ASSERT_EQ(text.exit_code, 0) << text.err;
   EXPECT_NE(text.out.find("the attitude about up has a sigma of 40 deg"), std::string::npos) << text.out;
   EXPECT_NE(text.out.find("which does not hold"), std::string::npos) << text.out;
-  const json found =
-      json::parse(gyrobudget_run("budget " + scene + " --runs 400 --rate 20 --json").out, nullptr, false);
+  const json found = parsed<json>(gyrobudget_run("budget " + scene + " --runs 400 --rate 20 --json").out);
   const auto& against = found["monte_carlo"]["contradictions"];
   EXPECT_TRUE(std::ranges::any_of(against, [](const json& one) {
     return one.get<std::string>().starts_with("position up: ");
@@ -368,7 +365,7 @@ TEST(BudgetVerb, ASceneWithoutErrors) {
   const Scratch scratch;
   const Outcome run = gyrobudget_run("budget " + scratch.file("none.yaml", "trajectory: ascent\n") + " --json");
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  const json found = json::parse(run.out, nullptr, false);
+  const json found = parsed<json>(run.out);
   EXPECT_EQ(total(found), 0);
 }
 

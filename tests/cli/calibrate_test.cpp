@@ -2,11 +2,10 @@
 // calibrate on records that hold more than noise, and by every method.
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include <cmath>
 #include <string>
 
+#include "../json.h"
 #include "program.h"
 
 namespace gyrobudget::tests {
@@ -14,7 +13,7 @@ namespace {
 
 const std::string kMems = GYROBUDGET_EXAMPLES "/sensors/mems.yaml";
 
-nlohmann::json json_of(const Outcome& outcome) { return nlohmann::json::parse(outcome.out); }
+nlohmann::json json_of(const Outcome& outcome) { return parsed<nlohmann::json>(outcome.out); }
 
 // 2 h of the MEMS at 10 Hz with something added to the gyro by an awk expression of the sample's number i.
 class Spoilt {

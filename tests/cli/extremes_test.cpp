@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "../json.h"
 #include "program.h"
 
 namespace gyrobudget::tests {
@@ -51,7 +51,7 @@ Outcome run(const Numbers& x, const std::string& options = "") {
 
 // One JSON object whose numbers are all numbers. JSON has no NaN: it would be null where the schema promises a number.
 Json axis_of(const Outcome& outcome) {
-  const Json document = Json::parse(outcome.out, nullptr, false);
+  const Json document = parsed<Json>(outcome.out);
   EXPECT_FALSE(document.is_discarded()) << outcome.out << outcome.err;
   if (document.is_discarded()) return {};
   const Json axis = document["axes"][0];

@@ -2,14 +2,13 @@
 // gyrobudget fly: shipped scenes, JSON, the flight as CSV, faults, exit codes.
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include <cmath>
 #include <fstream>
 #include <regex>
 #include <sstream>
 #include <string>
 
+#include "../json.h"
 #include "program.h"
 
 namespace gyrobudget::tests {
@@ -24,7 +23,7 @@ json fly_json(const std::string& arguments, int exit_code = 0) {
   const Outcome run = gyrobudget_run("fly " + arguments + " --json");
   EXPECT_EQ(run.exit_code, exit_code) << arguments << ": " << run.err;
   EXPECT_FALSE(std::regex_search(run.out, std::regex("\\b(nan|inf)\\b"))) << arguments;
-  return json::parse(run.out, nullptr, false);
+  return parsed<json>(run.out);
 }
 
 // A scene that flies, with more keys of `flight:`.
@@ -65,8 +64,7 @@ TEST(FlyScenes, ThreeImusFromAlcantara) {
 
 TEST(FlyScenes, TheBudgetOfASceneIsThatOfItsFlight) {
   const json flown = fly_json(kScenes + "vlm1-mems.yaml");
-  const json budget =
-      json::parse(gyrobudget_run("budget " + kScenes + "vlm1-mems.yaml --keep-all --json").out, nullptr, false);
+  const json budget = parsed<json>(gyrobudget_run("budget " + kScenes + "vlm1-mems.yaml --keep-all --json").out);
   EXPECT_NEAR(
       flown["navigation_error"]["position_m"]["rss"].get<double>() / budget["total"]["position_m"]["rss"].get<double>(),
       1, 1e-6);
@@ -81,7 +79,7 @@ TEST(FlyVerb, MonteCarloIsSplitAndTheSameForAnyThreads) {
   };
   const Outcome one = run("1"), two = run("2");
   EXPECT_EQ(body(one), body(two));
-  const json found = json::parse(one.out, nullptr, false);
+  const json found = parsed<json>(one.out);
   EXPECT_EQ(found["runs"], 6);
   EXPECT_EQ(found["seed"], 9);
   for (const auto* cause : {"sensors", "vehicle", "all"}) {
@@ -119,7 +117,7 @@ TEST(FlyVerb, TheFlightAsCsvIsATrajectory) {
       scratch.file("along.yaml", "site: alcantara\ntrajectory: flight.csv\nsensor: " + kSensors + "mems.yaml\n") +
       " --json");
   EXPECT_EQ(budget.exit_code, 0) << budget.err;
-  EXPECT_EQ(json::parse(budget.out, nullptr, false)["at_s"], 20);
+  EXPECT_EQ(parsed<json>(budget.out)["at_s"], 20);
 }
 
 // Whatever fails, the flight ends with an account, exit code 1, and no number that is none.

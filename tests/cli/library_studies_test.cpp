@@ -10,12 +10,11 @@
 
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include <sstream>
 #include <string>
 #include <vector>
 
+#include "../json.h"
 #include "program.h"
 
 namespace gyrobudget::tests {
@@ -28,7 +27,7 @@ const std::string kScenes = GYROBUDGET_EXAMPLES "/scenes/";
 json printed(const std::string& arguments) {
   const Outcome run = gyrobudget_run(arguments + " --json");
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  return json::parse(run.out, nullptr, false);
+  return parsed<json>(run.out);
 }
 
 // All that one JSON has of numbers, with where they stand.
@@ -42,7 +41,7 @@ void gather(const json& from, const std::string& place, std::vector<std::pair<st
 void expect_the_same_numbers(const json& program, const std::string& library, std::size_t at_least) {
   std::vector<std::pair<std::string, double>> a, b;
   gather(program, "", a);
-  gather(json::parse(library), "", b);
+  gather(parsed<json>(library), "", b);
   EXPECT_GE(a.size(), at_least);
   EXPECT_EQ(a, b);
 }
@@ -63,7 +62,7 @@ TEST(LibraryStudies, BudgetPrintsBudgetStudy) {
     const Outcome run = gyrobudget_run(
         "budget " + path + " --rate 50 --exact --limit 'crossrange < 10 m' --runs 3 --each-source --seed 5 --json");
     EXPECT_EQ(run.exit_code, study.limit->met() ? 0 : 1) << name << run.err;
-    const json program = json::parse(run.out, nullptr, false);
+    const json program = parsed<json>(run.out);
     expect_the_same_numbers(program, report::budget_json({{.sensor = file.sensor, .study = study}}), 1000);
     // And not by way of the report: what the study itself has.
     EXPECT_EQ(program["total"]["position_m"]["rss"], study.axes.position_sigma(study.total(), budget::Component::rss));

@@ -9,12 +9,12 @@
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <string>
 #include <utility>
 
 #include "../estimation/calibration/records.h"
+#include "../json.h"
 #include "program.h"
 
 namespace gyrobudget::tests {
@@ -57,11 +57,11 @@ void expect_same(const std::string& path, const Options& options) {
   const allan::Record record = log::read_log({.path = path});
   const calibration::Datasheet sheet = calibration::calibrate(record, options.library);
   EXPECT_EQ(program.exit_code, sheet.is_complete() ? 0 : 1) << path << " " << options.words;
-  json printed = json::parse(program.out);
+  json printed = parsed<json>(program.out);
   for (std::size_t i = 0; i < sheet.axes.size(); ++i) expect_same_coefficients(printed["axes"][i], sheet.axes[i]);
   // And all the rest of it.
   const std::string command = printed["command"].get<std::string>();
-  json computed = json::parse(report::calibration_json(report::calibration_result(sheet, record.notes, command)));
+  json computed = parsed<json>(report::calibration_json(report::calibration_result(sheet, record.notes, command)));
   for (json* result : {&printed, &computed})
     for (json& axis : (*result)["axes"])
       if (axis["fit"].is_object()) axis["fit"].erase("seconds");

@@ -2,8 +2,6 @@
 // navigate: scenes on the command line, and recorded data against published results.
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -12,6 +10,7 @@
 #include <sstream>
 #include <string>
 
+#include "../json.h"
 #include "program.h"
 
 namespace gyrobudget::tests {
@@ -28,7 +27,7 @@ const std::string kExamples = GYROBUDGET_EXAMPLES;
 
 json json_of(const Outcome& run, int exit_code = 0) {
   EXPECT_EQ(run.exit_code, exit_code) << run.err;
-  return json::parse(run.out, nullptr, false);
+  return parsed<json>(run.out);
 }
 
 std::string read(const std::string& path) {

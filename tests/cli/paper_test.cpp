@@ -2,8 +2,6 @@
 // The verb paper: ours beside the published values, theory by numbers worked out elsewhere (closed forms in Python).
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include <cmath>
 #include <fstream>
 #include <map>
@@ -12,6 +10,7 @@
 #include <sstream>
 #include <string>
 
+#include "../json.h"
 #include "program.h"
 
 namespace gyrobudget::tests {
@@ -30,7 +29,7 @@ const Run& default_run() {
     const Outcome outcome = gyrobudget_run("paper --json -q --report " + scratch.path("page.html"));
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
     EXPECT_EQ(outcome.err, "");
-    Run result{nlohmann::json::parse(outcome.out, nullptr, false), {}, {}};
+    Run result{parsed<nlohmann::json>(outcome.out), {}, {}};
     for (const auto& row : result.json["rows"]) result.rows[row["id"]] = row;
     std::ostringstream text;
     text << std::ifstream(scratch.path("page.html")).rdbuf();
@@ -318,7 +317,7 @@ void page_is_whole_and_holds_the_table_for_readers_without_scripts() {
 
 void the_same_numbers_from_one_thread() {
   const Outcome one = gyrobudget_run("paper --json -q --seed 1 --threads 1");
-  const auto json = nlohmann::json::parse(one.out, nullptr, false);
+  const auto json = parsed<nlohmann::json>(one.out);
   EXPECT_EQ(json["rows"], default_run().json["rows"]);
   EXPECT_EQ(json["hypotheses"], default_run().json["hypotheses"]);
 }

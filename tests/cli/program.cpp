@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "../app/report/published_schemas.h"
+#include "../json.h"
 
 namespace gyrobudget::tests {
 namespace {
@@ -25,7 +26,7 @@ std::string contents(const std::string& path) {
 // Whatever a test looks at, other programs rely on all of it.
 void check_schema(const std::string& out) {
   if (!out.starts_with('{')) return;
-  const auto json = nlohmann::json::parse(out, nullptr, false);
+  const auto json = parsed<nlohmann::json>(out);
   const std::string name = json.is_object() && json.contains("schema") ? json["schema"].dump() : "";
   if (name.starts_with("\"gyrobudget.")) expect_schema(json);
 }

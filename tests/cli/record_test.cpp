@@ -3,12 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <string>
 #include <vector>
 
+#include "../json.h"
 #include "program.h"
 
 namespace gyrobudget::tests {
@@ -18,7 +18,7 @@ constexpr int kUsage = 2, kBadInput = 3;
 
 nlohmann::json json_of(const Outcome& run) {
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  return nlohmann::json::parse(run.out, nullptr, false);
+  return parsed<nlohmann::json>(run.out);
 }
 
 // --- Tables of deviations -------------------------------------------------------------------------------------------

@@ -2,10 +2,9 @@
 // calibrate with several records of one sensor type.
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include <string>
 
+#include "../json.h"
 #include "program.h"
 
 namespace gyrobudget::tests {
@@ -37,7 +36,7 @@ class Runs {
 nlohmann::json json_of(const std::string& arguments) {
   const auto outcome = gyrobudget_run("calibrate --json " + arguments);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-  return nlohmann::json::parse(outcome.out);
+  return parsed<nlohmann::json>(outcome.out);
 }
 
 TEST(Runs, OfOneSensorAgreeAndAreKnownBetterTogether) {

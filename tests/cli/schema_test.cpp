@@ -4,10 +4,9 @@
 #include <gtest/gtest-spi.h>
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include <string>
 
+#include "../json.h"
 #include "program.h"
 
 namespace gyrobudget::tests {
@@ -19,7 +18,7 @@ const std::string kSensors = GYROBUDGET_EXAMPLES "/sensors/";
 
 Json json_of(const Outcome& run, int exit_code = 0) {
   EXPECT_EQ(run.exit_code, exit_code) << run.err;
-  return Json::parse(run.out, nullptr, false);
+  return parsed<Json>(run.out);
 }
 
 TEST(SchemaOfOutputs, IsCheckedInEveryRun) {

@@ -2,11 +2,10 @@
 // calibrate --terms: Gauss-Markov processes, sinusoids, and terms chosen by the record.
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include <cmath>
 #include <string>
 
+#include "../json.h"
 #include "program.h"
 
 namespace gyrobudget::tests {
@@ -36,7 +35,7 @@ class Log {
   [[nodiscard]] nlohmann::json axis(const std::string& options) const {
     const auto outcome = calibrate("--json " + options);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
-    return nlohmann::json::parse(outcome.out)["axes"][0];
+    return parsed<nlohmann::json>(outcome.out)["axes"][0];
   }
 
  private:
@@ -150,7 +149,7 @@ TEST(Terms, WhiteNoiseAloneRarelyGetsAnother) {
               0);
   }
   int others = 0, axes = 0;
-  const auto document = nlohmann::json::parse(gyrobudget_run("calibrate --json --terms auto " + logs).out);
+  const auto document = parsed<nlohmann::json>(gyrobudget_run("calibrate --json --terms auto " + logs).out);
   for (const auto& run : document["runs"]) {
     for (const auto& axis : run["axes"]) {
       ++axes;
@@ -180,7 +179,7 @@ TEST(Terms, AGivenTimeAndFrequencyAreHeld) {
   const auto outcome = gyrobudget_run("calibrate --json --curve " + scratch.file("t.csv", table) +
                                       " --rate 10 --duration 40h --terms N,G=120s");
   ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  const auto of_table = nlohmann::json::parse(outcome.out)["axes"][0]["parameters"];
+  const auto of_table = parsed<nlohmann::json>(outcome.out)["axes"][0]["parameters"];
   EXPECT_NEAR(number(of_table, "arw", "value"), 1, 0.01);
   EXPECT_NEAR(number(of_table, "gauss_markov", "value"), 10, 0.1);
   EXPECT_NE(gyrobudget_run("calibrate x.csv --terms N,K=3s").err.find("G=120s"), std::string::npos);

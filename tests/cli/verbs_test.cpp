@@ -2,14 +2,13 @@
 // The verbs as a person or a script uses them.
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <string>
 
+#include "../json.h"
 #include "program.h"
 
 namespace gyrobudget::tests {
@@ -27,7 +26,7 @@ std::string read(const std::string& path) {
 
 nlohmann::json json_of(const Outcome& run, int exit_code = 0) {
   EXPECT_EQ(run.exit_code, exit_code) << run.err;
-  return nlohmann::json::parse(run.out, nullptr, false);
+  return parsed<nlohmann::json>(run.out);
 }
 
 TEST(Verbs, HelpOpensWithTwoLinesToCopy) {

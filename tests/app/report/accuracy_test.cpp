@@ -6,13 +6,12 @@
 
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include <cmath>
 #include <limits>
 #include <regex>
 #include <string>
 
+#include "../../json.h"
 #include "published_schemas.h"
 
 namespace gyrobudget::report {
@@ -102,13 +101,13 @@ TEST(Accuracy, NothingFinishedSaysSo) {
   AccuracyStudy none{.sensor = "gyro", .asked = 10};
   none.accuracy.samples = 36'000;
   EXPECT_TRUE(holds(accuracy_table(none), "No record was finished"));
-  tests::expect_schema(Json::parse(accuracy_json(none)));
-  EXPECT_EQ(Json::parse(accuracy_json(none))["methods"].size(), 0U);
+  tests::expect_schema(tests::parsed<Json>(accuracy_json(none)));
+  EXPECT_EQ(tests::parsed<Json>(accuracy_json(none))["methods"].size(), 0U);
   EXPECT_FALSE(accuracy_page(none).empty());
 }
 
 TEST(Accuracy, JsonHasEveryKeyAndNoNaN) {
-  const Json json = Json::parse(accuracy_json(study()));
+  const Json json = tests::parsed<Json>(accuracy_json(study()));
   tests::expect_schema(json);
   EXPECT_EQ(json["schema"], "gyrobudget.accuracy/1");
   EXPECT_EQ(json["records"], 4);
@@ -125,7 +124,7 @@ TEST(Accuracy, JsonHasEveryKeyAndNoNaN) {
 }
 
 TEST(Accuracy, PageDataCountEveryRecordOnce) {
-  const Json data = Json::parse(accuracy_data(study()));
+  const Json data = tests::parsed<Json>(accuracy_data(study()));
   ASSERT_EQ(data["estimates"].size(), 1U) << "B's truth is 0: there is no ratio";
   for (const Json& series : data["estimates"][0]["series"]) {
     int sum = series["zero"].get<int>() + series["outside"].get<int>();
@@ -145,7 +144,7 @@ TEST(Accuracy, SweepSaysWhichDefaultsFollow) {
                            "One tau an octave is the default", "a stride of m/16 gives N 1.002"}) {
     EXPECT_TRUE(holds(text, part)) << part << '\n' << text;
   }
-  const Json json = Json::parse(sweep_json(sweep()));
+  const Json json = tests::parsed<Json>(sweep_json(sweep()));
   tests::expect_schema(json);
   EXPECT_EQ(json["schema"], "gyrobudget.accuracy_sweep/1");
   EXPECT_EQ(json["rows"].size(), 5U);

@@ -7,14 +7,13 @@
 
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include <cmath>
 #include <limits>
 #include <regex>
 #include <sstream>
 #include <string>
 
+#include "../../json.h"
 #include "published_schemas.h"
 
 namespace gyrobudget::report {
@@ -103,9 +102,9 @@ TEST(BudgetReport, NotesSayWhatTheStudyFound) {
 }
 
 TEST(BudgetReport, JsonHasTheNumbersThatWentIn) {
-  const Json j = Json::parse(budget_json({full()}));
+  const Json j = tests::parsed<Json>(budget_json({full()}));
   tests::expect_schema(j);
-  tests::expect_schema(Json::parse(budget_json({empty()})));
+  tests::expect_schema(tests::parsed<Json>(budget_json({empty()})));
   EXPECT_EQ(j["schema"], "gyrobudget.budget/1");
   EXPECT_EQ(j["at_s"], 10);
   EXPECT_NEAR(j["total"]["position_m"]["rss"].get<double>(), 5 * std::sqrt(3), 1e-12);
@@ -135,11 +134,11 @@ TEST(BudgetReport, JsonHasTheNumbersThatWentIn) {
   bare.study.monte_carlo.reset();
   bare.study.limit.reset();
   bare.study.budget.claimed.clear();
-  const Json nothing = Json::parse(budget_json({bare}));
+  const Json nothing = tests::parsed<Json>(budget_json({bare}));
   tests::expect_schema(nothing);
   for (const auto* field : {"claimed", "limit", "monte_carlo"}) EXPECT_TRUE(nothing[field].is_null()) << field;
   EXPECT_TRUE(nothing["sources"][0]["exact_position_rss_m"].is_null());
-  EXPECT_EQ(Json::parse(budget_json({bare, bare}))["budgets"].size(), 2u);
+  EXPECT_EQ(tests::parsed<Json>(budget_json({bare, bare}))["budgets"].size(), 2u);
 }
 
 TEST(BudgetReport, TheTextIsNarrowAndHasNoHoles) {
@@ -169,7 +168,7 @@ TEST(BudgetReport, ThePageIsWholeAndLoadsNothing) {
     EXPECT_EQ(page.find("https://"), std::string::npos);
     const std::string open = "<script type=\"application/json\" id=\"data\">";
     const auto from = page.find(open) + open.size();
-    const Json data = Json::parse(page.substr(from, page.find("</script>", from) - from), nullptr, false);
+    const Json data = tests::parsed<Json>(page.substr(from, page.find("</script>", from) - from));
     ASSERT_FALSE(data.is_discarded());
     EXPECT_EQ(data["budgets"][0]["cloud"].size(), 2u);
   }

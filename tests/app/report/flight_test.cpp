@@ -9,13 +9,12 @@
 
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include <cmath>
 #include <regex>
 #include <sstream>
 #include <string>
 
+#include "../../json.h"
 #include "published_schemas.h"
 
 namespace gyrobudget::report {
@@ -112,7 +111,7 @@ std::vector<const FlightResult*> all() {
 }
 
 Json json(const FlightResult& r) {
-  Json object = Json::parse(flight_json({&r, 1}));
+  Json object = tests::parsed<Json>(flight_json({&r, 1}));
   tests::expect_schema(object);
   return object;
 }
@@ -121,7 +120,7 @@ std::string text(const FlightResult& r) { return flight_text({&r, 1}); }
 Json page_data_of(const std::string& page) {
   const std::string open = "<script type=\"application/json\" id=\"data\">";
   const auto from = page.find(open) + open.size();
-  return Json::parse(page.substr(from, page.find("</script>", from) - from), nullptr, false);
+  return tests::parsed<Json>(page.substr(from, page.find("</script>", from) - from));
 }
 
 }  // namespace
@@ -202,7 +201,7 @@ TEST(FlightReport, WhatIsNotThereIsNull) {
 
 TEST(FlightReport, SeveralSensorsAreAList) {
   const std::vector<FlightResult> two{without_runs(), ideal()};
-  const Json j = Json::parse(flight_json(two));
+  const Json j = tests::parsed<Json>(flight_json(two));
   EXPECT_EQ(j["schema"], "gyrobudget.flights/1");
   ASSERT_EQ(j["flights"].size(), 2U);
   EXPECT_EQ(j["flights"][0]["schema"], "gyrobudget.flight/1");

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "../../json.h"
+
 namespace gyrobudget::tests {
 namespace {
 
@@ -42,9 +44,9 @@ class Keyword : public testing::TestWithParam<Case> {};
 
 TEST_P(Keyword, AcceptsAndRejects) {
   const Case& one = GetParam();
-  const Json schema = Json::parse(one.schema), rejected = Json::parse(one.rejected);
+  const Json schema = parsed<Json>(one.schema), rejected = parsed<Json>(one.rejected);
   EXPECT_NE(schema.dump().find(std::string("\"") + one.keyword + "\""), std::string::npos);
-  for (const Violation& v : broken(schema, Json::parse(one.accepted))) ADD_FAILURE() << v.at << ": " << v.what;
+  for (const Violation& v : broken(schema, parsed<Json>(one.accepted))) ADD_FAILURE() << v.at << ": " << v.what;
   const auto violations = broken(schema, rejected);
   ASSERT_EQ(violations.size(), 1U) << one.rejected;
   EXPECT_EQ(violations[0].at, one.at);
@@ -91,26 +93,26 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"$ref", R"({"$ref": "#/$defs/n", "$defs": {"n": {"type": "number"}}})", "1", "\"\"", ""}));
 
 TEST(JsonSchema, DescriptionsAndAnEmptySchemaAcceptEverything) {
-  const Json schema = Json::parse(R"({"$schema": "x", "title": "x", "description": "x", "$defs": {"n": {}}})");
+  const Json schema = parsed<Json>(R"({"$schema": "x", "title": "x", "description": "x", "$defs": {"n": {}}})");
   for (const Json& value : {Json(nullptr), Json(1), Json("x"), Json::array({1}), Json{{"a", 1}}})
     EXPECT_TRUE(broken(schema, value).empty()) << value;
 }
 
 TEST(JsonSchema, WhatStandsBesideAReferenceHoldsToo) {
   const Json schema =
-      Json::parse(R"({"$ref": "#/$defs/n", "minimum": 2, "$defs": {"n": {"type": "number", "maximum": 3}}})");
+      parsed<Json>(R"({"$ref": "#/$defs/n", "minimum": 2, "$defs": {"n": {"type": "number", "maximum": 3}}})");
   EXPECT_TRUE(broken(schema, 2.5).empty());
   EXPECT_EQ(broken(schema, 1).size(), 1U);
   EXPECT_EQ(broken(schema, 4).size(), 1U);
 }
 
 TEST(JsonSchema, ReferencesLeadIntoOtherDocumentsAndOnFromThere) {
-  const JsonSchemas schemas({Json::parse(R"({"$id": "https://a.invalid/s/list.json", "items": {"$ref": "one.json"}})"),
-                             Json::parse(R"({"$id": "https://a.invalid/s/one.json", "properties":
+  const JsonSchemas schemas({parsed<Json>(R"({"$id": "https://a.invalid/s/list.json", "items": {"$ref": "one.json"}})"),
+                             parsed<Json>(R"({"$id": "https://a.invalid/s/one.json", "properties":
                                {"a": {"$ref": "parts.json#/$defs/big"}}})"),
-                             Json::parse(R"({"$id": "https://a.invalid/s/parts.json", "$defs":
+                             parsed<Json>(R"({"$id": "https://a.invalid/s/parts.json", "$defs":
                                {"big": {"$ref": "#/$defs/least"}, "least": {"minimum": 7}}})")});
-  const auto violations = schemas.violations(Json::parse(R"([{"a": 7}, {"a": 6}])"), "https://a.invalid/s/list.json");
+  const auto violations = schemas.violations(parsed<Json>(R"([{"a": 7}, {"a": 6}])"), "https://a.invalid/s/list.json");
   ASSERT_EQ(violations.size(), 1U);
   EXPECT_EQ(violations[0].at, "/1/a");
   EXPECT_EQ(violations[0].what, "minimum is 7, found 6.0");
@@ -118,18 +120,18 @@ TEST(JsonSchema, ReferencesLeadIntoOtherDocumentsAndOnFromThere) {
 
 TEST(JsonSchema, EveryViolationHasItsPlace) {
   const Json schema =
-      Json::parse(R"({"required": ["c"], "properties": {"a": {"type": "number"}, "b": {"items": {"minimum": 0}}}})");
+      parsed<Json>(R"({"required": ["c"], "properties": {"a": {"type": "number"}, "b": {"items": {"minimum": 0}}}})");
   std::vector<std::string> places;
-  for (const auto& v : broken(schema, Json::parse(R"({"a": "", "b": [1, -1, -2]})"))) places.push_back(v.at);
+  for (const auto& v : broken(schema, parsed<Json>(R"({"a": "", "b": [1, -1, -2]})"))) places.push_back(v.at);
   EXPECT_EQ(places, (std::vector<std::string>{"", "/a", "/b/1", "/b/2"}));
 }
 
 // "no form fits" would not help where the form that was meant is plain.
 TEST(JsonSchema, AnObjectOrNullSaysWhatIsWrongInTheObject) {
   const Json schema =
-      Json::parse(R"({"properties": {"a": {"anyOf": [{"type": "object", "required": ["b"]}, {"type": "null"}]}}})");
-  EXPECT_TRUE(broken(schema, Json::parse(R"({"a": null})")).empty());
-  const auto violations = broken(schema, Json::parse(R"({"a": {"c": 1}})"));
+      parsed<Json>(R"({"properties": {"a": {"anyOf": [{"type": "object", "required": ["b"]}, {"type": "null"}]}}})");
+  EXPECT_TRUE(broken(schema, parsed<Json>(R"({"a": null})")).empty());
+  const auto violations = broken(schema, parsed<Json>(R"({"a": {"c": 1}})"));
   ASSERT_EQ(violations.size(), 1U);
   EXPECT_EQ(violations[0].at, "/a");
   EXPECT_EQ(violations[0].what, "the key \"b\" is missing");
@@ -138,7 +140,7 @@ TEST(JsonSchema, AnObjectOrNullSaysWhatIsWrongInTheObject) {
 TEST(JsonSchema, RefusesWhatItDoesNotKnow) {
   const auto refusal = [](const char* schema) -> std::string {
     try {
-      const JsonSchemas schemas(Documents{with_id(Json::parse(schema))});
+      const JsonSchemas schemas(Documents{with_id(parsed<Json>(schema))});
     } catch (const std::invalid_argument& e) {
       return e.what();
     }

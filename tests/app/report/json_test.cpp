@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: MIT
 // The contract of the JSON that other programs read: keys, types, units, and when null is allowed.
+#include "../../json.h"
+
 #include "gyrobudget/app/report/report.h"
 
 #include <gtest/gtest.h>
-
-#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <limits>
@@ -44,7 +44,7 @@ void expect_record(const Json& document, std::int64_t samples, double rate, doub
 
 TEST(AllanJson, HasEveryFieldOfTheContract) {
   const LogResult result = fixtures::mems_curve_only();
-  const Json document = Json::parse(allan_json(result));
+  const Json document = tests::parsed<Json>(allan_json(result));
   EXPECT_EQ(document.at("schema"), "gyrobudget.allan/1");
   EXPECT_EQ(keys_of(document).front(), "schema");
   expect_record(document, 3600000, 100, 36000);
@@ -68,7 +68,7 @@ TEST(AllanJson, HasEveryFieldOfTheContract) {
 
 TEST(AllanJson, DeviationsAreInTheUnitItNames) {
   const LogResult result = fixtures::accelerometer();
-  const Json axis = Json::parse(allan_json(result)).at("axes").at(0);
+  const Json axis = tests::parsed<Json>(allan_json(result)).at("axes").at(0);
   EXPECT_EQ(axis.at("unit"), "ug");
   EXPECT_EQ(axis.at("si_unit"), "m/s^2");
   const double to_si = axis.at("si_per_unit");
@@ -82,7 +82,7 @@ TEST(AllanJson, DoublesSurviveTheRoundTrip) {
   result.rate_hz = 1.0 / 3;
   result.axes.front().points.front().tau_s = 0.1 + 0.2;
   result.axes.front().points.front().edf = std::numeric_limits<double>::denorm_min();
-  const Json document = Json::parse(allan_json(result));
+  const Json document = tests::parsed<Json>(allan_json(result));
   EXPECT_EQ(document.at("record").at("rate_hz").get<double>(), 1.0 / 3);
   EXPECT_EQ(document.at("axes").at(0).at("points").at(0).at("tau_s").get<double>(), 0.1 + 0.2);
   EXPECT_EQ(document.at("axes").at(0).at("points").at(0).at("edf").get<double>(),
@@ -100,7 +100,7 @@ const std::vector<std::string> kFitKeys = {"method",       "tau_min_s", "tau_max
                                            "worst_misfit", "verdict",   "converged", "iterations", "seconds"};
 
 TEST(CalibrationJson, HasEveryFieldOfTheContract) {
-  const Json document = Json::parse(calibration_json(fixtures::mems()));
+  const Json document = tests::parsed<Json>(calibration_json(fixtures::mems()));
   EXPECT_EQ(document.at("schema"), "gyrobudget.calibration/1");
   expect_record(document, 3600000, 100, 36000);
   const Json& axis = document.at("axes").at(0);
@@ -121,7 +121,7 @@ TEST(CalibrationJson, HasEveryFieldOfTheContract) {
 }
 
 TEST(CalibrationJson, GivesTheNumbersOfTheFit) {
-  const Json axis = Json::parse(calibration_json(fixtures::mems())).at("axes").at(0);
+  const Json axis = tests::parsed<Json>(calibration_json(fixtures::mems())).at("axes").at(0);
   const Json& parameters = axis.at("parameters");
   EXPECT_NEAR(parameters.at("arw").at("value").get<double>(), 0.15, 1e-15);
   EXPECT_NEAR(parameters.at("bias_instability").at("value").get<double>(), 0.70, 1e-14);
@@ -146,7 +146,8 @@ TEST(CalibrationJson, GivesTheNumbersOfTheFit) {
 }
 
 TEST(CalibrationJson, AccelerometersHaveTheirOwnKeys) {
-  const Json parameters = Json::parse(calibration_json(fixtures::accelerometer())).at("axes").at(0).at("parameters");
+  const Json parameters =
+      tests::parsed<Json>(calibration_json(fixtures::accelerometer())).at("axes").at(0).at("parameters");
   EXPECT_EQ(keys_of(parameters),
             (std::vector<std::string>{"vrw", "bias_instability", "accel_rw", "quantization", "rate_ramp"}));
   EXPECT_EQ(parameters.at("vrw").at("unit"), "m/s/sqrt(h)");
@@ -158,7 +159,7 @@ TEST(CalibrationJson, AccelerometersHaveTheirOwnKeys) {
 
 TEST(CalibrationJson, FittedCoefficientsAlwaysHaveNumbers) {
   for (const LogResult& result : {fixtures::mems(), fixtures::bounded(), fixtures::imu(), fixtures::not_described()}) {
-    const Json document = Json::parse(calibration_json(result));
+    const Json document = tests::parsed<Json>(calibration_json(result));
     for (const Json& axis : document.at("axes")) {
       for (const auto& [key, parameter] : axis.at("parameters").items()) {
         const bool fitted = parameter.at("fitted");
@@ -173,7 +174,7 @@ TEST(CalibrationJson, FittedCoefficientsAlwaysHaveNumbers) {
 }
 
 TEST(CalibrationJson, BoundsAreZeroWithAnUpperLimit) {
-  const Json parameters = Json::parse(calibration_json(fixtures::bounded())).at("axes").at(0).at("parameters");
+  const Json parameters = tests::parsed<Json>(calibration_json(fixtures::bounded())).at("axes").at(0).at("parameters");
   const Json& b = parameters.at("bias_instability");
   EXPECT_EQ(b.at("status"), "upper_bound");
   EXPECT_EQ(b.at("value"), 0.0);
@@ -190,8 +191,8 @@ TEST(CalibrationJson, AnUpperLimitThatWasNotFoundIsNull) {
   LogResult result = fixtures::mems();
   result.axes.front().fit->coefficients[1].upper = std::numeric_limits<double>::infinity();
   result.axes.front().fit->coefficients[1].lower = std::numeric_limits<double>::quiet_NaN();
-  tests::expect_schema(Json::parse(calibration_json(result)));
-  const Json arw = Json::parse(calibration_json(result)).at("axes").at(0).at("parameters").at("arw");
+  tests::expect_schema(tests::parsed<Json>(calibration_json(result)));
+  const Json arw = tests::parsed<Json>(calibration_json(result)).at("axes").at(0).at("parameters").at("arw");
   EXPECT_EQ(arw.at("lower"), 0.0);
   EXPECT_TRUE(arw.at("upper").is_null());
   EXPECT_TRUE(arw.at("si").at("upper").is_null());
@@ -204,23 +205,23 @@ TEST(CalibrationJson, WhatIsNotANumberIsNull) {
   fit.method = fit::Method::visual;
   fit.p_value = fit.chi2 = std::numeric_limits<double>::quiet_NaN();
   result.axes.front().points.front().upper = std::numeric_limits<double>::infinity();
-  const Json axis = Json::parse(calibration_json(result)).at("axes").at(0);
-  tests::expect_schema(Json::parse(calibration_json(result)));
-  tests::expect_schema(Json::parse(allan_json(result)));
+  const Json axis = tests::parsed<Json>(calibration_json(result)).at("axes").at(0);
+  tests::expect_schema(tests::parsed<Json>(calibration_json(result)));
+  tests::expect_schema(tests::parsed<Json>(allan_json(result)));
   EXPECT_EQ(axis.at("fit").at("method"), "visual");
   EXPECT_TRUE(axis.at("fit").at("p_value").is_null());
   EXPECT_TRUE(axis.at("fit").at("chi2").is_null());
-  EXPECT_TRUE(Json::parse(allan_json(result)).at("axes").at(0).at("points").at(0).at("upper").is_null());
+  EXPECT_TRUE(tests::parsed<Json>(allan_json(result)).at("axes").at(0).at("points").at(0).at("upper").is_null());
 }
 
 TEST(CalibrationJson, AnUntestedFitHasNoPValue) {
   LogResult result = fixtures::mems();
   result.axes.front().fit->dof = 0;
-  EXPECT_TRUE(Json::parse(calibration_json(result)).at("axes").at(0).at("fit").at("p_value").is_null());
+  EXPECT_TRUE(tests::parsed<Json>(calibration_json(result)).at("axes").at(0).at("fit").at("p_value").is_null());
 }
 
 TEST(CalibrationJson, NamesVerdictCutAndMoves) {
-  const Json described = Json::parse(calibration_json(fixtures::accelerometer())).at("axes").at(0).at("fit");
+  const Json described = tests::parsed<Json>(calibration_json(fixtures::accelerometer())).at("axes").at(0).at("fit");
   EXPECT_EQ(described.at("verdict"), "described_within");
   EXPECT_EQ(described.at("worst_misfit"), 0.031);
   ASSERT_EQ(described.at("moved").size(), 3U);
@@ -228,13 +229,14 @@ TEST(CalibrationJson, NamesVerdictCutAndMoves) {
   EXPECT_NEAR(described.at("moved").at(0).at("from").get<double>(), 0.0203, 1e-16);
   EXPECT_EQ(described.at("residuals").at(2).at("used"), false);
   EXPECT_EQ(described.at("residuals").at(3).at("used"), true);
-  const Json not_described = Json::parse(calibration_json(fixtures::not_described())).at("axes").at(0).at("fit");
+  const Json not_described =
+      tests::parsed<Json>(calibration_json(fixtures::not_described())).at("axes").at(0).at("fit");
   EXPECT_EQ(not_described.at("verdict"), "not_described");
   EXPECT_EQ(not_described.at("p_value"), 0.0);
 }
 
 TEST(CalibrationJson, WorksWithoutAFit) {
-  const Json axis = Json::parse(calibration_json(fixtures::mems_curve_only())).at("axes").at(0);
+  const Json axis = tests::parsed<Json>(calibration_json(fixtures::mems_curve_only())).at("axes").at(0);
   EXPECT_EQ(axis.at("parameters"), Json::object());
   EXPECT_TRUE(axis.at("fit").is_null());
   EXPECT_TRUE(axis.at("minimum").is_null());
@@ -242,7 +244,7 @@ TEST(CalibrationJson, WorksWithoutAFit) {
 
 TEST(Json, NamesOfAnyBytesAreText) {
   const LogResult result = fixtures::hostile_names();
-  const Json document = Json::parse(calibration_json(result));
+  const Json document = tests::parsed<Json>(calibration_json(result));
   EXPECT_EQ(document.at("source"), result.source);
   EXPECT_EQ(document.at("axes").at(0).at("name"), result.axes.front().name);
   const std::string note = document.at("notes").at(0);

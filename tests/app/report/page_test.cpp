@@ -5,12 +5,11 @@
 
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include <regex>
 #include <set>
 #include <string>
 
+#include "../../json.h"
 #include "fixtures.h"
 
 namespace gyrobudget::report {
@@ -30,7 +29,7 @@ std::string between(const std::string& text, const std::string& open, const std:
 }
 
 Json data_of(const std::string& page) {
-  return Json::parse(between(page, "<script type=\"application/json\" id=\"data\">", "</script>"));
+  return tests::parsed<Json>(between(page, "<script type=\"application/json\" id=\"data\">", "</script>"));
 }
 
 /// Everything that makes a browser fetch something.

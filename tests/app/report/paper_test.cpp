@@ -7,12 +7,11 @@
 
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include <regex>
 #include <sstream>
 #include <string>
 
+#include "../../json.h"
 #include "fixtures.h"
 #include "published_schemas.h"
 
@@ -108,7 +107,7 @@ TEST(Paper, TableSetsOursBesideThePublishedWithItsReason) {
 }
 
 TEST(Paper, JsonHasTheKeysThatAreKnown) {
-  const Json json = Json::parse(paper_json(small_study()));
+  const Json json = tests::parsed<Json>(paper_json(small_study()));
   tests::expect_schema(json);
   EXPECT_EQ(json["schema"], "gyrobudget.paper/1");
   EXPECT_EQ(json["seed"], 42);
@@ -130,7 +129,7 @@ TEST(Paper, HypothesesStandBesideThePublishedDistances) {
        {"published   0.200   4.66  5.92", "per_second      0  0.145  lost", "25.3",
         "deg/h taken for deg/s. It comes down.", "no air. Nothing pushes back.", "They are no noise."})
     EXPECT_NE(text.find(part), std::string::npos) << part << '\n' << text;
-  const Json json = Json::parse(paper_json(small_study()));
+  const Json json = tests::parsed<Json>(paper_json(small_study()));
   const Json& h = json["hypotheses"][0];
   EXPECT_EQ(h["published"]["mems"], 5.92);
   EXPECT_EQ(h["ours"]["ifog"], 0.145);
@@ -143,11 +142,11 @@ TEST(Paper, HypothesesStandBesideThePublishedDistances) {
   Paper noise_alone = small_study();
   noise_alone.flight = {};
   EXPECT_EQ(paper_table(noise_alone).find("it takes"), std::string::npos);
-  EXPECT_TRUE(Json::parse(paper_json(noise_alone))["hypotheses"].empty());
+  EXPECT_TRUE(tests::parsed<Json>(paper_json(noise_alone))["hypotheses"].empty());
 }
 
 TEST(Paper, PageHasThePathsInKilometresAndDegrees) {
-  const Json flight = Json::parse(paper_data(small_study()))["flight"];
+  const Json flight = tests::parsed<Json>(paper_data(small_study()))["flight"];
   ASSERT_EQ(flight["paths"].size(), 6U);
   const Json& mems = flight["paths"][3];
   EXPECT_EQ(mems["id"], "mems");
@@ -164,7 +163,7 @@ TEST(Paper, PageIsWholeAndItsDataCannotCloseTheScript) {
   std::size_t scripts = 0;
   for (std::size_t at = 0; (at = page.find("</script>", at)) != std::string::npos; ++at) ++scripts;
   EXPECT_EQ(scripts, 3U);
-  const Json data = Json::parse(paper_data(small_study()));
+  const Json data = tests::parsed<Json>(paper_data(small_study()));
   EXPECT_EQ(data["paper"]["command"], "gyrobudget paper </script>");
   EXPECT_EQ(data["axes"][0]["curves"]["exact"].size(), data["allan"]["axes"][0]["points"].size());
   EXPECT_EQ(data["axes"][0]["curves"]["marks"].size(), 3U);

@@ -8,6 +8,8 @@
 #include <fstream>
 #include <vector>
 
+#include "../../json.h"
+
 namespace gyrobudget::tests {
 namespace {
 
@@ -29,7 +31,7 @@ const JsonSchemas& published_schemas() {
     std::vector<Json> documents;
     for (const auto& path : files()) {
       std::ifstream in(path);
-      documents.push_back(Json::parse(in));
+      documents.push_back(parsed<Json>(in));
     }
     return JsonSchemas(documents);
   }();

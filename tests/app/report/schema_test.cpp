@@ -11,8 +11,6 @@
 
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -23,6 +21,7 @@
 #include <string>
 #include <vector>
 
+#include "../../json.h"
 #include "fixtures.h"
 #include "published_schemas.h"
 
@@ -129,7 +128,7 @@ TEST(Schemas, EveryOneIsUsed) {
   std::set<std::string> used;
   for (const auto& [name, json] : every_object()) {
     SCOPED_TRACE(name);
-    const Json object = Json::parse(json);
+    const Json object = tests::parsed<Json>(json);
     EXPECT_EQ(object["schema"], name);
     tests::expect_schema(object);
     used.insert(name);
@@ -153,10 +152,10 @@ TEST(Schemas, HoldForResultsOfEveryKind) {
   for (const LogResult& result : {fixtures::mems(), fixtures::not_described(), fixtures::accelerometer(),
                                   fixtures::bounded(), fixtures::imu(), fixtures::hostile_names()}) {
     SCOPED_TRACE(result.source);
-    tests::expect_schema(Json::parse(calibration_json(result)));
-    tests::expect_schema(Json::parse(allan_json(result)));
+    tests::expect_schema(tests::parsed<Json>(calibration_json(result)));
+    tests::expect_schema(tests::parsed<Json>(allan_json(result)));
   }
-  tests::expect_schema(Json::parse(calibration_json(fixtures::mems_curve_only())));  // no fit
+  tests::expect_schema(tests::parsed<Json>(calibration_json(fixtures::mems_curve_only())));  // no fit
 }
 
 // Whatever key is lost, added or given another type, the schemas see it: none of their parts is loose.
@@ -164,7 +163,7 @@ TEST(Schemas, SeeEveryChange) {
   const auto& schemas = tests::published_schemas();
   for (const auto& [name, json] : every_object()) {
     SCOPED_TRACE(name);
-    const Json object = Json::parse(json);
+    const Json object = tests::parsed<Json>(json);
     const auto rejected = [&, id = tests::schema_id(name)](const Json& changed) {
       return !schemas.violations(changed, id).empty();
     };
@@ -195,7 +194,7 @@ TEST(Schemas, UseEveryDefinition) {
   for (const auto& entry : std::filesystem::directory_iterator(GYROBUDGET_SCHEMAS)) {
     const std::string file = entry.path().filename().string();
     std::ifstream in(entry.path());
-    const Json document = Json::parse(in);
+    const Json document = tests::parsed<Json>(in);
     const Json definitions = document.value("$defs", Json::object()), flat = document.flatten();
     for (const auto& [key, value] : definitions.items()) defined.insert(file + "#/$defs/" + key);
     for (const auto& [pointer, value] : flat.items()) {
@@ -214,7 +213,7 @@ TEST(Schemas, DescribeEveryField) {
   for (const auto& entry : std::filesystem::directory_iterator(GYROBUDGET_SCHEMAS)) {
     SCOPED_TRACE(entry.path().filename());
     std::ifstream in(entry.path());
-    const Json document = Json::parse(in);
+    const Json document = tests::parsed<Json>(in);
     const auto described = [&](const Json& field) {
       const std::string text = field.value("description", field.contains("$ref") ? "This is there." : "");
       return text.size() > 2 && text.ends_with('.') && text.find(' ') != std::string::npos;

@@ -7,12 +7,11 @@
 
 #include <gtest/gtest.h>
 
-#include <nlohmann/json.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <string>
 
+#include "../../json.h"
 #include "fixtures.h"
 #include "published_schemas.h"
 
@@ -61,7 +60,7 @@ TEST(TermsReport, AGaussMarkovProcessStandsWithItsCorrelationTime) {
   EXPECT_TRUE(has(text, "G  Gauss-Markov noise")) << text;
   EXPECT_TRUE(has(text, "correlation time")) << text;
   EXPECT_TRUE(has(text, "200 to 500")) << text;
-  const auto json = nlohmann::json::parse(report::calibration_json(result));
+  const auto json = tests::parsed<nlohmann::json>(report::calibration_json(result));
   tests::expect_schema(json);
   const auto& g = json["axes"][0]["parameters"]["gauss_markov"];
   EXPECT_NEAR(g["value"].get<double>(), 2, 1e-12);
@@ -94,12 +93,12 @@ TEST(TermsReport, WhatWasWeighedAndTheOtherModelAreListed) {
        {"Terms chosen by likelihood ratios: N, B and K.", "weighed:", "rate random walk (K) beside N: adds 812 to ln L",
         "not needed", "The record cannot tell N, B and K from N, K and G", "The other model, N, K and G:"})
     EXPECT_TRUE(has(text, part)) << part << text;
-  tests::expect_schema(nlohmann::json::parse(report::calibration_json(result)));
-  const auto fit = nlohmann::json::parse(report::calibration_json(result))["axes"][0]["fit"];
+  tests::expect_schema(tests::parsed<nlohmann::json>(report::calibration_json(result)));
+  const auto fit = tests::parsed<nlohmann::json>(report::calibration_json(result))["axes"][0]["fit"];
   EXPECT_EQ(fit["chosen"], nlohmann::json({"arw", "bias_instability", "rrw"}));
   EXPECT_EQ(fit["weighed"][0]["candidate"], "rrw");
   EXPECT_EQ(fit["alternative"]["parameters"]["gauss_markov"]["correlation_time_s"], 300);
-  const auto page = nlohmann::json::parse(report::page_data(result));
+  const auto page = tests::parsed<nlohmann::json>(report::page_data(result));
   EXPECT_EQ(page["axes"][0]["words"]["weighed"].size(), 2U);
   EXPECT_EQ(page["axes"][0]["other_rows"].back()["shape"]["label"], "correlation time");
   EXPECT_FALSE(has(report::datasheet(fixtures::mems()), "weighed"));
@@ -117,7 +116,7 @@ TEST(TermsReport, RecordsStandSideBySideUnderTheirCombinedValues) {
   for (const std::string part :
        {"2 records of one sensor type", "a.csv", "b .csv", "they DIFFER (p = 0.010)", "Not taken"})
     EXPECT_TRUE(has(text, part)) << part << text;
-  const auto json = nlohmann::json::parse(report::runs_json(runs));
+  const auto json = tests::parsed<nlohmann::json>(report::runs_json(runs));
   tests::expect_schema(json);
   EXPECT_EQ(json["runs"].size(), 2U);
   const auto& arw = json["combined"][0]["parameters"]["arw"];
