@@ -9,8 +9,8 @@
 
 namespace gyrobudget::tests {
 
-/// The text as nlohmann::json, keys sorted, or nlohmann::ordered_json, keys as they stand; what is no JSON becomes a value
-/// that is_discarded().
+/// The text as nlohmann::json, keys sorted, or nlohmann::ordered_json, keys as they stand; what is no JSON becomes a
+/// value that is_discarded().
 template <class Json>
 [[nodiscard]] Json parsed(std::string_view text);
 extern template nlohmann::json parsed(std::string_view text);

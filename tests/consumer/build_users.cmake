@@ -9,5 +9,5 @@ endfunction()
 file(REMOVE_RECURSE ${WORK})
 must(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/prefix)
 must(${CMAKE_COMMAND} -S ${SOURCE} -B ${WORK}/build -G Ninja -DCMAKE_PREFIX_PATH=${WORK}/prefix
-     "-DUSERS=${USERS}" "-DINSTALLED=${INSTALLED}" -DEXAMPLES=${EXAMPLES})
+     -DUSERS=${USERS} -DINSTALLED=${INSTALLED} -DEXAMPLES=${EXAMPLES})
 must(${CMAKE_COMMAND} --build ${WORK}/build)

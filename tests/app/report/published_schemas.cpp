@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <vector>
 
 #include "../../json.h"
@@ -31,7 +32,8 @@ const JsonSchemas& published_schemas() {
     std::vector<Json> documents;
     for (const auto& path : files()) {
       std::ifstream in(path);
-      documents.push_back(parsed<Json>(in));
+      const std::string text{std::istreambuf_iterator<char>(in), {}};
+      documents.push_back(parsed<Json>(text));
     }
     return JsonSchemas(documents);
   }();

@@ -194,7 +194,7 @@ TEST(Schemas, UseEveryDefinition) {
   for (const auto& entry : std::filesystem::directory_iterator(GYROBUDGET_SCHEMAS)) {
     const std::string file = entry.path().filename().string();
     std::ifstream in(entry.path());
-    const Json document = tests::parsed<Json>(in);
+    const Json document = tests::parsed<Json>(std::string{std::istreambuf_iterator<char>(in), {}});
     const Json definitions = document.value("$defs", Json::object()), flat = document.flatten();
     for (const auto& [key, value] : definitions.items()) defined.insert(file + "#/$defs/" + key);
     for (const auto& [pointer, value] : flat.items()) {
@@ -213,7 +213,7 @@ TEST(Schemas, DescribeEveryField) {
   for (const auto& entry : std::filesystem::directory_iterator(GYROBUDGET_SCHEMAS)) {
     SCOPED_TRACE(entry.path().filename());
     std::ifstream in(entry.path());
-    const Json document = tests::parsed<Json>(in);
+    const Json document = tests::parsed<Json>(std::string{std::istreambuf_iterator<char>(in), {}});
     const auto described = [&](const Json& field) {
       const std::string text = field.value("description", field.contains("$ref") ? "This is there." : "");
       return text.size() > 2 && text.ends_with('.') && text.find(' ') != std::string::npos;
