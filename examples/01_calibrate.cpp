@@ -4,8 +4,9 @@
 #include <gyrobudget/estimation/calibration/calibrate.h>
 
 #include <cstdio>
+#include <exception>
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   using namespace gyrobudget;
   if (argc != 2) return std::fputs("usage: example_calibrate imu.csv\n", stderr), 2;
   const auto sheet = calibration::calibrate(log::read_log({.path = argv[1]}));
@@ -20,4 +21,6 @@ int main(int argc, char** argv) {
                     text(c.upper).c_str());
     }
   }
+} catch (const std::exception& error) {  // says where, what was found, what was expected, and how to mend it
+  return std::fprintf(stderr, "%s\n", error.what()), 3;
 }

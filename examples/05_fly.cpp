@@ -4,8 +4,9 @@
 #include <gyrobudget/estimation/closed_loop/study.h>
 
 #include <cstdio>
+#include <exception>
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   using namespace gyrobudget;
   if (argc != 2) return std::fputs("usage: example_fly vlm1-mems.yaml\n", stderr), 2;
   const files::SceneFile scene = files::read_scene(argv[1]);
@@ -17,4 +18,6 @@ int main(int argc, char** argv) {
   const Eigen::Vector3d sigma = study.sensors.spread(&closed_loop::Outcome::position).sigma();
   std::printf("its sensors disperse it by %.1f m downrange, %.1f m crossrange, %.1f m up\n", sigma.x(), sigma.y(),
               sigma.z());
+} catch (const std::exception& error) {  // says where, what was found, what was expected, and how to mend it
+  return std::fprintf(stderr, "%s\n", error.what()), 3;
 }
