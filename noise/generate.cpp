@@ -124,6 +124,32 @@ class WhiteSource final : public SampleSource {
   Normals normals_;
 };
 
+class FilteredWhiteSource final : public SampleSource {
+ public:
+  FilteredWhiteSource(const FilteredWhite& p, double dt, StreamKey key)
+      : sigma_(p.n * std::sqrt((1 - p.front_end.floor) / dt)),
+        behind_(p.n * std::sqrt(p.front_end.floor / dt)),
+        normals_(key),
+        filter_(SampledFrontEnd(p.front_end, dt)) {
+    skip(static_cast<std::uint64_t>(SampledFrontEnd(p.front_end, dt).settling()));  // stationary from the start
+  }
+  void add_next(std::span<double> out) override {
+    const auto u = normals_.next(out.size());
+    std::array<double, kTile> filtered;
+    for (std::size_t i = 0; i < out.size(); ++i) filtered[i] = sigma_ * u[i];
+    filter_(std::span(filtered).first(out.size()));
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] += filtered[i];
+    if (behind_ == 0) return;
+    const auto v = normals_.next(out.size());
+    for (std::size_t i = 0; i < out.size(); ++i) out[i] += behind_ * v[i];
+  }
+
+ private:
+  double sigma_, behind_;
+  Normals normals_;
+  FrontEndFilter filter_;
+};
+
 class QuantizationSource final : public SampleSource {
  public:
   QuantizationSource(const Quantization& p, double dt, StreamKey key)
@@ -292,6 +318,7 @@ std::unique_ptr<SampleSource> make_source(const Process& process, double dt, Str
       [&](const auto& p) -> std::unique_ptr<SampleSource> {
         using P = std::decay_t<decltype(p)>;
         if constexpr (std::is_same_v<P, White>) return std::make_unique<WhiteSource>(p, dt, key);
+        if constexpr (std::is_same_v<P, FilteredWhite>) return std::make_unique<FilteredWhiteSource>(p, dt, key);
         if constexpr (std::is_same_v<P, Quantization>) return std::make_unique<QuantizationSource>(p, dt, key);
         if constexpr (std::is_same_v<P, RateRandomWalk>) return std::make_unique<WalkSource>(p, dt, key);
         if constexpr (std::is_same_v<P, GaussMarkov>) return std::make_unique<GaussMarkovSource>(p, dt, key);

@@ -71,6 +71,27 @@ double allan_of(const White& p, double m, double dt) { return square(p.n) / (m *
 double structure_of(const White& p, double lag, double dt) { return lag == 0 ? 0 : 2 * square(p.n) / dt; }
 double phase_of(const White& p, double lag, double dt) { return -0.5 * square(p.n) * dt * lag; }
 
+// --- White behind a filter --------------------------------------------------------------------------------- --------
+
+double psd_of(const FilteredWhite& p, double f, double dt) {
+  return square(p.n) * SampledFrontEnd(p.front_end, dt).power_gain(f * dt);
+}
+double allan_of(const FilteredWhite& p, double m, double dt) {
+  const SampledFrontEnd filter(p.front_end, dt);
+  const double memory = 6 * filter.memory(0) - 8 * filter.memory(m) + 2 * filter.memory(2 * m);
+  return square(p.n) / (m * dt) * (1 + memory / (2 * m));
+}
+double structure_of(const FilteredWhite& p, double lag, double dt) {
+  if (lag == 0) return 0;
+  const SampledFrontEnd filter(p.front_end, dt);
+  const double variance = 1 - 2 * (filter.memory(1) - filter.memory(0));
+  const double shared = -(filter.memory(lag + 1) - 2 * filter.memory(lag) + filter.memory(lag - 1));
+  return 2 * square(p.n) / dt * (variance - shared);
+}
+double phase_of(const FilteredWhite& p, double lag, double dt) {
+  return square(p.n) * dt * (SampledFrontEnd(p.front_end, dt).memory(lag) - 0.5 * lag);
+}
+
 // --- Flicker ----------------------------------------------------------------------------------------------- --------
 
 double psd_of(const Flicker& p, double f, double dt) { return square(p.b) * dt / (2 * std::sin(pi * f * dt)); }
@@ -190,12 +211,13 @@ double& scale(RateRandomWalk& p) { return p.k; }
 double& scale(RateRamp& p) { return p.r; }
 double& scale(GaussMarkov& p) { return p.sigma; }
 double& scale(Sinusoid& p) { return p.amplitude; }
+double& scale(FilteredWhite& p) { return p.n; }
 
 }  // namespace
 
 Term term(const Process& process) {
-  constexpr Term kTerms[] = {Term::quantization, Term::white,        Term::flicker, Term::rate_random_walk,
-                             Term::rate_ramp,    Term::gauss_markov, Term::sinusoid};
+  constexpr Term kTerms[] = {Term::quantization, Term::white,        Term::flicker,  Term::rate_random_walk,
+                             Term::rate_ramp,    Term::gauss_markov, Term::sinusoid, Term::white};
   static_assert(std::size(kTerms) == std::variant_size_v<Process>);
   return kTerms[process.index()];
 }

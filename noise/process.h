@@ -5,6 +5,8 @@
 #include <span>
 #include <variant>
 
+#include "front_end.h"
+
 namespace gyrobudget::inline v0::noise {
 
 /// The noise terms of IEEE Std 952, by the letters that options and files use.
@@ -30,6 +32,11 @@ struct Quantization {
 /// N [rad/sqrt(s)], angle random walk. S(f) = N^2.
 struct White {
   double n = 0;
+};
+/// White noise behind a sensor's low pass: N^2 is the density at frequencies that pass. S(f) = N^2 |H(f)|^2.
+struct FilteredWhite {
+  double n = 0;
+  FrontEnd front_end;
 };
 /// B [rad/s], bias instability. S(f) = B^2 / (2 pi f). The flat of the Allan deviation is sqrt(2 ln2 / pi) B
 /// = 0.664 B.
@@ -57,9 +64,10 @@ struct Sinusoid {
   double phase = 0;
 };
 
-using Process = std::variant<Quantization, White, Flicker, RateRandomWalk, RateRamp, GaussMarkov, Sinusoid>;
+using Process =
+    std::variant<Quantization, White, Flicker, RateRandomWalk, RateRamp, GaussMarkov, Sinusoid, FilteredWhite>;
 
-[[nodiscard]] Term term(const Process& process);
+[[nodiscard]] Term term(const Process& process);  ///< of filtered white noise N
 /// The coefficient that scales the process (Q, N, B, K, R, sigma or A); all second moments go with its
 /// square.
 [[nodiscard]] double coefficient(const Process& process);
@@ -74,7 +82,7 @@ using Process = std::variant<Quantization, White, Flicker, RateRandomWalk, RateR
 //
 //   term  samples y_k (u, w: independent standard normal)   S(f) sampled, s = sin(pi f dt)
 //   Q     Q (u_k - u_{k-1}) / dt                            4 Q^2 s^2 / dt
-//   N     N u_k / sqrt(dt)                                  N^2
+//   N     N u_k / sqrt(dt)                                  N^2, filtered N^2 |H(f)|^2 (front_end.h)
 //   B     (1 - z^-1)^(-1/2) B w_k  (Kasdin 1995)            B^2 dt / (2 s)
 //   K     y_{k-1} + K sqrt(dt) u_k                          K^2 dt^2 / (4 s^2)
 //   R     R k dt                                            0
@@ -110,7 +118,7 @@ using Process = std::variant<Quantization, White, Flicker, RateRandomWalk, RateR
 /// of second order in time has covariance sum_ij c_i c_j R(t_i - t_j). Units rad^2. With dt = 1:
 ///
 ///   Q  Q^2 where |h| < 1/2, else 0
-///   N  -N^2 |h| / 2
+///   N  -N^2 |h| / 2, filtered N^2 (memory(|h|) - |h| / 2)
 ///   B  B^2/(4 pi) (4 h^2 - 1) h_|h|,  h_n = (psi(n + 1/2) - psi(1/2)) / 2
 ///   K  K^2 (|h|^3 - |h|) / 12
 ///   R  0: a trend is a mean, not a covariance

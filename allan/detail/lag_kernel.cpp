@@ -43,6 +43,17 @@ void kernel(const noise::White&, const Lengths& l, std::span<const double> u, st
   fill(u, c, [&, scale = -l.scale / l.dt](double lag) { return scale * across(l, lag, inner); });
 }
 
+// --- White behind a filter: R/dt^2 = (memory(|h|) - |h| / 2) / dt ---
+
+void kernel(const noise::FilteredWhite& process, const Lengths& l, std::span<const double> u, std::span<double> c) {
+  const noise::SampledFrontEnd filter(process.front_end, l.dt);
+  const auto inner = [&](double x) {
+    const double memory = filter.memory(x + l.m1) - 2 * filter.memory(x) + filter.memory(std::abs(x - l.m1));
+    return memory - std::max(0., l.m1 - x);
+  };
+  fill(u, c, [&, scale = l.scale / l.dt](double lag) { return scale * across(l, lag, inner); });
+}
+
 // --- Random walk: R/dt^2 = dt (|h|^3 - |h|) / 12, so that inner = dt (m1^2 x / 2 + (w^3 - w) / 6) ---
 
 void kernel(const noise::RateRandomWalk&, const Lengths& l, std::span<const double> u, std::span<double> c) {

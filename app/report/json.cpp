@@ -306,6 +306,19 @@ void add_choice(Json& fit, const AxisResult& axis) {
                         {"text", alternative_text(axis)}};
 }
 
+/// The low pass between the noise and the samples; null where none is known.
+Json front_end(const fit::Result& fit) {
+  if (!fit.front_end) return nullptr;
+  const fit::FittedFrontEnd& f = *fit.front_end;
+  return {{"kind", f.kind ? Json(noise::name(*f.kind)) : Json("unknown")},
+          {"bandwidth_hz", f.bandwidth},
+          {"lower_hz", f.lower},
+          {"upper_hz", f.upper},
+          {"fitted", f.fitted},
+          {"floor", f.floor},
+          {"text", front_end_text(fit)}};
+}
+
 Json fit_summary(const AxisResult& axis) {
   const fit::Result& fit = *axis.fit;
   const auto if_tested = [&](double value) { return is_tested(fit) ? Json(value) : Json(nullptr); };
@@ -322,6 +335,7 @@ Json fit_summary(const AxisResult& axis) {
               {"converged", fit.converged},
               {"iterations", fit.iterations},
               {"seconds", fit.seconds},
+              {"front_end", front_end(fit)},
               {"moved", moves(axis)},
               {"covariance", covariance(axis)},
               {"residuals", residuals(axis)}};
@@ -509,15 +523,11 @@ Json curves(const AxisResult& axis, double rate_hz) {
 
 Json words(const AxisResult& axis, double rate_hz) {
   const fit::Result& fit = *axis.fit;
-  return {{"headline", verdict_headline(fit)},
-          {"quotable", is_quotable(fit)},
-          {"verdict", verdict_text(fit)},
-          {"consequence", consequence_text(axis)},
-          {"minimum", minimum_text(axis, rate_hz)},
-          {"beta", beta_text(fit)},
-          {"cut", cut_text(axis)},
-          {"selection", selection_text(axis)},
-          {"weighed", weighed_texts(axis)},
+  return {{"headline", verdict_headline(fit)},      {"quotable", is_quotable(fit)},
+          {"verdict", verdict_text(fit)},           {"consequence", consequence_text(axis)},
+          {"minimum", minimum_text(axis, rate_hz)}, {"beta", beta_text(fit)},
+          {"front_end", front_end_text(fit)},       {"cut", cut_text(axis)},
+          {"selection", selection_text(axis)},      {"weighed", weighed_texts(axis)},
           {"alternative", alternative_text(axis)}};
 }
 

@@ -326,6 +326,7 @@
       keepUpdated(other, () => coefficientTable(axis.other_rows));
     }
     if (axis.words) {
+      if (axis.words.front_end) block("What stands before the samples", ...paragraphs(axis.words.front_end));
       block("Why makers quote another \u201cbias instability\u201d", ...paragraphs(axis.words.minimum, axis.words.beta));
       block("What was left out of the fit", ...paragraphs(axis.words.cut));
     }

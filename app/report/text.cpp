@@ -108,6 +108,7 @@ std::string axis_sheet(const AxisResult& axis, double rate_hz) {
   out += coefficient_table(axis, fit) + paragraph(left_out(axis)) + choice(axis);
   if (const std::string text = minimum_text(axis, rate_hz); !text.empty()) out += '\n' + paragraph(text);
   out += paragraph(beta_text(fit));
+  out += paragraph(front_end_text(fit));
   out += '\n' + paragraph("Verdict: " + verdict_headline(fit) + ". " + verdict_text(fit));
   out += paragraph("What follows: " + consequence_text(axis));
   out += paragraph(cut_text(axis));

@@ -509,6 +509,27 @@ std::string beta_text(const fit::Result& fit) {
   return text + "above 1 the flicker floor shows in the curve; B can be told well.";
 }
 
+std::string front_end_text(const fit::Result& fit) {
+  if (!fit.front_end) return {};
+  const fit::FittedFrontEnd& f = *fit.front_end;
+  const std::string hides = " Quantization behind a low pass cannot be told from it and is left out.";
+  if (!f.kind) {
+    return fmt::format(
+               "Front end: short averaging times show a low pass of a kind that cannot be told, with a bandwidth of about {} Hz (95 %: {} to {} Hz).",
+               number(f.bandwidth, 2), number(f.lower, 2), number(f.upper, 2)) +
+           hides;
+  }
+  const std::string kind = *f.kind == noise::FrontEnd::Kind::first_order    ? "a low pass of first order"
+                           : *f.kind == noise::FrontEnd::Kind::second_order ? "a low pass of second order (Butterworth)"
+                                                                            : "a moving average";
+  if (!f.fitted) return fmt::format("Front end: {} of {} Hz, as given.", kind, number(f.bandwidth)) + hides;
+  const Resolution r = resolution(f.bandwidth, (f.upper - f.lower) / 4);
+  return fmt::format(
+             "Front end: {} with a bandwidth of {} Hz (95 %: {} to {} Hz). N is the density of the noise at frequencies that it passes.",
+             kind, fixed(f.bandwidth, r), fixed(f.lower, r), fixed(f.upper, r)) +
+         hides;
+}
+
 std::string cut_text(const AxisResult& axis) {
   if (!axis.fit) return {};
   const fit::Result& fit = *axis.fit;

@@ -102,6 +102,8 @@ struct Share {
 [[nodiscard]] std::string minimum_text(const AxisResult&, double rate_hz);
 [[nodiscard]] std::string beta_text(const fit::Result&);
 [[nodiscard]] std::string cut_text(const AxisResult&);
+/// The low pass between the noise and the samples; empty where none is known.
+[[nodiscard]] std::string front_end_text(const fit::Result&);
 [[nodiscard]] std::string cross_check_text(const AxisResult&);
 /// What --terms auto weighed, one candidate of one step each: "beside N: flicker adds 12.1 to ln L, needed 3.5: kept".
 [[nodiscard]] std::vector<std::string> weighed_texts(const AxisResult&);

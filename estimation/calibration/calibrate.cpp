@@ -61,6 +61,13 @@ CrossChecked cross_check(const fit::Result& fit, const allan::Series& series) {
   options.tau_max_s = fit.tau_max_s;
   if (holds(Term::gauss_markov)) options.correlation_time_s = fit[Term::gauss_markov].shape;
   if (holds(Term::sinusoid)) options.frequency_hz = fit[Term::sinusoid].shape;
+  options.find_front_end = false;
+  if (fit.front_end && fit.front_end->kind) {
+    options.front_end = fit.front_end->value();
+    options.fit_bandwidth = fit.front_end->fitted;
+  } else {
+    options.unknown_front_end = !fit.moved.empty();
+  }
   CrossChecked checked;
   checked.likelihood = fit::fit_likelihood(series.rate(), series.dt(), options);
   checked.check = fit::cross_check(fit, checked.likelihood);

@@ -3,6 +3,7 @@
 
 #include "gyrobudget/allan/covariance.h"
 #include "gyrobudget/allan/deviation.h"
+#include "gyrobudget/noise/front_end.h"
 #include "gyrobudget/noise/process.h"
 
 #include <array>
@@ -110,6 +111,30 @@ struct Options {
   /// Where unset shapes were seen before (Selection has them): the correlation time is then searched within a factor of
   /// 4 of this, the frequency within 4 cycles in the record, whatever else the record holds.
   std::optional<double> near_correlation_time_s, near_frequency_hz;
+  /// The low pass in front of the samples, where it is known: taken as it is, or its bandwidth as a start.
+  std::optional<noise::FrontEnd> front_end;
+  bool fit_bandwidth = false;
+  /// The kind, where that alone is known.
+  std::optional<noise::FrontEnd::Kind> front_end_kind;
+  /// Whether a front end is looked for where the record's short taus are not those of the terms.
+  bool find_front_end = true;
+  /// With tau_min_s: allows for what any filter leaves from there on, a signed term in 1/tau^2 of the variance (of the
+  /// likelihood a curvature of the logarithm of the gain).
+  bool unknown_front_end = false;
+};
+
+/// The low pass between the noise and the samples.
+struct FittedFrontEnd {
+  /// Empty where only its memory was seen: which kind it is cannot be told, and the limits hold for all of them.
+  std::optional<noise::FrontEnd::Kind> kind;
+  double bandwidth = 0;                                                      ///< -3 dB [Hz]
+  double lower = 0, upper = 0;                                               ///< 95 %; of a given front end equal to it
+  noise::FrontEnd::Sampling sampling = noise::FrontEnd::Sampling::analogue;  ///< that explains the record best
+  double floor = 0;                                                          ///< see noise::FrontEnd
+  bool fitted = false;                                                       ///< false: given
+
+  /// @throws std::logic_error where the kind is unknown.
+  [[nodiscard]] noise::FrontEnd value() const;
 };
 
 struct Result {
@@ -129,7 +154,8 @@ struct Result {
   std::vector<Move> moved;          ///< empty where nothing was cut at the short end
   double minimum_deviation = 0;     ///< raw minimum of the measured curve over tau <= T/10
   double minimum_tau_s = 0;
-  double beta = 0;  ///< B^2/(N K), what makes B visible; 0 where N or K is 0
+  std::optional<FittedFrontEnd> front_end;  ///< where one was given or found
+  double beta = 0;                          ///< B^2/(N K), what makes B visible; 0 where N or K is 0
   bool converged = false;
   int iterations = 0;  ///< reweighting steps plus Ceres iterations of the final fit
   double seconds = 0;  ///< wall time, covariance matrices excluded

@@ -4,6 +4,7 @@
 #include "gyrobudget/estimation/fit/detail/judge.h"
 #include "gyrobudget/estimation/fit/detail/likelihood.h"
 #include "gyrobudget/estimation/fit/detail/sine.h"
+#include "gyrobudget/estimation/fit/detail/tilt.h"
 #include "gyrobudget/estimation/fit/detail/transformed.h"
 
 #include <boost/math/special_functions/erf.hpp>
@@ -41,7 +42,22 @@ struct Model {
   std::vector<Term> terms;                // asked for, all
   std::vector<noise::Process> processes;  // the random ones among them
   bool ramp = false, line = false, search_time = false;
+  std::optional<noise::FrontEnd> front_end;
 };
+
+/// What stands between the noise and the samples, as far as a fit knows it.
+enum class Filter {
+  none,
+  given,     ///< Options::front_end, its bandwidth held
+  fitted,    ///< Options::front_end, its bandwidth fitted
+  searched,  ///< one of the kinds that Options names
+  unknown,   ///< one whose gain at the band's frequencies has a quadratic logarithm
+};
+
+Filter filter_of(const Options& options) {
+  if (!options.front_end) return options.unknown_front_end ? Filter::unknown : Filter::none;
+  return options.fit_bandwidth ? Filter::fitted : Filter::given;
+}
 
 Model model_of(const Options& options, bool drop_quantization) {
   Model m;
@@ -61,12 +77,20 @@ Model model_of(const Options& options, bool drop_quantization) {
   return m;
 }
 
+struct Band {
+  std::int64_t first = 1, last = 1;
+};
+
 // A fit of the band k = 1 .. last.
 struct Fitted {
   Model model;
   std::int64_t last = 0;
-  std::optional<SineLikelihood> likelihood;
+  std::optional<SineLikelihood> flat;        // before any filter
+  std::optional<SineLikelihood> likelihood;  // behind it
   SineLikelihood::Point point;
+  Filter filter = Filter::none;
+  std::optional<Tilt> tilt;  // where a filter has an unknown
+  double tilt_deviation = 0;
   Sine line;
   double time_lower = 0, time_upper = 0;  // of the correlation time
   double chi2 = 0, p_value = 0;
@@ -74,8 +98,9 @@ struct Fitted {
   std::vector<SpectralResidual> spectrum;
 };
 
-SineBins bins_of(const Transformed& t, std::span<const double> coefficients, std::int64_t first, std::int64_t last) {
-  SineBins bins(coefficients, t.used.count, t.dt, last);
+SineBins bins_of(const Transformed& t, std::span<const double> coefficients, const Band& band, bool narrow) {
+  const std::int64_t first = band.first;
+  SineBins bins(coefficients, t.used.count, t.dt, band.last, narrow ? widest_bin(t.used.count) : SineBins::kAnyWidth);
   for (Eigen::Index b = 0; b < bins.count.size(); ++b) {
     if (bins.first[static_cast<std::size_t>(b)] < first) bins.count(b) = 0;
   }
@@ -86,11 +111,11 @@ double& correlation_time(Model& m) { return std::get<noise::GaussMarkov>(m.proce
 
 // Derivative of the least cost by the logarithm of the correlation time: with the rest at its best only the spectrum's
 // own change counts.
-double cost_slope(const Model& model, const SineBins& bins, double log_time) {
+double cost_slope(const Model& model, const SineBins& bins, const Eigen::ArrayXd& gain, double log_time) {
   const auto at = [&](double x) {
     Model m = model;
     correlation_time(m) = std::exp(x);
-    return SineLikelihood(bins, m.processes, m.ramp);
+    return SineLikelihood(bins, m.processes, m.ramp).behind(gain);
   };
   constexpr double kStep = 1e-3;
   const SineLikelihood here = at(log_time);
@@ -113,14 +138,14 @@ double polished(const Slope& slope, double minimum, double reach) {
 }
 
 // The best correlation time: a grid over all that the record could show, then the least cost beside its best.
-void search_time(Fitted& f, const SineBins& bins, std::optional<double> near) {
+void search_time(Fitted& f, const SineBins& bins, const Eigen::ArrayXd& gain, std::optional<double> near) {
   constexpr double kNear = 4, kTie = 1e-7;
   const double n = static_cast<double>(bins.samples);
   const double low = std::log(bins.dt), high = std::log(0.5 * n * bins.dt);
   const auto cost = [&](double log_time) {
     Model m = f.model;
     correlation_time(m) = std::exp(log_time);
-    return SineLikelihood(bins, m.processes, m.ramp).maximise().cost;
+    return SineLikelihood(bins, m.processes, m.ramp).behind(gain).maximise().cost;
   };
   const double step = std::numbers::ln10 / kTimesPerDecade;
   const double from = near ? std::clamp(std::log(*near / kNear), low, high) : low;
@@ -135,7 +160,7 @@ void search_time(Fitted& f, const SineBins& bins, std::optional<double> near) {
       boost::math::tools::brent_find_minima(cost, std::max(low, best - step), std::min(high, best + step), 14, budget);
   if (found.second < least - kTie) {
     constexpr double kReach = 0.01;
-    best = polished([&](double x) { return cost_slope(f.model, bins, x); }, found.first, kReach);
+    best = polished([&](double x) { return cost_slope(f.model, bins, gain, x); }, found.first, kReach);
     least = cost(best);
   }
   correlation_time(f.model) = std::exp(best);
@@ -186,29 +211,53 @@ void test_fit(Fitted& f) {
     while (edge <= static_cast<double>(end) * (1 + 1e-9)) edge *= ratio;
     chi = count = 0, first = 0;
   }
-  const auto parameters = (f.point.theta.array() > 0).count() + f.model.ramp + f.model.search_time;
+  const auto parameters = (f.point.theta.array() > 0).count() + f.model.ramp + f.model.search_time + f.tilt.has_value();
   f.dof = static_cast<int>(f.spectrum.size()) - static_cast<int>(parameters);
   f.p_value = f.dof >= 1 ? chi_square_tail(f.chi2, f.dof) : 0;
 }
 
 // --- One fit ----------------------------------------------------------------------------------------------------
 
-struct Band {
-  std::int64_t first = 1, last = 1;
-};
-
-void maximise(Fitted& f, const SineBins& bins, const Options& options) {
-  if (f.model.search_time) search_time(f, bins, options.near_correlation_time_s);
-  f.likelihood.emplace(bins, f.model.processes, f.model.ramp);
-  f.point = f.likelihood->maximise();
+// Finds the filter where it is to be found, and leaves its stop band out; the gain to begin with, ones where there is
+// no filter. The high frequencies of nearly every record are white noise, flicker and a walk: enough to tell a filter
+// by, whatever terms are asked for.
+Eigen::ArrayXd set_filter(Fitted& f, SineBins& bins, const Options& options) {
+  if (f.filter == Filter::given || f.filter == Filter::fitted) f.model.front_end = options.front_end;
+  if (f.filter == Filter::searched && !f.model.front_end) {
+    const std::array plain{noise::unit_process(Term::white), noise::unit_process(Term::flicker),
+                           noise::unit_process(Term::rate_random_walk)};
+    f.model.front_end = search_front_end(bins, plain, options.front_end_kind);
+  }
+  if (f.model.front_end) leave_out_stop_band(bins, *f.model.front_end);
+  if (f.filter == Filter::given) return gain_of(bins, *f.model.front_end);
+  if (f.filter == Filter::unknown) f.tilt = unknown_tilt(bins, f.last);
+  if (f.model.front_end) f.tilt = tilt_of(bins, *f.model.front_end);
+  return f.tilt ? f.tilt->gain : Eigen::ArrayXd::Ones(bins.count.size()).eval();
 }
 
-Fitted fit_band(const Transformed& t, const Band& band, const Options& options, bool drop_quantization) {
+void maximise(Fitted& f, SineBins bins, const Options& options) {
+  const Eigen::ArrayXd gain = set_filter(f, bins, options);
+  if (f.model.search_time) search_time(f, bins, gain, options.near_correlation_time_s);
+  f.flat.emplace(std::move(bins), f.model.processes, f.model.ramp);
+  if (!f.tilt) {
+    f.likelihood = f.filter == Filter::given ? f.flat->behind(gain) : *f.flat;
+    f.point = f.likelihood->maximise();
+    return;
+  }
+  const TiltedPoint best = maximise_tilted(*f.flat, *f.tilt);
+  f.tilt->x = best.x, f.tilt_deviation = best.deviation;
+  f.likelihood = f.flat->behind((*f.tilt)(best.x));
+  f.point = best.point;
+}
+
+Fitted fit_band(const Transformed& t, const Band& band, const Options& options, Filter filter, bool drop_quantization) {
   Fitted f;
   f.model = model_of(options, drop_quantization);
   f.last = band.last;
+  f.filter = filter;
   if (f.model.processes.empty()) return f;
-  const SineBins all = bins_of(t, t.coefficients, band.first, band.last);
+  const bool narrow = filter != Filter::none && filter != Filter::unknown;
+  const SineBins all = bins_of(t, t.coefficients, band, narrow);
   maximise(f, all, options);
   if (f.model.line && f.point.converged) {
     const auto angle = [&](std::optional<double> hz) {
@@ -218,9 +267,9 @@ Fitted fit_band(const Transformed& t, const Band& band, const Options& options, 
     constexpr int kRounds = 2;  // a strong line raises the spectrum that it is first seen against
     for (int i = 0; i < kRounds; ++i) {
       f.line = find_sine(*f.likelihood, f.point, t.coefficients, w, near);
-      SineBins rest = bins_of(t, without_sine(t, f.line), band.first, band.last);
+      SineBins rest = bins_of(t, without_sine(t, f.line), band, narrow);
       rest.reference = all.reference;
-      maximise(f, rest, options);
+      maximise(f, std::move(rest), options);
     }
     f.line = find_sine(*f.likelihood, f.point, t.coefficients, f.line.w);
   }
@@ -228,31 +277,72 @@ Fitted fit_band(const Transformed& t, const Band& band, const Options& options, 
   return f;
 }
 
-// The band of the options, cut from above by octaves where the model does not describe all of it.
+// The front end that describes the upper end of the spectrum, if one of the kinds asked for does; slow processes and
+// drifts of any kind have nothing to do with it.
+std::optional<noise::FrontEnd> seen_front_end(const Transformed& t, const Options& asked) {
+  constexpr std::int64_t kReach = 2000;
+  const std::int64_t last = t.used.count - 1;
+  Options options;
+  options.front_end_kind = asked.front_end_kind;
+  const Fitted found = fit_band(t, {std::max<std::int64_t>(1, last / kReach), last}, options, Filter::searched, true);
+  constexpr double kAccepted = 1e-3;  // p-value: one true front end in a thousand is missed
+  if (!found.point.converged || found.p_value < std::min(kAccepted, asked.p_value_limit)) return {};
+  noise::FrontEnd front_end = *found.model.front_end;
+  front_end.bandwidth *= std::exp(found.tilt->x);
+  return front_end;
+}
+
+// The band halved from above until the model describes it, with a filter of which only the curvature of the logarithm
+// is seen there: what a filter takes off white noise is felt long before a test can see it. The half of that which is
+// described first is taken, so that the band does not end where the data happened to pass the test.
+std::optional<Fitted> cut_band(const Transformed& t, const Band& band, const Options& options) {
+  const auto fewest = static_cast<std::int64_t>(options.terms.size()) + 2;
+  for (auto last = band.last / 2; last >= 16 * fewest && last * last >= band.last; last /= 2) {
+    Fitted cut = fit_band(t, {band.first, last}, options, Filter::unknown, true);
+    if (cut.model.processes.empty()) break;
+    if (cut.p_value < options.p_value_limit) continue;
+    const auto half = last / 2;
+    if (half < 16 * fewest || half * half < band.last) return cut;
+    Fitted further = fit_band(t, {band.first, half}, options, Filter::unknown, true);
+    return further.p_value >= options.p_value_limit ? further : cut;
+  }
+  return {};
+}
+
+// The band of the options; behind a front end or cut from above where the model does not describe all of it.
 Fitted choose_band(const Transformed& t, const Options& options) {
   const double n = static_cast<double>(t.used.count);
   Band band{1, t.used.count - 1};
   if (options.tau_max_s) band.first = std::max<std::int64_t>(1, std::llround(n * t.dt / *options.tau_max_s / 2));
   if (options.tau_min_s)
     band.last = std::clamp<std::int64_t>(std::llround(n * t.dt / *options.tau_min_s), 1, band.last);
-  Fitted whole = fit_band(t, band, options, false);
+  const Filter filter = filter_of(options);
+  const bool asked = options.front_end_kind && filter == Filter::none;
+  Fitted whole = fit_band(t, band, options, asked ? Filter::searched : filter, filter != Filter::none || asked);
   if (options.tau_min_s || whole.p_value >= kCutBelow) return whole;
-  const auto fewest = static_cast<std::int64_t>(whole.model.terms.size()) + 2;
-  for (auto last = band.last / 2; last >= 16 * fewest && last * last >= band.last; last /= 2) {
-    Fitted cut = fit_band(t, {band.first, last}, options, true);
-    if (cut.model.processes.empty()) break;
-    if (cut.p_value >= options.p_value_limit) return cut;
+  if (filter == Filter::none && !asked && options.find_front_end) {
+    Options behind = options;
+    behind.front_end = seen_front_end(t, options);
+    behind.fit_bandwidth = true;
+    if (behind.front_end) return fit_band(t, band, behind, Filter::fitted, true);
   }
-  return whole;
+  return cut_band(t, band, options).value_or(std::move(whole));
 }
 
 // --- The answer -------------------------------------------------------------------------------------------------
 
+double least_cost(const Fitted& f, std::optional<Held> held, std::optional<double> held_ramp) {
+  if (!f.tilt) return f.likelihood->maximise(held, held_ramp, &f.point).cost;
+  return maximise_tilted(*f.flat, *f.tilt, held, held_ramp, &f.point).point.cost;
+}
+
 HeldTest theta_test(const Fitted& f, Eigen::Index j) {
-  return [&f, j](double v) {
-    const auto held = f.likelihood->maximise(Held{j, v}, {}, &f.point);
-    return std::max(0.0, held.cost - f.point.cost);
-  };
+  return [&f, j](double v) { return std::max(0.0, least_cost(f, Held{j, v}, {}) - f.point.cost); };
+}
+
+Eigen::MatrixXd information_of(const Fitted& f) {
+  return f.tilt ? information_with_tilt(*f.likelihood, f.point.theta, f.tilt->slope)
+                : f.likelihood->information(f.point.theta);
 }
 
 // Zero, and its limit adds less than 1 % to the deviation at any frequency.
@@ -274,9 +364,7 @@ Coefficient ramp_coefficient(const Fitted& f, double unit, const Cuts& cuts, boo
   c.relative_std = size > 0 ? deviation / size : kInfinity;
   c.status = Status::identified;
   if (!intervals) return c;
-  const HeldTest test = [&](double v) {
-    return std::max(0.0, f.likelihood->maximise({}, sign * v, &f.point).cost - f.point.cost);
-  };
+  const HeldTest test = [&](double v) { return std::max(0.0, least_cost(f, {}, sign * v) - f.point.cost); };
   c.boundary_test = test(0);
   const bool identified = c.boundary_test > cuts.boundary / kBoundaryCut * kIntervalCut;
   c.status = identified ? Status::identified : Status::upper_bound;
@@ -321,7 +409,7 @@ void add_covariance(Result& result, const Fitted& f, double unit) {
   // In units of the coefficients themselves: information of ln theta first, its diagonal is of order 1 to n.
   const Eigen::VectorXd theta = f.point.theta(free);
   const Eigen::MatrixXd relative =
-      theta.asDiagonal() * Eigen::MatrixXd(f.likelihood->information(f.point.theta)(free, free)) * theta.asDiagonal();
+      theta.asDiagonal() * Eigen::MatrixXd(information_of(f)(free, free)) * theta.asDiagonal();
   const Eigen::VectorXd length = relative.diagonal().cwiseSqrt();
   const Eigen::MatrixXd scaled = length.cwiseInverse().asDiagonal() * relative * length.cwiseInverse().asDiagonal();
   const Eigen::MatrixXd inverse = scaled.llt().solve(Eigen::MatrixXd::Identity(scaled.rows(), scaled.cols()));
@@ -345,7 +433,7 @@ void add_covariance(Result& result, const Fitted& f, double unit) {
 void add_coefficients(Result& result, const Fitted& f, const Transformed& t, const Options& options) {
   const Cuts cuts = cuts_of(f.p_value, f.chi2, f.dof, options);
   const double unit = t.unit;
-  const Eigen::MatrixXd information = f.likelihood->information(f.point.theta);
+  const Eigen::MatrixXd information = information_of(f);
   const Eigen::VectorXd length = information.diagonal().cwiseSqrt();
   const Eigen::MatrixXd inverse =
       Eigen::MatrixXd(length.cwiseInverse().asDiagonal() * information * length.cwiseInverse().asDiagonal())
@@ -375,6 +463,17 @@ void add_coefficients(Result& result, const Fitted& f, const Transformed& t, con
   complete(result.coefficients);
 }
 
+void add_front_end(Result& result, const Fitted& f) {
+  if (!f.model.front_end) return;
+  const noise::FrontEnd& front_end = *f.model.front_end;
+  FittedFrontEnd found{
+      .kind = front_end.kind, .sampling = front_end.sampling, .floor = front_end.floor, .fitted = f.tilt.has_value()};
+  found.bandwidth = front_end.bandwidth * (f.tilt ? std::exp(f.tilt->x) : 1);
+  found.lower = found.bandwidth * std::exp(-kScatter95 * f.tilt_deviation);
+  found.upper = found.bandwidth * std::exp(kScatter95 * f.tilt_deviation);
+  result.front_end = found;
+}
+
 void judge_fit(Result& result, const Fitted& f, const Options& options) {
   result.chi2 = f.chi2;
   result.dof = f.dof;
@@ -391,7 +490,7 @@ void add_moves(Result& result, const Fitted& f, const Transformed& t, const Opti
   if (options.tau_min_s || f.last + 1 == t.used.count) return;
   Options values = options;
   values.intervals = false;
-  const Fitted whole = fit_band(t, {1, t.used.count - 1}, values, false);
+  const Fitted whole = fit_band(t, {1, t.used.count - 1}, values, filter_of(options), false);
   for (std::size_t i = 0; i < whole.model.processes.size(); ++i) {
     const Term term = noise::term(whole.model.processes[i]);
     const Coefficient& now = result[term];
@@ -441,11 +540,18 @@ Result fit_likelihood(std::span<const double> rate, double dt, const Options& op
   const double n = static_cast<double>(t.used.count);
   result.tau_min_s = f.last + 1 == t.used.count ? dt : n * dt / static_cast<double>(f.last);
   result.tau_max_s = options.tau_max_s.value_or(0.5 * n * dt);
+  add_front_end(result, f);
   judge_fit(result, f, options);
   add_moves(result, f, t, options);
   add_beta(result);
   result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
+}
+
+std::optional<noise::FrontEnd> find_front_end(std::span<const double> rate, double dt, const Options& options) {
+  check(dt, options);
+  const Transformed t = transform_record(rate, dt);
+  return t.coefficients.empty() ? std::nullopt : seen_front_end(t, options);
 }
 
 namespace {

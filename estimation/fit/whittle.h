@@ -41,6 +41,13 @@ namespace gyrobudget::inline v0::fit {
 /// Source: P. Whittle 1953; the transform of differences and its end corrections are this project's (theory in dst.h).
 [[nodiscard]] Result fit_likelihood(std::span<const double> rate, double dt, const Options& options = {});
 
+/// The low pass in front of a record's samples, if one of the kinds (Options::front_end_kind: of this kind) describes
+/// its spectrum from half the rate down to 1/2000 of that, with white noise, flicker and a walk behind it.
+/// @param options  front_end_kind and p_value_limit count
+/// @throws as fit_likelihood does
+[[nodiscard]] std::optional<noise::FrontEnd> find_front_end(std::span<const double> rate, double dt,
+                                                            const Options& options = {});
+
 /// Whether two fits of one record tell the same of one coefficient.
 struct Agreement {
   noise::Term term = noise::Term::white;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -72,11 +73,21 @@ Eigen::VectorXd active_set(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, c
   return x;
 }
 
+// Leaves of A and s what the columns of D cannot take up.
+void take_out(const Eigen::MatrixXd& D, Whitened& w) {
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(D * D.colwise().norm().cwiseInverse().asDiagonal());
+  const Eigen::MatrixXd base = qr.householderQ() * Eigen::MatrixXd::Identity(D.rows(), D.cols());
+  w.A -= base * (base.transpose() * w.A);
+  w.s -= base * (base.transpose() * w.s);
+}
+
 // First weights: relative ones, which need no model.
 Eigen::VectorXd relative_start(const LinearModel& model, std::optional<Held> held) {
   const double floor = model.s.maxCoeff() * std::numeric_limits<double>::min() / std::numeric_limits<double>::epsilon();
   const Eigen::VectorXd weight = model.s.cwiseMax(floor).cwiseInverse();
-  return nonnegative_least_squares(weight.asDiagonal() * model.A, weight.cwiseProduct(model.s), held);
+  Whitened w{weight.asDiagonal() * model.A, weight.cwiseProduct(model.s)};
+  if (model.D.cols() > 0) take_out(weight.asDiagonal() * model.D, w);
+  return nonnegative_least_squares(w.A, w.s, held);
 }
 
 // Of a step, from the change `before` that led to the last one (taken by `part`) and the one that is left `now`: along
@@ -87,11 +98,26 @@ double next_part(double part, const Eigen::VectorXd& before, const Eigen::Vector
   return r < 1 ? std::clamp(part / (1 - r), kShortest, kLongest) : 1;
 }
 
-double squared_norm_whitened(const Eigen::LLT<Eigen::MatrixXd>& factor, const Eigen::VectorXd& r) {
-  return factor.matrixL().solve(r).squaredNorm();
+}  // namespace
+
+Whitened whiten(const LinearModel& model, const Eigen::LLT<Eigen::MatrixXd>& factor) {
+  Whitened w{factor.matrixL().solve(model.A), factor.matrixL().solve(model.s)};
+  if (model.D.cols() > 0) take_out(factor.matrixL().solve(model.D), w);
+  return w;
 }
 
-}  // namespace
+Whitened whiten(const LinearModel& model, const Eigen::MatrixXd& S) {
+  const Eigen::LLT<Eigen::MatrixXd> factor(S);
+  if (factor.info() != Eigen::Success) throw std::invalid_argument("covariance of the curve is not positive definite");
+  return whiten(model, factor);
+}
+
+Eigen::VectorXd free_part(const LinearModel& model, const Eigen::VectorXd& theta, const Eigen::MatrixXd& S) {
+  if (model.D.cols() == 0) return {};
+  const Eigen::LLT<Eigen::MatrixXd> factor(S);
+  const Eigen::MatrixXd D = factor.matrixL().solve(model.D);
+  return D.householderQr().solve(factor.matrixL().solve(model.s - model.A * theta));
+}
 
 Eigen::VectorXd nonnegative_least_squares(const Eigen::MatrixXd& WA, const Eigen::VectorXd& Ws,
                                           std::optional<Held> held) {
@@ -125,8 +151,8 @@ GlsSolution iterate_gls(const LinearModel& model, std::optional<Held> held, cons
     solution.S = model.covariance(solution.theta);
     const Eigen::LLT<Eigen::MatrixXd> factor(solution.S);
     if (factor.info() != Eigen::Success) return solution;
-    const Eigen::VectorXd optimum =
-        nonnegative_least_squares(factor.matrixL().solve(model.A), factor.matrixL().solve(model.s), held);
+    const Whitened whitened = whiten(model, factor);
+    const Eigen::VectorXd optimum = nonnegative_least_squares(whitened.A, whitened.s, held);
     const Eigen::VectorXd modelled = model.A * solution.theta;
     const Eigen::VectorXd change = (model.A * optimum - modelled).cwiseQuotient(modelled.cwiseMax(1e-300));
     solution.converged = change.cwiseAbs().maxCoeff() < kFixedPoint;
@@ -139,7 +165,7 @@ GlsSolution iterate_gls(const LinearModel& model, std::optional<Held> held, cons
     solution.theta =
         solution.converged || part == 1 ? optimum : (solution.theta + part * step).cwiseMax(kShortest * optimum).eval();
     ++solution.iterations;
-    solution.chi2 = squared_norm_whitened(factor, model.s - model.A * solution.theta);
+    solution.chi2 = (whitened.s - whitened.A * solution.theta).squaredNorm();
   }
   return solution;
 }
@@ -148,10 +174,9 @@ double profile_test(const LinearModel& model, Held held, const Eigen::VectorXd& 
   const GlsSolution constrained = iterate_gls(model, held, &start);
   if (constrained.S.size() == 0) return kInfinity;
   const Eigen::LLT<Eigen::MatrixXd> factor(constrained.S);
-  const Eigen::MatrixXd WA = factor.matrixL().solve(model.A);
-  const Eigen::VectorXd Ws = factor.matrixL().solve(model.s);
-  const Eigen::VectorXd best = nonnegative_least_squares(WA, Ws);
-  return std::max(0.0, (Ws - WA * constrained.theta).squaredNorm() - (Ws - WA * best).squaredNorm());
+  const Whitened w = whiten(model, factor);
+  const Eigen::VectorXd best = nonnegative_least_squares(w.A, w.s);
+  return std::max(0.0, (w.s - w.A * constrained.theta).squaredNorm() - (w.s - w.A * best).squaredNorm());
 }
 
 ProfileInterval profile_interval(const LinearModel& model, Eigen::Index index, const GlsSolution& best,

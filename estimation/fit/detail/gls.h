@@ -5,14 +5,16 @@
 #include <optional>
 
 #include "profile.h"
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 
 namespace gyrobudget::inline v0::fit {
 
-/// A linear model of variances with a covariance that depends on the answer: s = A theta + noise of covariance
-/// S(theta), theta >= 0. Rows are taus, columns are terms.
+/// A linear model of variances with a covariance that depends on the answer: s = A theta + D gamma + noise of
+/// covariance S(theta), theta >= 0, gamma of any sign. Rows are taus, columns are terms.
 struct LinearModel {
   Eigen::MatrixXd A;
+  Eigen::MatrixXd D;  ///< no columns where there is nothing beside the terms
   Eigen::VectorXd s;
   std::function<Eigen::MatrixXd(const Eigen::VectorXd& theta)> covariance;
 };
@@ -22,6 +24,15 @@ struct Held {
   Eigen::Index index = 0;
   double value = 0;
 };
+
+/// A and s divided by the root of S, and without what D can take up: least squares in theta alone.
+struct Whitened {
+  Eigen::MatrixXd A;
+  Eigen::VectorXd s;
+};
+/// @throws std::invalid_argument where S has no Cholesky factor.
+[[nodiscard]] Whitened whiten(const LinearModel&, const Eigen::MatrixXd& S);
+[[nodiscard]] Whitened whiten(const LinearModel&, const Eigen::LLT<Eigen::MatrixXd>& factor);
 
 struct GlsSolution {
   Eigen::VectorXd theta;
@@ -43,6 +54,9 @@ struct GlsSolution {
 /// T(v) = Q(th_v; S(th_v)) - min_th Q(th; S(th_v)): how much worse the curve is explained with the coefficient held,
 /// both measured with the covariance of the held fit. Infinite where the held fit is zero altogether.
 [[nodiscard]] double profile_test(const LinearModel&, Held held, const Eigen::VectorXd& start);
+
+/// What D takes up at theta, best by S: gamma.
+[[nodiscard]] Eigen::VectorXd free_part(const LinearModel&, const Eigen::VectorXd& theta, const Eigen::MatrixXd& S);
 
 /// {v : T(v) <= cut} around the estimate.
 [[nodiscard]] ProfileInterval profile_interval(const LinearModel&, Eigen::Index index, const GlsSolution& best,

@@ -39,6 +39,7 @@ std::vector<Term> in_order(std::span<const Term> asked) {
 }
 
 noise::Process shaped_process(Term t, const Options& options) {
+  if (t == Term::white && options.front_end) return noise::FilteredWhite{1, *options.front_end};
   noise::Process process = noise::unit_process(t);
   if (auto* g = std::get_if<noise::GaussMarkov>(&process))
     g->correlation_time = options.correlation_time_s.value_or(g->correlation_time);

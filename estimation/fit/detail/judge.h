@@ -16,7 +16,8 @@ namespace gyrobudget::inline v0::fit {
 /// @throws std::invalid_argument for one asked for twice, or none.
 [[nodiscard]] std::vector<noise::Term> in_order(std::span<const noise::Term> asked);
 
-/// The process of a term with coefficient 1 and the options' correlation time or frequency, if they have one.
+/// The process of a term with coefficient 1 and the options' correlation time, frequency or front end, if
+/// they have one.
 [[nodiscard]] noise::Process shaped_process(noise::Term, const Options&);
 
 /// Probability of a chi-square above `chi2`; 0 where it is below 1e-300.

@@ -21,13 +21,14 @@ constexpr double kTrusted = 1e-6;   // a step that promises less is taken withou
 constexpr double kSettled = 1e-20;  // promised change of the cost at which the search ends
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-std::vector<std::int64_t> bin_starts(std::int64_t last) {
+std::vector<std::int64_t> bin_starts(std::int64_t last, std::int64_t widest) {
   std::vector<std::int64_t> first;
   std::int64_t k = 1;
   for (; k <= std::min(last, kSingle); ++k) first.push_back(k);
   while (k <= last) {
     first.push_back(k);
-    k = std::max(k + 1, static_cast<std::int64_t>(std::llround(static_cast<double>(k) * kBinRatio)));
+    const auto next = static_cast<std::int64_t>(std::llround(static_cast<double>(k) * kBinRatio));
+    k = std::max(k + 1, std::min(next, k + widest));
   }
   first.push_back(last + 1);
   return first;
@@ -53,8 +54,9 @@ noise::Process with_unit(const noise::Process& process) { return noise::with_coe
 
 }  // namespace
 
-SineBins::SineBins(std::span<const double> coefficients, std::int64_t samples_, double dt_, std::int64_t last)
-    : samples(samples_), dt(dt_), first(bin_starts(last)) {
+SineBins::SineBins(std::span<const double> coefficients, std::int64_t samples_, double dt_, std::int64_t last,
+                   std::int64_t widest)
+    : samples(samples_), dt(dt_), first(bin_starts(last, widest)) {
   const auto bins = static_cast<Eigen::Index>(first.size()) - 1;
   count.resize(bins), power.resize(bins), reference.resize(bins), with_ramp.resize(bins), ramp_power.resize(bins);
   for (Eigen::Index b = 0; b < bins; ++b) {
@@ -114,6 +116,23 @@ SineLikelihood SineLikelihood::with_power(Eigen::ArrayXd power) const {
   SineLikelihood other = *this;
   other.bins_.power = other.bins_.reference = std::move(power);
   other.bins_.with_ramp.setZero();
+  other.choose_units();
+  return other;
+}
+
+SineLikelihood SineLikelihood::behind(const Eigen::ArrayXd& gain) const {
+  SineLikelihood other = *this;
+  other.shape_ = gain.matrix().asDiagonal() * shape_ * unit_.cwiseInverse().asDiagonal();
+  other.unit_.setOnes();
+  other.choose_units();
+  return other;
+}
+
+SineLikelihood SineLikelihood::before_floor(const Eigen::ArrayXd& gain) const {
+  SineLikelihood other = behind(gain);
+  const Eigen::Index last = shape_.cols() - 1;
+  other.shape_.col(last) = (1 - gain).max(0) * shape_.col(last).array() / unit_(last);
+  other.unit_(last) = 1;
   other.choose_units();
   return other;
 }

@@ -17,7 +17,9 @@ namespace gyrobudget::inline v0::fit {
 /// ratio 1.04. A bin's coefficients count as equally variable, with the mean of their variances: no bias, and a loss of
 /// information of order (0.04)^2/12.
 struct SineBins {
-  SineBins(std::span<const double> coefficients, std::int64_t samples, double dt, std::int64_t last);
+  SineBins(std::span<const double> coefficients, std::int64_t samples, double dt, std::int64_t last,
+           std::int64_t widest = kAnyWidth);
+  static constexpr std::int64_t kAnyWidth = std::int64_t{1} << 62;
 
   std::int64_t samples = 0;
   double dt = 1;
@@ -55,6 +57,10 @@ class SineLikelihood {
   [[nodiscard]] double ramp_information(const Eigen::VectorXd& theta) const;      ///< Fisher's, of the ramp
   [[nodiscard]] const SineBins& bins() const { return bins_; }
   [[nodiscard]] Eigen::Index terms() const { return shape_.cols(); }
+  /// The same noise behind a filter: all spectra times the power gain of each bin.
+  [[nodiscard]] SineLikelihood behind(const Eigen::ArrayXd& gain) const;
+  /// The same, but what the last process is has been added behind the filter: its spectrum times one less the gain.
+  [[nodiscard]] SineLikelihood before_floor(const Eigen::ArrayXd& gain) const;
   /// The same model for other data in the same bins.
   [[nodiscard]] SineLikelihood with_power(Eigen::ArrayXd power) const;
 

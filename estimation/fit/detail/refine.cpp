@@ -5,11 +5,8 @@
 
 #include <algorithm>
 #include <limits>
-#include <stdexcept>
 #include <utility>
 #include <vector>
-
-#include <Eigen/Cholesky>
 
 namespace gyrobudget::inline v0::fit {
 namespace {
@@ -66,12 +63,8 @@ Eigen::MatrixXd covariance_at(ceres::Problem& problem, const double* block, cons
 
 }  // namespace
 
-WhitenedResidual::WhitenedResidual(const Eigen::MatrixXd& A, const Eigen::VectorXd& s, const Eigen::MatrixXd& S) {
-  const Eigen::LLT<Eigen::MatrixXd> factor(S);
-  if (factor.info() != Eigen::Success) throw std::invalid_argument("covariance of the curve is not positive definite");
-  WA_ = factor.matrixL().solve(A);
-  Ws_ = factor.matrixL().solve(s);
-}
+WhitenedResidual::WhitenedResidual(Eigen::MatrixXd whitened_A, Eigen::VectorXd whitened_s)
+    : WA_(std::move(whitened_A)), Ws_(std::move(whitened_s)) {}
 
 Eigen::VectorXd WhitenedResidual::value(const Eigen::VectorXd& c) const { return Ws_ - WA_ * c.cwiseAbs2(); }
 

@@ -5,15 +5,14 @@
 
 namespace gyrobudget::inline v0::fit {
 
-/// Whitened residuals r = L^-1 (s - A c^2) of the coefficients c (c^2 by element), S = L L'.
+/// Residuals r = s - A c^2 of the coefficients c (c^2 by element), A and s whitened (see gls.h).
 class WhitenedResidual {
  public:
-  /// @throws std::invalid_argument where S has no Cholesky factor.
-  WhitenedResidual(const Eigen::MatrixXd& A, const Eigen::VectorXd& s, const Eigen::MatrixXd& S);
+  WhitenedResidual(Eigen::MatrixXd whitened_A, Eigen::VectorXd whitened_s);
   [[nodiscard]] Eigen::Index residuals() const { return Ws_.size(); }
   [[nodiscard]] Eigen::Index coefficients() const { return WA_.cols(); }
   [[nodiscard]] Eigen::VectorXd value(const Eigen::VectorXd& c) const;
-  [[nodiscard]] Eigen::MatrixXd jacobian(const Eigen::VectorXd& c) const;  ///< dr/dc = -2 L^-1 A diag(c)
+  [[nodiscard]] Eigen::MatrixXd jacobian(const Eigen::VectorXd& c) const;  ///< dr/dc = -2 A diag(c)
 
  private:
   Eigen::MatrixXd WA_;

@@ -1,0 +1,230 @@
+// SPDX-License-Identifier: MIT
+#include "front_end.h"
+
+#include "gyrobudget/noise/detail/check.h"
+#include "gyrobudget/noise/detail/response.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <stdexcept>
+
+namespace gyrobudget::inline v0::noise {
+namespace {
+
+using Complex = std::complex<double>;
+using std::numbers::pi;
+constexpr double kLowest = 1e-4, kHighest = 100;  // of bandwidth * dt
+
+constexpr double square(double x) { return x * x; }
+
+/// Of the mean of K samples, K^2 times the gain: sin^2(pi K f)/sin^2(pi f).
+double summing_power(double count, double cycles) {
+  const double below = std::sin(pi * cycles);
+  return below == 0 ? square(count) : square(std::sin(pi * count * cycles) / below);
+}
+
+/// sum_{j > h} (j - h) (K - j) over K > j, the memory of a sum of K samples.
+double summing_memory(double count, double lag) {
+  const double x = count - lag;
+  return x > 1 ? x * (square(x) - 1) / 6 : 0;
+}
+
+/// A moving average over a length that is not whole has the autocovariance of the means over the whole numbers beside
+/// it, in this mixture: the triangle (L - h)+ is linear in L between them.
+struct Mixture {
+  double shorter, part, sum;  // number of samples; share of one more; of the autocovariance
+  explicit Mixture(double length)
+      : shorter(std::floor(length)),
+        part(length - shorter),
+        sum((1 - part) * square(shorter) + part * square(shorter + 1)) {}
+  template <typename Of>
+  [[nodiscard]] double mean(Of of) const {
+    return ((1 - part) * of(shorter) + part * of(shorter + 1)) / sum;
+  }
+};
+
+/// b0 and b1 of b0^2 + b1^2 = even, b0 b1 = odd: the first-order numerator of a spectrum, its zero inside the circle.
+std::array<double, 2> spectral_factor(double even, double odd) {
+  const double plus = std::sqrt(std::max(0., even + 2 * odd)), minus = std::sqrt(std::max(0., even - 2 * odd));
+  return {(plus + minus) / 2, (plus - minus) / 2};
+}
+
+}  // namespace
+
+std::string_view name(FrontEnd::Kind kind) {
+  switch (kind) {
+    case FrontEnd::Kind::first_order:
+      return "first_order";
+    case FrontEnd::Kind::second_order:
+      return "second_order";
+    case FrontEnd::Kind::moving_average:
+      return "moving_average";
+  }
+  throw std::invalid_argument("a value that is no kind of front end");
+}
+
+SampledFrontEnd::SampledFrontEnd(const FrontEnd& front_end, double dt) {
+  detail::require_interval(dt);
+  const double corner = front_end.bandwidth * dt;
+  detail::require(corner >= kLowest && corner <= kHighest, "bandwidth times the sample interval", corner,
+                  "from 1e-4 to 100");
+  detail::require(front_end.floor >= 0 && front_end.floor <= 1, "floor of a front end", front_end.floor, "from 0 to 1");
+  floor_ = front_end.floor;
+  switch (front_end.kind) {
+    case FrontEnd::Kind::moving_average:
+      average_ = true;
+      length_ = std::max(1., kMovingAverageWidth / corner);
+      return;
+    case FrontEnd::Kind::first_order:
+      set_first_order(front_end, dt);
+      break;
+    case FrontEnd::Kind::second_order:
+      set_second_order(front_end, dt);
+      break;
+    default:
+      throw std::invalid_argument("a value that is no kind of front end");
+  }
+  set_memory();
+}
+
+void SampledFrontEnd::set_first_order(const FrontEnd& front_end, double dt) {
+  const double w = 2 * pi * front_end.bandwidth * dt;
+  switch (front_end.sampling) {
+    case FrontEnd::Sampling::analogue:
+      a_[0] = -std::exp(-w), b_[0] = -std::expm1(-w);
+      return;
+    case FrontEnd::Sampling::bilinear: {
+      // A corner from half the rate on is none.
+      const double t = std::tan(pi * std::min(0.49999, front_end.bandwidth * dt));
+      a_[0] = (t - 1) / (t + 1), b_[0] = b_[1] = t / (t + 1);
+      return;
+    }
+    case FrontEnd::Sampling::held: {
+      const double decay = std::exp(-w), mean = -std::expm1(-w) / w;
+      a_[0] = -decay, b_[0] = 1 - mean, b_[1] = mean - decay;
+      return;
+    }
+  }
+  throw std::invalid_argument("a value that is no sampling of a front end");
+}
+
+void SampledFrontEnd::set_second_order(const FrontEnd& front_end, double dt) {
+  const double s = std::numbers::sqrt2 * pi * front_end.bandwidth * dt;
+  const auto set_poles = [&] {
+    const double decay = std::exp(-s);
+    a_[0] = -2 * decay * std::cos(s), a_[1] = square(decay);
+  };
+  switch (front_end.sampling) {
+    case FrontEnd::Sampling::analogue: {
+      // r(h) = Re[(1 - i) p^h], p = exp((-1 + i) s); its spectrum times |a|^2 has two coefficients.
+      set_poles();
+      const Complex p = std::polar(std::exp(-s), s);
+      const auto r = [&](int h) { return (Complex(1, -1) * std::pow(p, h)).real(); };
+      const double even =
+          r(0) * (1 + square(a_[0]) + square(a_[1])) + 2 * r(1) * a_[0] * (1 + a_[1]) + 2 * r(2) * a_[1];
+      const double odd = r(0) * a_[0] * (1 + a_[1]) + r(1) * (1 + square(a_[0]) + a_[1] + square(a_[1])) +
+                         r(2) * a_[0] * (1 + a_[1]) + r(3) * a_[1];
+      const auto b = spectral_factor(even, odd);
+      const double gain = (b[0] + b[1]) / (1 + a_[0] + a_[1]);
+      b_[0] = b[0] / gain, b_[1] = b[1] / gain;
+      return;
+    }
+    case FrontEnd::Sampling::bilinear: {
+      const double t = std::tan(pi * std::min(0.49999, front_end.bandwidth * dt)), q = std::numbers::sqrt2 * t;
+      const double scale = 1 / (1 + q + square(t));
+      a_[0] = 2 * (square(t) - 1) * scale, a_[1] = (1 - q + square(t)) * scale;
+      b_[0] = b_[2] = square(t) * scale, b_[1] = 2 * b_[0];
+      return;
+    }
+    case FrontEnd::Sampling::held: {
+      set_poles();
+      detail::LowPass low_pass(front_end.bandwidth, 2, dt);
+      (void)low_pass.next(0);
+      const double h[] = {low_pass.next(1), low_pass.next(0), low_pass.next(0)};
+      b_[0] = h[0], b_[1] = h[1] + a_[0] * h[0], b_[2] = h[2] + a_[0] * h[1] + a_[1] * h[0];
+      return;
+    }
+  }
+  throw std::invalid_argument("a value that is no sampling of a front end");
+}
+
+// r(h) for h >= 1 by residues of H(z) H(1/z) z^(h-1): with poles p, q it is the sum of B(p)/(p - q) H(1/p) p^(h-1) and
+// the same of q; a sum over h then gives the memory.
+void SampledFrontEnd::set_memory() {
+  const Complex root = std::sqrt(Complex(square(a_[0]) / 4 - a_[1]));
+  const Complex p = -a_[0] / 2 + root, q = -a_[0] / 2 - root;
+  const auto outside = [&](Complex z) {  // H(1/z)
+    return (b_[0] + z * (b_[1] + z * b_[2])) / (1. + z * (a_[0] + z * a_[1]));
+  };
+  const auto weight = [&](Complex at, Complex other) {
+    return (b_[0] * at * at + b_[1] * at + b_[2]) / (at - other) * outside(at) / ((1. - at) * (1. - at));
+  };
+  // Conjugate poles, or one real pole beside one at 0, which only r(1) feels: none of the kinds has another pair.
+  pole_ = p;
+  residue_ = a_[1] == 0 ? weight(p, q) : 2. * weight(p, q);
+}
+
+double SampledFrontEnd::power_gain(double cycles) const { return floor_ + (1 - floor_) * passed(cycles); }
+
+double SampledFrontEnd::passed(double cycles) const {
+  if (average_) return Mixture(length_).mean([&](double count) { return summing_power(count, cycles); });
+  const Complex z = std::polar(1., -2 * pi * cycles);
+  return std::norm((b_[0] + z * (b_[1] + z * b_[2])) / (1. + z * (a_[0] + z * a_[1])));
+}
+
+double SampledFrontEnd::memory(double lag) const {
+  const double filtered = average_ ? Mixture(length_).mean([&](double count) { return summing_memory(count, lag); })
+                                   : (residue_ * std::pow(pole_, lag)).real();
+  return -(1 - floor_) * filtered;
+}
+
+std::int64_t SampledFrontEnd::settling() const {
+  constexpr double kLeft = 1e-16;
+  if (average_) return static_cast<std::int64_t>(std::ceil(length_));
+  const double radius = std::abs(pole_);
+  return radius > 0 ? static_cast<std::int64_t>(std::ceil(std::log(kLeft) / std::log(radius))) + 2 : 2;
+}
+
+FrontEndFilter::FrontEndFilter(const SampledFrontEnd& front_end) : front_end_(front_end) {
+  if (!front_end.average_) return;
+  const double count = std::round(front_end.length_);
+  constexpr double kWhole = 1e-6;
+  detail::require(std::abs(front_end.length_ - count) < kWhole * count, "length of the moving average",
+                  front_end.length_, "a whole number of samples");
+  past_.resize(static_cast<std::size_t>(count));
+}
+
+double FrontEndFilter::next_average(double sample) {
+  sum_ += sample - past_[oldest_];
+  past_[oldest_] = sample;
+  if (++oldest_ == past_.size()) {
+    oldest_ = 0;
+    sum_ = std::accumulate(past_.begin(), past_.end(), 0.);  // rounding does not gather
+  }
+  return sum_ / static_cast<double>(past_.size());
+}
+
+void FrontEndFilter::operator()(std::span<double> samples) {
+  if (samples.empty()) return;
+  if (!started_) {
+    in_.fill(samples[0]), out_.fill(samples[0]), std::ranges::fill(past_, samples[0]);
+    sum_ = samples[0] * static_cast<double>(past_.size());
+    started_ = true;
+  }
+  const auto& b = front_end_.b_;
+  const auto& a = front_end_.a_;
+  for (double& sample : samples) {
+    if (front_end_.average_) {
+      sample = next_average(sample);
+      continue;
+    }
+    const double v = sample;
+    sample = b[0] * v + b[1] * in_[0] + b[2] * in_[1] - a[0] * out_[0] - a[1] * out_[1];
+    in_ = {v, in_[0]}, out_ = {sample, out_[0]};
+  }
+}
+
+}  // namespace gyrobudget::inline v0::noise

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: MIT
+// The low pass between a sensor's noise and its samples, as its logs show it.
+#pragma once
+
+#include <array>
+#include <complex>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+namespace gyrobudget::inline v0::noise {
+
+/// A low pass of unit gain at frequency 0. Every kind has one parameter, its bandwidth:
+///
+///   first order     1/(1 + s/w), w = 2 pi bandwidth
+///   second order    Butterworth's, 1/(1 + sqrt(2) s/w + (s/w)^2)
+///   moving average  over T = 0.442946/bandwidth, the mean of L = T/dt samples; L need not be whole
+///
+/// -3 dB at the bandwidth. How a continuous filter comes to samples is `sampling`; for a bandwidth well below the rate
+/// all are the same. A moving average has one only.
+struct FrontEnd {
+  enum class Kind { first_order, second_order, moving_average };
+  enum class Sampling {
+    analogue,  ///< filtered at a rate far above that of the log, then sampled: what lies above half the rate folds down
+    bilinear,  ///< a digital filter at the rate of the log, by the bilinear transform with its frequency kept
+    held,      ///< the filter answers to a rate that is constant over each sample; its mean over samples: Imu's (imu.h)
+  };
+  Kind kind = Kind::first_order;
+  double bandwidth = 0;  ///< -3 dB [Hz]
+  Sampling sampling = Sampling::analogue;
+  /// Density of what is added behind the filter, rounding above all, over that of the noise in front of it: the gain is
+  /// |H|^2 + floor (1 - |H|^2).
+  double floor = 0;
+
+  friend bool operator==(const FrontEnd&, const FrontEnd&) = default;
+};
+
+/// "first_order", "second_order", "moving_average".
+[[nodiscard]] std::string_view name(FrontEnd::Kind kind);
+
+/// fc dt of a moving average over one sample, and so its bandwidth times its length.
+inline constexpr double kMovingAverageWidth = 0.442946470689452;
+
+/// A front end beside samples every dt [s]: white noise v of unit variance becomes y with
+///
+///   y_k + a1 y_{k-1} + a2 y_{k-2} = b0 v_k + b1 v_{k-1} + b2 v_{k-2}     (first and second order; analogue: a process
+///                                                                         of the same spectrum)
+///   power gain |H(f)|^2 (1 - floor) + floor, |H(0)| = 1
+///   memory(h) = -sum_{j > h} (j - h) r(j), r the autocovariance of y
+///
+/// Beyond the memory of the filter all it leaves in the phase is memory(0) = -S1/2, S1 = sum |h| r(h): the Allan
+/// variance of filtered white noise is N^2/dt [1/m + (6 memory(0) - 8 memory(m) + 2 memory(2m))/(2 m^2)]. The
+/// floor makes it smaller by its share.
+/// Relative error below 1e-9 for bandwidth * dt from 1e-4 on.
+class SampledFrontEnd {
+ public:
+  /// @param front_end  its bandwidth from 1e-4/dt to 100/dt @param dt  sample interval [s]
+  /// @throws std::invalid_argument for a bandwidth out of this range, a dt that is not positive and finite, and values
+  /// that are no Kind or Sampling.
+  SampledFrontEnd(const FrontEnd& front_end, double dt);
+
+  /// At a frequency of `cycles` per sample, in [0, 1/2].
+  [[nodiscard]] double power_gain(double cycles) const;
+  /// memory(h) at lag h >= 0; continued smoothly between whole lags (a moving average: but for its kinks).
+  [[nodiscard]] double memory(double lag) const;
+  /// Samples after which nothing is left of what was before: 1e-16 of it, at least 1.
+  [[nodiscard]] std::int64_t settling() const;
+
+ private:
+  void set_first_order(const FrontEnd& front_end, double dt);
+  void set_second_order(const FrontEnd& front_end, double dt);
+  void set_memory();
+  [[nodiscard]] double passed(double cycles) const;
+  friend class FrontEndFilter;
+
+  bool average_ = false;
+  double length_ = 1;  // of a moving average, samples
+  double floor_ = 0;
+  double b_[3] = {1, 0, 0}, a_[2] = {0, 0};      // the others
+  std::complex<double> pole_ = 0, residue_ = 0;  // memory(h) = -Re(residue pole^h)
+};
+
+/// Passes samples through a front end, however they are shared out among calls; its floor, which is added behind it, is
+/// not. The first sample is as if it had always been.
+class FrontEndFilter {
+ public:
+  /// @throws std::invalid_argument for a moving average over a length that is not whole.
+  explicit FrontEndFilter(const SampledFrontEnd& front_end);
+  void operator()(std::span<double> samples);
+
+ private:
+  double next_average(double sample);
+
+  SampledFrontEnd front_end_;
+  std::array<double, 2> in_{}, out_{};
+  std::vector<double> past_;  // of a moving average, a ring
+  std::size_t oldest_ = 0;
+  double sum_ = 0;
+  bool started_ = false;
+};
+
+}  // namespace gyrobudget::inline v0::noise
