@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "whittle.h"
 
+#include "gyrobudget/estimation/fit/detail/fill.h"
 #include "gyrobudget/estimation/fit/detail/judge.h"
 #include "gyrobudget/estimation/fit/detail/likelihood.h"
 #include "gyrobudget/estimation/fit/detail/sine.h"
@@ -74,8 +75,11 @@ struct Fitted {
   std::vector<SpectralResidual> spectrum;
 };
 
-SineBins bins_of(const Transformed& t, std::span<const double> coefficients, std::int64_t first, std::int64_t last) {
-  SineBins bins(coefficients, t.used.count, t.dt, last);
+// With what filled samples know less of, counted as fewer coefficients.
+SineBins bins_of(const Transformed& t, std::int64_t first, std::int64_t last) {
+  SineBins bins(t.coefficients, t.used.count, t.dt, last);
+  for (const TransformedStretch& other : t.others) bins.add(other.coefficients, other.used.count);
+  bins.count *= information_left(t.missing_share);
   for (Eigen::Index b = 0; b < bins.count.size(); ++b) {
     if (bins.first[static_cast<std::size_t>(b)] < first) bins.count(b) = 0;
   }
@@ -208,7 +212,7 @@ Fitted fit_band(const Transformed& t, const Band& band, const Options& options, 
   f.model = model_of(options, drop_quantization);
   f.last = band.last;
   if (f.model.processes.empty()) return f;
-  const SineBins all = bins_of(t, t.coefficients, band.first, band.last);
+  const SineBins all = bins_of(t, band.first, band.last);
   maximise(f, all, options);
   if (f.model.line && f.point.converged) {
     const auto angle = [&](std::optional<double> hz) {
@@ -218,7 +222,7 @@ Fitted fit_band(const Transformed& t, const Band& band, const Options& options, 
     constexpr int kRounds = 2;  // a strong line raises the spectrum that it is first seen against
     for (int i = 0; i < kRounds; ++i) {
       f.line = find_sine(*f.likelihood, f.point, t.coefficients, w, near);
-      SineBins rest = bins_of(t, without_sine(t, f.line), band.first, band.last);
+      SineBins rest = bins_of(without_sine(t, f.line), band.first, band.last);
       rest.reference = all.reference;
       maximise(f, rest, options);
     }
@@ -430,8 +434,8 @@ Result fit_likelihood(std::span<const double> rate, double dt, const Options& op
   const Fitted f = choose_band(t, options);
   Result result;
   result.method = Method::whittle;
-  result.first_sample = t.used.first;
-  result.samples = t.used.count;
+  result.first_sample = t.others.empty() ? t.used.first : std::min(t.used.first, t.others.front().used.first);
+  result.samples = t.samples();
   result.fitted_terms = f.model.terms;
   result.converged = f.point.converged;
   result.iterations = f.point.iterations;
