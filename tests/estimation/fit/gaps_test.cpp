@@ -162,8 +162,8 @@ TEST(FillGaps, KeepsThePowerOfEveryNoise) {
   }
 }
 
-// White noise and a Gauss-Markov process of 3 s at 100 Hz, 2 % missing: the kind of record whose longest stretch without
-// a gap is shorter than the process remembers.
+// White noise and a Gauss-Markov process of 3 s at 100 Hz, 2 % missing: the longest stretch without a gap is shorter
+// than the process remembers.
 TEST(Gaps, AGaussMarkovProcessIsSeenThroughThem) {
   constexpr double kTime = 3.08, kSigma = 4e-5, kDt = 0.01;
   const noise::Process processes[] = {noise::White{4e-5}, noise::GaussMarkov{kSigma, kTime}};
