@@ -18,6 +18,9 @@ struct Identified {
   int differences = 0;  ///< how many times they were differenced, 0 or 1
   std::int64_t m = 1;   ///< factor at which it was found: the one asked for, or n/30 where that is shorter
   noise::Term term = noise::Term::white;  ///< Q for alpha 2 and 1, N for 0, B for -1, K for -2
+  /// Where the record cannot tell: up to `share` of the variance may be of `widest`, with fewer degrees of freedom.
+  noise::Term widest = noise::Term::white;
+  double share = 0;
 };
 
 /// Lag-1 autocorrelation identification (W. Riley and C. Greenhall, "Power law noise identification using the lag 1

@@ -3,6 +3,7 @@
 
 #include "gyrobudget/allan/detail/family_sum.h"
 #include "gyrobudget/allan/detail/lag_moments.h"
+#include "gyrobudget/allan/detail/octave_ratio.h"
 #include "gyrobudget/allan/detail/quadratic_form.h"
 
 #include <fmt/core.h>
@@ -22,6 +23,7 @@ namespace gyrobudget::inline v0::allan {
 namespace {
 
 using detail::Moments;
+constexpr std::int64_t kFewestClusters = 30;  // that tell a noise by their lag-1 autocorrelation
 using Mix = std::span<const noise::Process>;
 
 void check(const Estimation& of) {
@@ -295,13 +297,22 @@ std::vector<PointStatistics> statistics(const Curve& curve, std::span<const Iden
         fmt::format("noise was identified at {} points; the curve has {}", noises.size(), curve.points.size()));
   }
   return each_point(curve, confidence, [&](std::size_t i, DenseDof& dense) {
-    Facts mean;
-    for (const auto& [term, weight] : noises_around(curve, noises, i)) {
+    const auto facts_for = [&](noise::Term term) {
       const noise::Process process = noise::unit_process(term);
-      const Facts facts = facts_of(curve, curve.points[i], Mix(&process, 1), dense);
+      return facts_of(curve, curve.points[i], Mix(&process, 1), dense);
+    };
+    Facts mean;
+    double inverse = 0;  // of the degrees of freedom: half the relative variance
+    for (const auto& [term, weight] : noises_around(curve, noises, i)) {
+      const Facts facts = facts_for(term);
       mean.bias += weight * facts.bias;
-      mean.edf += weight * facts.edf;
+      inverse += weight / facts.edf;
     }
+    if (const Identified& here = noises[i]; here.share > 0) {
+      const double own = 1 - here.share;
+      inverse = std::max(inverse, own * own * inverse + here.share * here.share / facts_for(here.widest).edf);
+    }
+    mean.edf = 1 / inverse;
     return mean;
   });
 }
@@ -312,7 +323,13 @@ std::vector<Identified> identify_noise(const Series& record, const Curve& curve)
     const auto m = static_cast<std::int64_t>(std::llround(curve.tau(i) / curve.dt));
     factors.push_back(std::clamp<std::int64_t>(m, 1, std::max<std::int64_t>(1, record.samples() / 2)));
   }
-  return held_noise(identify_noise(record, factors), record.samples());
+  auto noises = held_noise(identify_noise(record, factors), record.samples());
+  tbb::parallel_for(std::size_t{0}, noises.size(), [&](std::size_t i) {
+    const std::int64_t m = factors[i];
+    if (m < 2 || (m * kFewestClusters <= record.samples() && noises[i].term != noise::Term::quantization)) return;
+    detail::tell_by_ratio(noises[i], detail::octave_ratio(record.phase(), record.samples(), m));
+  });
+  return noises;
 }
 
 std::vector<Identified> identify_noise(const Curve& curve) {
@@ -320,7 +337,6 @@ std::vector<Identified> identify_noise(const Curve& curve) {
     throw std::invalid_argument(
         fmt::format("noise is told from the slopes of the oadev, not of the {}", name(curve.estimator)));
   }
-  constexpr std::int64_t kFewestClusters = 30;
   std::vector<Identified> found(curve.points.size());
   for (std::size_t i = 0; i < found.size(); ++i) {
     const std::size_t before = i > 0 ? i - 1 : 0, after = std::min(i + 1, found.size() - 1);
@@ -339,6 +355,17 @@ std::vector<Identified> identify_noise(const Curve& curve) {
       found[i].term = kLaws[law].second;
     }
     found[i].m = curve.points[i].m;
+  }
+  for (std::size_t i = 1; i < found.size(); ++i) {
+    const Point &here = curve.points[i], &half = curve.points[i - 1];
+    const bool few = here.m * kFewestClusters > curve.samples;
+    if (here.m != 2 * half.m || !(few || found[i].term == noise::Term::quantization)) continue;
+    detail::tell_by_ratio(found[i], {.log_ratio = std::log(here.variance / half.variance),
+                                     .m = here.m,
+                                     .half = half.m,
+                                     .clusters = static_cast<double>(curve.samples) / static_cast<double>(here.m),
+                                     .terms = static_cast<double>(here.terms),
+                                     .half_terms = static_cast<double>(half.terms)});
   }
   return found;
 }

@@ -68,17 +68,22 @@ struct PointStatistics {
 /// @throws std::invalid_argument as above.
 [[nodiscard]] std::vector<PointStatistics> statistics(const Curve& curve, std::span<const noise::Process> mix,
                                                       double confidence = 0.95);
-/// The same for the noise that was identified at each point. Where it changes along the curve, bias and degrees of
-/// freedom go over from one noise's to the other's within two octaves either way (the mean over the points there,
-/// weights falling linearly in log tau), so that curves whose bias is divided out do not jump.
+/// The same for the noise that was identified at each point. Where it changes along the curve, the bias goes over from
+/// one noise's to the other's within two octaves either way (the mean over the points there, weights falling linearly
+/// in log tau), so that curves whose bias is divided out do not jump. So do relative variances, 2 over the degrees of
+/// freedom; where a share p of the variance may be of Identified::widest the relative variance is at least
+/// (1 - p)^2 of the noise's own and p^2 of the widest's.
 [[nodiscard]] std::vector<PointStatistics> statistics(const Curve& curve, std::span<const Identified> noises,
                                                       double confidence = 0.95);
-/// Noise at each point's averaging time (at n/2 beyond that), as held_noise has it.
+/// Noise at each point's averaging time (at n/2 beyond that), as held_noise has it; beyond n/30, where lag-1
+/// autocorrelations tell nothing, and for angle noise, from the variance there over that at half the factor, with what
+/// is plausible besides in Identified::widest and share. At n/2 anything is.
 [[nodiscard]] std::vector<Identified> identify_noise(const Series& record, const Curve& curve);
 
 /// The same from the overlapped Allan curve alone, where the samples are gone (streams): the power law at each octave
 /// from the slope over its two neighbours, as the Allan variance goes as tau^-2, -1, 0, 1 for quantization, white,
-/// flicker, random walk. Where the next point has fewer than 30 clusters it is that of the point before.
+/// flicker, random walk. Where the next point has fewer than 30 clusters it is that of the point before, unless the
+/// ratio of its variance to the one an octave before denies that, and `widest` and `share` are as above.
 /// @param curve at ascending factors. @throws std::invalid_argument for another estimator.
 [[nodiscard]] std::vector<Identified> identify_noise(const Curve& curve);
 

@@ -90,6 +90,7 @@ struct CalibrateArguments {
   Pictures pictures;
   CurveArguments curve;
   std::vector<std::string> logs;     ///< several: records of one sensor type
+  std::optional<double> gap_s;       ///< cut each where more than this is missing, into records
   std::string curve_file;            ///< a table of deviations instead of a log
   std::optional<double> duration_s;  ///< of the record behind a curve file
   calibration::Options options;      ///< but for what `curve` says

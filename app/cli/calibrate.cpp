@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstddef>
 #include <utility>
 
 #include "analysis.h"
@@ -26,22 +27,31 @@ int run_table(const CalibrateArguments& a) {
   return tell(sheet, {"fitted to a table of deviations, taken as fully overlapped ones of a record without gaps"}, a);
 }
 
-int run_log(const CalibrateArguments& a) {
-  const allan::Record record = read_record(a.curve, a.common);
-  return tell(calibration::calibrate(record, a.options), record.notes, a);
+// What one log holds: a record, or one for each segment.
+std::vector<allan::Record> records_of(const CalibrateArguments& a, const std::string& path) {
+  CurveArguments of_log = a.curve;
+  of_log.log.path = path;
+  std::vector<allan::Record> records;
+  if (a.gap_s)
+    records = read_cut_record(of_log, *a.gap_s, a.common);
+  else
+    records.push_back(read_record(of_log, a.common));
+  for (std::size_t i = 0; records.size() > 1 && i < records.size(); ++i)
+    records[i].source += fmt::format(", segment {}", i + 1);
+  return records;
 }
 
-int run_several(const CalibrateArguments& a) {
+int run_logs(const CalibrateArguments& a) {
   std::vector<calibration::Datasheet> sheets;
   std::vector<std::vector<std::string>> notes;
   for (const auto& path : a.logs) {
-    CurveArguments of_log = a.curve;
-    of_log.log.path = path;
-    allan::Record record = read_record(of_log, a.common);
-    if (!sheets.empty()) record = calibration::matched(std::move(record), sheets.front());
-    sheets.push_back(calibration::calibrate(record, a.options));
-    notes.push_back(std::move(record.notes));
+    for (allan::Record& record : records_of(a, path)) {
+      if (!sheets.empty()) record = calibration::matched(std::move(record), sheets.front());
+      sheets.push_back(calibration::calibrate(record, a.options));
+      notes.push_back(std::move(record.notes));
+    }
   }
+  if (sheets.size() == 1) return tell(sheets.front(), std::move(notes.front()), a);
   return tell(calibration::combine(std::move(sheets)), std::move(notes), a);
 }
 
@@ -58,7 +68,7 @@ int run(const CalibrateArguments& asked) {
         {{"-o", a.output}, {"--kalibr", a.kalibr}, {"--report", a.pictures.report}, {"--plot", a.pictures.plot}});
   try {
     if (!a.curve_file.empty()) return run_table(a);
-    return a.logs.size() > 1 ? run_several(a) : run_log(a);
+    return run_logs(a);
   } catch (const calibration::Unusable& error) {
     throw text::InputError(fmt::format("{}; {}", error.what(), report::mend(error.reason)));
   }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "options.h"
@@ -33,11 +34,10 @@ void add_estimators(CLI::App& app, Texts& texts) {
       ->capture_default_str();
 }
 
-void add_segments(CLI::App& app, Texts& texts) {
+void add_segments(CLI::App& app, Texts& texts, std::string_view use) {
   app.add_option_group("Segments")
-      ->add_option(
-          "--segments", texts.gap,
-          "cut each log where more than this is missing, or time goes back, and pool the segments into one curve: power-ups, dropped data")
+      ->add_option("--segments", texts.gap,
+                   fmt::format("cut each log where more than this is missing, or time goes back, and {}", use))
       ->type_name("GAP");
 }
 
@@ -119,7 +119,7 @@ CLI::App* add_allan(CLI::App& app, AllanArguments& a, Texts& texts) {
       ->required()
       ->type_name("LOG ...");
   add_log(*verb, a.curve, texts);
-  add_segments(*verb, texts);
+  add_segments(*verb, texts, "pool the segments into one curve: power-ups, dropped data");
   add_curve(*verb, texts, kTaus);
   add_estimators(*verb, texts);
   add_views(*verb, texts);
@@ -168,6 +168,7 @@ CLI::App* add_calibrate(CLI::App& app, CalibrateArguments& a, Texts& texts) {
                    ->type_name("FILE");
   file->excludes(verb->get_option("log"));
   table->add_option("--duration", texts.duration, "length of the record behind --curve")->type_name("TIME");
+  add_segments(*verb, texts, "take the segments for records of one sensor type: power-ups");
   add_curve(*verb, texts, "50");
   auto* out = verb->add_option_group("Output");
   out->add_option("-o,--output", a.output, "write the sensor file")->type_name("SENSOR.yaml");
@@ -217,6 +218,9 @@ void finish(CalibrateArguments& a, const Texts& texts) {
   if (!texts.tau_min.empty()) a.options.tau_min_s = duration("--tau-min", texts.tau_min);
   if (!texts.tau_max.empty()) a.options.tau_max_s = duration("--tau-max", texts.tau_max);
   if (!texts.duration.empty()) a.duration_s = duration("--duration", texts.duration);
+  if (!texts.gap.empty()) a.gap_s = duration("--segments", texts.gap);
+  if (a.gap_s && !a.curve_file.empty())
+    throw std::invalid_argument("--segments cuts a log, and a table (--curve) has nothing to cut");
   if (!a.curve_file.empty() && (texts.ieee || texts.strict_gaps || a.curve.log.scale != 1 || texts.input != "rate")) {
     throw std::invalid_argument("--curve: --ieee, --strict-gaps, --scale and --input are about logs, not tables");
   }

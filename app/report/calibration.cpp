@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -73,7 +74,7 @@ std::string describe_steps(const Findings& found, const Of& of) {
 std::string describe_departure(const Findings& found, const Of& of) {
   const allan::Departure& departure = *found.departure;
   const auto size = noise::quantity_text(departure.size, noise::datasheet_unit(of.signal), 3);
-  const std::string chance = fmt::format("noise would do that with p = {:.1g}", departure.p_value);
+  const std::string chance = "noise would do that with " + probability_text(departure.p_value);
   if (departure.kind == allan::Departure::Kind::trend) {
     return fmt::format(
         "The record drifts by {} along a straight line ({}). Where the ramp is not fitted it counts as rate random walk: --terms N,B,K,R fits it.",
@@ -89,10 +90,16 @@ std::string describe_departure(const Findings& found, const Of& of) {
 
 std::string describe_fainter(std::span<const allan::SpectralLine> lines) {
   const auto [low, high] = std::ranges::minmax(lines, {}, &allan::SpectralLine::frequency_hz);
+  const std::string from = fmt::format("{:.3g}", low.frequency_hz), to = fmt::format("{:.3g}", high.frequency_hz);
+  const double highest = std::ranges::max(lines, {}, &allan::SpectralLine::ratio).ratio;
+  if (from == to) {
+    return fmt::format("{} lies near {} Hz (up to {:.0f} times the spectrum beside it).",
+                       lines.size() == 1 ? "A fainter line" : fmt::format("A group of {} fainter lines", lines.size()),
+                       from, highest);
+  }
   return fmt::format(
-      "{} fainter lines lie between {:.3g} and {:.3g} Hz (up to {:.0f} times the spectrum beside them). So many are rather a spectrum with structure, as of a sensor that moves: look at it with gyrobudget allan --psd welch --report.",
-      lines.size(), low.frequency_hz, high.frequency_hz,
-      std::ranges::max(lines, {}, &allan::SpectralLine::ratio).ratio);
+      "{} fainter lines lie between {} and {} Hz (up to {:.0f} times the spectrum beside them). So many are rather a spectrum with structure, as of a sensor that moves: look at it with gyrobudget allan --psd welch --report.",
+      lines.size(), from, to, highest);
 }
 
 std::vector<std::string> describe(const Findings& found, const Of& of) {
@@ -121,26 +128,82 @@ std::vector<std::string> describe(const Findings& found, const Of& of) {
 
 // --- What follows from the fit ------------------------------------------------------------------------------------
 
-std::string longer_text(const calibration::LongerRecord& longer) {
-  return fmt::format("{} is known to {:.0f} % here ({} of record); for 10 % record at least {}.",
-                     longer.term == Term::flicker ? "Bias instability" : "Rate random walk", 100 * longer.relative_std,
-                     duration_text(longer.duration_s, text::DurationForm::rough),
-                     std::isfinite(longer.needed_s) ? duration_text(longer.needed_s, text::DurationForm::rough)
-                                                    : "longer than anyone would");
+// In few digits, and not above the number: from a tau on is from its own octave on.
+std::string not_above(double value) {
+  constexpr int kExact = 17;
+  std::string text;
+  for (int digits = 3; digits <= kExact; ++digits) {
+    text = fmt::format("{:.{}g}", value, digits);
+    if (const double read = std::stod(text); read <= value && read > value * (1 - 1e-3)) return text;
+  }
+  return text;
 }
 
-std::string one_line_verdict(const fit::Result& fit) {
-  switch (fit.verdict) {
-    case fit::Verdict::described:
-      return fmt::format("described by the model from {:.4g} s on (p = {:.2g})", fit.tau_min_s, fit.p_value);
-    case fit::Verdict::described_within:
-      return fmt::format("described within {:.1f} % (worst at {:.4g} s; p = {:.2g})", 100 * fit.worst_misfit,
-                         fit.worst_misfit_tau_s, fit.p_value);
-    case fit::Verdict::not_described:
+std::string_view term_name(Term term) { return term == Term::flicker ? "Bias instability" : "Rate random walk"; }
+
+std::string longer_text(const calibration::LongerRecord& longer) {
+  const std::string here = duration_text(longer.duration_s, text::DurationForm::rough);
+  const std::string found = longer.identified ? fmt::format("{} is known to {} here ({} of record)",
+                                                            term_name(longer.term), percent(longer.relative_std), here)
+                                              : fmt::format("{} is not resolved in {} of record: were it as fitted",
+                                                            term_name(longer.term), here);
+  const std::string_view joint = longer.identified ? ";" : ",";
+  if (!std::isfinite(longer.needed_s)) return fmt::format("{}{} no length of record gives 10 %.", found, joint);
+  return fmt::format("{}{} for 10 % record at least {}.", found, joint,
+                     duration_text(longer.needed_s, text::DurationForm::rough));
+}
+
+// Of rate random walk that the record does not tell from none: one statement, whatever else is known of it.
+std::string walk_text(const AxisDatasheet& axis) {
+  if (axis.fit[Term::rate_random_walk].value > 0)
+    return "Rate random walk is not resolved in this record: quote the upper limit.";
+  return "No rate random walk is seen within this record: it may show in a longer one. Quote the upper limit.";
+}
+
+std::string one_line_verdict(const AxisDatasheet& axis) {
+  if (!axis.is_fitted()) return "no coefficients, as an error ended its fit";
+  const fit::Result& fit = axis.fit;
+  if (!fit::is_tested(fit) || !fit.converged) return verdict_headline(fit);
+  std::string text = fmt::format("{} by the model from {} on ({}", verdict_headline(fit), tau_text(fit.tau_min_s),
+                                 probability_text(fit.p_value));
+  if (fit.verdict != fit::Verdict::described && fit.worst_misfit > 0)
+    text += fmt::format("; worst at {}, by {}", tau_text(fit.worst_misfit_tau_s), percent(fit.worst_misfit));
+  return text + (fit.verdict == fit::Verdict::not_described ? "): do not use" : ")");
+}
+
+std::string_view stage_text(calibration::Stage stage) {
+  using enum calibration::Stage;
+  switch (stage) {
+    case screening:
+      return "The search for outliers and steps";
+    case curve:
+      return "The Allan curve";
+    case choice:
+      return "The choice of terms";
+    case fit:
+      return "The fit";
+    case departure:
+      return "The search for a warm-up and drifts";
+    case lines:
+      return "The search for spectral lines";
+    case intervals:
+      return "The curve with its intervals";
+    case cross_check:
+      return "The cross-check";
+    case facts:
       break;
   }
-  return fmt::format("NOT described by the model (p = {:.2g}, off by {:.0f} % at {:.4g} s): do not use", fit.p_value,
-                     100 * fit.worst_misfit, fit.worst_misfit_tau_s);
+  return "What to know or do";
+}
+
+std::string fault_text(const calibration::Fault& fault, const AxisDatasheet& axis) {
+  std::string text = fmt::format("{} of {} ended in an error: {}", stage_text(fault.stage), axis.name, fault.what);
+  if (fault.reason) text += fmt::format("; {}", mend(*fault.reason));
+  text += ". ";
+  if (!axis.is_fitted()) return text + "It has no coefficients; the other columns do not need it.";
+  if (fault.stage == calibration::Stage::choice) text += "The default terms were fitted instead.";
+  if (fault.stage != calibration::Stage::choice) text += "The coefficients stand without it.";
+  return fault.reason ? text : text + " Please report this error.";
 }
 
 AxisResult axis_result(const AxisDatasheet& axis, const Datasheet& sheet) {
@@ -148,12 +211,13 @@ AxisResult axis_result(const AxisDatasheet& axis, const Datasheet& sheet) {
           .signal = axis.signal,
           .mean = axis.mean,
           .points = axis.points,
-          .fit = axis.fit,
+          .fit = axis.is_fitted() ? std::optional(axis.fit) : std::nullopt,
           .chosen = axis.chosen,
           .cross_checked = axis.cross_checked,
           .findings = axis.findings,
           .psd = {},
           .dynamic = {},
+          .faults = axis.faults,
           .advice = advice(axis, sheet)};
 }
 
@@ -161,11 +225,14 @@ AxisResult axis_result(const AxisDatasheet& axis, const Datasheet& sheet) {
 
 std::vector<std::string> advice(const AxisDatasheet& axis, const Datasheet& sheet) {
   const calibration::Facts& facts = axis.facts;
-  if (facts.all_equal)
-    return {fmt::format(
-        "Every sample of {} is equal: the log holds no noise to measure. The sensor is not connected, or its resolution hides its noise: log raw counts or at a finer range.",
-        axis.name)};
   std::vector<std::string> texts;
+  for (const auto& fault : axis.faults) texts.push_back(fault_text(fault, axis));
+  if (facts.all_equal) {
+    texts.push_back(fmt::format(
+        "Every sample of {} is equal: the log holds no noise to measure. The sensor is not connected, or its resolution hides its noise: log raw counts or at a finer range.",
+        axis.name));
+    return texts;
+  }
   if (facts.no_answer)
     texts.push_back(fmt::format(
         "None of angle random walk, bias instability and rate random walk is resolved{}",
@@ -178,9 +245,14 @@ std::vector<std::string> advice(const AxisDatasheet& axis, const Datasheet& shee
   if (axis.findings)
     std::ranges::move(describe(*axis.findings, {axis.signal, sheet.samples, 1 / sheet.rate_hz}),
                       std::back_inserter(texts));
-  if (facts.walk_unresolved)
-    texts.emplace_back(
-        "No rate random walk is seen within this record: it may show in a longer one. Quote the upper limit.");
+  if (facts.later) {
+    const std::string from = not_above(facts.later->tau_min_s);
+    texts.push_back(
+        fmt::format("From {0} s on the same terms describe the curve ({1}): --tau-min {0}s fits them there.", from,
+                    probability_text(facts.later->p_value)));
+  }
+  const auto is_walk = [](const auto& longer) { return longer.term == Term::rate_random_walk; };
+  if (facts.walk_unresolved && std::ranges::none_of(facts.longer, is_walk)) texts.push_back(walk_text(axis));
   for (const auto& longer : facts.longer) texts.push_back(longer_text(longer));
   return texts;
 }
@@ -229,14 +301,15 @@ std::string provenance(const Datasheet& sheet, std::string_view command) {
                                  sheet.rate_hz, sheet.missing_samples);
   if (sheet.axes.size() > 1) text += "Each value is the root mean square over the axes of its triad.\n";
   for (const auto& axis : sheet.axes) {
-    text += fmt::format("{}: {}\n", axis.name, one_line_verdict(axis.fit));
+    text += fmt::format("{}: {}\n", axis.name, one_line_verdict(axis));
     for (const auto& c : axis.fit.coefficients) {
       if (!c.fitted || c.status == fit::Status::identified) continue;
       const auto unit = noise::datasheet_unit(axis.signal, c.term);
-      text +=
-          fmt::format("  {} is not resolved: {} is the fitted value, at most {} (95 %); a cautious budget takes that\n",
-                      noise::key(axis.signal, c.term), noise::quantity_text(c.value, unit, 3),
-                      noise::quantity_text(c.upper, unit, 3));
+      text += fmt::format("  {} is not resolved: {} is the fitted value, ", noise::key(axis.signal, c.term),
+                          noise::quantity_text(c.value, unit, 3));
+      text += std::isfinite(c.upper) ? fmt::format("at most {} (95 %); a cautious budget takes that\n",
+                                                   noise::quantity_text(c.upper, unit, 3))
+                                     : "and the record sets no limit\n";
     }
   }
   return text;

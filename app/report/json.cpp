@@ -396,6 +396,38 @@ Json findings(const AxisResult& axis, double rate_hz) {
           {"lines", lines}};
 }
 
+std::string_view text(calibration::Stage stage) {
+  using enum calibration::Stage;
+  switch (stage) {
+    case screening:
+      return "screening";
+    case curve:
+      return "curve";
+    case choice:
+      return "choice";
+    case fit:
+      return "fit";
+    case departure:
+      return "departure";
+    case lines:
+      return "lines";
+    case intervals:
+      return "intervals";
+    case cross_check:
+      return "cross_check";
+    case facts:
+      break;
+  }
+  return "facts";
+}
+
+Json faults(const AxisResult& axis) {
+  Json list = Json::array();
+  for (const calibration::Fault& fault : axis.faults)
+    list.push_back({{"stage", text(fault.stage)}, {"what", fault.what}});
+  return list;
+}
+
 Json minimum(const AxisResult& axis) {
   if (!(axis.fit->minimum_deviation > 0)) return nullptr;
   const Scale scale(axis.signal);
@@ -416,6 +448,7 @@ Json calibration_document(const LogResult& result) {
     out["fit"] = axis.fit ? fit_summary(axis) : Json(nullptr);
     if (axis.cross_checked) out["cross_check"] = cross_check(axis);
     out["findings"] = findings(axis, result.rate_hz);
+    out["faults"] = faults(axis);
     out["advice"] = axis.advice;
     axes.push_back(std::move(out));
   }
@@ -455,8 +488,11 @@ Json combined(const RunsResult& result) {
     Json parameters = Json::object();
     for (const auto& c : in_reading_order(axis))
       parameters[std::string(noise::key(axis.signal, c.term))] = combined_parameter(axis.signal, c);
-    axes.push_back(
-        {{"name", axis.name}, {"signal", text(axis.signal)}, {"left_out", axis.left_out}, {"parameters", parameters}});
+    axes.push_back({{"name", axis.name},
+                    {"signal", text(axis.signal)},
+                    {"left_out", axis.left_out},
+                    {"common_start_s", axis.common_start_s ? Json(*axis.common_start_s) : Json(nullptr)},
+                    {"parameters", parameters}});
   }
   return axes;
 }

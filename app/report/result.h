@@ -48,6 +48,7 @@ struct AxisResult {
   std::optional<calibration::Findings> findings;           ///< calibrate of a log only
   std::optional<SpectrumResult> psd;                       ///< allan --psd, with the first curve of a column
   std::optional<SurfaceResult> dynamic;                    ///< allan --dynamic, likewise
+  std::vector<calibration::Fault> faults;                  ///< stages that ended in an error; calibrate only
   std::vector<std::string> advice;                         ///< plain words, one thing to know or do each
 };
 

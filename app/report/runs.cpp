@@ -58,6 +58,13 @@ std::string left_out(const calibration::CombinedAxis& axis) {
   return names.empty() ? names : "Not taken, because the model does not describe them: " + names + ".";
 }
 
+std::string common_start(const calibration::CombinedAxis& axis) {
+  if (!axis.common_start_s) return {};
+  return fmt::format(
+      "Compared from {} on, where the fits of all of them hold: by themselves some begin earlier, and what a filter takes off the shortest averaging times would look like a difference.",
+      tau_text(*axis.common_start_s));
+}
+
 /// A record with nothing to say of itself leaves the word to the combined coefficients.
 bool is_plain(const AxisResult& axis) {
   return !(axis.findings && axis.findings->any()) && axis.fit && is_quotable(*axis.fit);
@@ -81,7 +88,7 @@ std::string runs_datasheet(const RunsResult& result) {
   for (std::size_t i = 0; i < result.combined.size(); ++i) {
     const calibration::CombinedAxis& axis = result.combined[i];
     out += fmt::format("\n{}\n", printable(axis.name)) + table_of_runs(result, i) + '\n' + combined_table(axis);
-    out += wrapped(left_out(axis), "  ", "  ") + advice(result, i);
+    out += wrapped(common_start(axis), "  ", "  ") + wrapped(left_out(axis), "  ", "  ") + advice(result, i);
   }
   return out + '\n' +
          wrapped(

@@ -33,6 +33,7 @@ std::string heading(const LogResult& result) {
 }
 
 std::string axis_heading(std::string_view name, const AxisResult& axis) {
+  if (!std::isfinite(axis.mean)) return printable(name) + '\n';
   return fmt::format("{}  (mean {})\n", printable(name), in_unit(axis.mean, noise::datasheet_unit(axis.signal)));
 }
 
@@ -127,10 +128,10 @@ std::string summary_of(const LogResult& result, Signal signal) {
   head.emplace_back("verdict");
   table.row(std::move(head));
   for (const AxisResult& axis : result.axes) {
-    if (axis.signal != signal || !axis.fit) continue;
+    if (axis.signal != signal) continue;
     std::vector<std::string> cells = {printable(axis.name)};
     for (const Term term : terms) cells.push_back(cell_text(axis, term));
-    cells.push_back(verdict_headline(*axis.fit));
+    cells.push_back(axis.fit ? verdict_headline(*axis.fit) : "not fitted");
     table.row(std::move(cells));
   }
   return table.text();
@@ -139,9 +140,8 @@ std::string summary_of(const LogResult& result, Signal signal) {
 std::string summary(const LogResult& result) {
   std::string out;
   for (const Signal signal : {Signal::angular_rate, Signal::specific_force, Signal::dimensionless}) {
-    const auto fitted = std::count_if(result.axes.begin(), result.axes.end(),
-                                      [&](const AxisResult& a) { return a.signal == signal && a.fit; });
-    if (fitted > 1) out += '\n' + summary_of(result, signal);
+    const auto axes = std::ranges::count(result.axes, signal, &AxisResult::signal);
+    if (axes > 1) out += '\n' + summary_of(result, signal);
   }
   return out;
 }

@@ -66,13 +66,13 @@ std::string quantity(Signal signal, Term term, double si, int digits = 3) {
   return in_unit(si, noise::datasheet_unit(signal, term), digits);
 }
 
-std::string probability(double p) {
-  if (p < 1e-300) return "p < 1e-300";
-  return p < 1e-3 ? fmt::format("p = {:.1e}", p) : fmt::format("p = {}", number(p, 2));
-}
-
 /// Whether the coefficients say something of the sensor.
 bool is_usable(const fit::Result& fit) { return has_p_value(fit.method) && is_quotable(fit); }
+
+/// Nothing was fitted: every sample is equal, or no term was left.
+bool is_empty(const fit::Result& fit) {
+  return std::ranges::none_of(fit.coefficients, [](const Coefficient& c) { return c.fitted; });
+}
 
 /// The one-sided limit of a coefficient, or that the record sets none.
 std::string limit_text(Signal signal, Term term, double upper) {
@@ -126,6 +126,11 @@ std::string percent(double fraction) {
   const double percents = 100 * fraction;
   if (!std::isfinite(percents)) return "-";
   return std::abs(percents) >= 10 ? fmt::format("{:.0f} %", percents) : number(percents, 2) + " %";
+}
+
+std::string probability_text(double p_value) {
+  if (p_value < 1e-300) return "p < 1e-300";
+  return p_value < 1e-3 ? fmt::format("p = {:.1e}", p_value) : fmt::format("p = {}", number(p_value, 2));
 }
 
 std::string tau_text(double seconds) {
@@ -206,7 +211,7 @@ CombinedText combined_text(Signal signal, const fit::Combined& c) {
   constexpr double kUsual = 0.05;
   if (c.records > 1)
     text.agreement +=
-        fmt::format("; {} ({})", c.p_value < kUsual ? "they DIFFER" : "they agree", probability(c.p_value));
+        fmt::format("; {} ({})", c.p_value < kUsual ? "they DIFFER" : "they agree", probability_text(c.p_value));
   return text;
 }
 
@@ -384,13 +389,14 @@ std::string estimator_text(allan::Estimator estimator) {
 
 std::string verdict_headline(const fit::Result& fit) {
   if (is_reading(fit.method)) return "read off the curve";
+  if (is_empty(fit)) return "nothing to fit";
   if (!fit.converged) return "the fit did not converge";
   if (!is_tested(fit)) return "not tested";
   switch (fit.verdict) {
     case Verdict::described:
       return "described";
     case Verdict::described_within:
-      return "described within " + percent(fit.worst_misfit);
+      return fit.worst_misfit > 0 ? "described within " + percent(fit.worst_misfit) : "described within the scatter";
     case Verdict::not_described:
       break;
   }
@@ -398,6 +404,7 @@ std::string verdict_headline(const fit::Result& fit) {
 }
 
 std::string verdict_text(const fit::Result& fit) {
+  if (is_empty(fit)) return "No averaging time holds anything that a model could explain.";
   const std::string range = fmt::format("from {} to {}", tau_text(fit.tau_min_s), tau_text(fit.tau_max_s));
   const bool spectral = fit.method == Method::whittle;
   const std::string misfit = fmt::format("{} beyond its 95 % scatter, at {}{}", percent(fit.worst_misfit),
@@ -412,7 +419,7 @@ std::string verdict_text(const fit::Result& fit) {
   if (!is_tested(fit)) {
     return "Too few averaging times have the 16 clusters that a test needs; the model was fitted " + range + ".";
   }
-  const std::string chance = probability(fit.p_value);
+  const std::string chance = probability_text(fit.p_value);
   switch (fit.verdict) {
     case Verdict::described:
       return fmt::format(
@@ -420,8 +427,8 @@ std::string verdict_text(const fit::Result& fit) {
           spectral ? "spectrum" : "curve", range, chance, percent(fit.p_value), worst);
     case Verdict::described_within:
       return fmt::format(
-          "Chance alone does not explain how the curve departs from the model {} ({}), but the departure is small: at most {}.",
-          range, chance, misfit);
+          "Chance alone does not explain how the curve departs from the model {} ({}), but the departure is small. {}",
+          range, chance, worst);
     case Verdict::not_described:
       break;
   }
@@ -429,6 +436,7 @@ std::string verdict_text(const fit::Result& fit) {
 }
 
 std::string consequence_text(const fit::Result& fit) {
+  if (is_empty(fit)) return "This record gives no coefficients.";
   if (is_reading(fit.method)) {
     return "Use these numbers only beside readings of others: the intervals are those of the points read, and B so read holds N and K as well, so it comes out too large. The default fit gives a datasheet.";
   }
@@ -442,6 +450,7 @@ std::string consequence_text(const fit::Result& fit) {
       return fmt::format("Values and intervals can be used as they stand, for averaging times from {} on.",
                          tau_text(fit.tau_min_s));
     case Verdict::described_within:
+      if (!(fit.worst_misfit > 0)) return "Use the values; the intervals are widened by the misfit.";
       return fmt::format(
           "Use the values, and allow {} of the deviation for what the model lacks; the intervals are widened by the misfit.",
           percent(fit.worst_misfit));
@@ -467,6 +476,33 @@ std::string consequence_text(const AxisResult& axis) {
   return text;
 }
 
+namespace {
+
+// What the minimum is made of; terms that the record does not tell from zero have no share that could be quoted.
+std::string shares_text(const AxisResult& axis, double rate_hz) {
+  const fit::Result& fit = *axis.fit;
+  std::vector<std::string> parts, open;
+  double unresolved = 0;
+  for (const Share& s : variance_shares(fit, fit.minimum_tau_s, rate_hz)) {
+    if (find(fit, s.term)->status == Status::identified) {
+      parts.push_back(fmt::format("{} {}", noise::label(axis.signal, s.term), percent(s.part)));
+    } else {
+      open.emplace_back(noise::label(axis.signal, s.term));
+      unresolved += s.part;
+    }
+  }
+  if (parts.empty()) return {};
+  constexpr double kShown = 0.005;
+  std::string text = fmt::format(" It is not B: the minimum holds every term; by variance, {}", text::listing(parts));
+  if (unresolved > kShown) {
+    text += fmt::format("; the fit puts the other {} on {}, which this record does not resolve", percent(unresolved),
+                        text::listing(open));
+  }
+  return text + '.';
+}
+
+}  // namespace
+
 std::string minimum_text(const AxisResult& axis, double rate_hz) {
   if (!axis.fit || !(axis.fit->minimum_deviation > 0)) return {};
   const fit::Result& fit = *axis.fit;
@@ -475,13 +511,7 @@ std::string minimum_text(const AxisResult& axis, double rate_hz) {
       rate_text(axis.signal, fit.minimum_deviation), tau_text(fit.minimum_tau_s),
       rate_text(axis.signal, fit.minimum_deviation / kFlickerFloor));
   if (!is_usable(fit)) return text;
-  if (const auto shares = variance_shares(fit, fit.minimum_tau_s, rate_hz); !shares.empty()) {
-    std::vector<std::string> parts;
-    for (const Share& s : shares) {
-      parts.push_back(fmt::format("{} {}", noise::label(axis.signal, s.term), percent(s.part)));
-    }
-    text += fmt::format(" It is not B: the minimum holds every term; by variance, {}.", text::listing(parts));
-  }
+  text += shares_text(axis, rate_hz);
   const Coefficient* flicker = find(fit, Term::flicker);
   if (flicker == nullptr || !flicker->fitted) return text;
   if (flicker->status == Status::identified) {
@@ -495,6 +525,10 @@ std::string minimum_text(const AxisResult& axis, double rate_hz) {
 
 std::string beta_text(const fit::Result& fit) {
   if (!(fit.beta > 0) || !is_usable(fit)) return {};
+  for (const Term t : {Term::white, Term::rate_random_walk}) {  // else there is no crossing to see B beside
+    const Coefficient* c = find(fit, t);
+    if (c == nullptr || c->status != Status::identified) return {};
+  }
   const std::string text = fmt::format("beta = B^2/(N K) = {}: ", number(fit.beta, 3));
   const Coefficient* flicker = find(fit, Term::flicker);
   if (flicker != nullptr && flicker->status != Status::identified) {
@@ -555,6 +589,8 @@ std::string cross_check_text(const AxisResult& axis) {
                                 noise::label(axis.signal, a.term), quantity(axis.signal, a.term, a.second),
                                 a.difference, a.limit));
   }
+  if (parts.empty())
+    return "Cross-check: fit and likelihood have no coefficient in common that both limit, so nothing is confirmed.";
   std::string text = fmt::format("Cross-check: the likelihood of the record itself, made without the curve, gives {}.",
                                  text::listing(parts));
   text +=
@@ -563,11 +599,11 @@ std::string cross_check_text(const AxisResult& axis) {
           : " THE TWO DO NOT AGREE: a filter, spectral lines or a model that lacks a term do this; look at the spectrum (gyrobudget allan --psd welch --report) before quoting either.";
   const fit::Result& likelihood = axis.cross_checked->likelihood;
   if (axis.findings && 10 * likelihood.samples < 9 * axis.findings->samples) {
-    text += fmt::format(" It is of {} samples only, the longest stretch without a gap, so it is less exact.",
+    text += fmt::format(" It is of {} samples only, in stretches between gaps, so it is less exact.",
                         count_text(likelihood.samples));
   }
   if (!check.same_range) text += " They cover different ranges, so some difference is expected.";
-  return text + fmt::format(" The likelihood's own test: {}.", probability(likelihood.p_value));
+  return text + fmt::format(" The likelihood's own test: {}.", probability_text(likelihood.p_value));
 }
 
 std::vector<std::string> weighed_texts(const AxisResult& axis) {

@@ -20,6 +20,8 @@ namespace gyrobudget::inline v0::report {
 [[nodiscard]] std::string in_unit(double si, std::string_view unit, int digits = 4);
 /// "4.3 %" of a fraction, two significant digits; whole percents from 10 % on.
 [[nodiscard]] std::string percent(double fraction);
+/// "p = 0.94", "p = 2.1e-05", "p < 1e-300".
+[[nodiscard]] std::string probability_text(double p_value);
 /// "0.01 s", "61.4 s", "5243 s".
 [[nodiscard]] std::string tau_text(double seconds);
 using text::count_text;

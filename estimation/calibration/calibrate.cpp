@@ -8,12 +8,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <limits>
 #include <span>
 #include <utility>
 
 #include "detail/axis_fit.h"
 #include "detail/screened.h"
+#include "detail/stages.h"
 
 namespace gyrobudget::inline v0::calibration {
 namespace {
@@ -74,23 +76,63 @@ CrossChecked cross_check(const fit::Result& fit, const allan::Series& series) {
   return checked;
 }
 
-AxisDatasheet calibrate_axis(const allan::Axis& axis, double rate_hz, Job& job) {
-  check_scale(axis);
+// A datasheet, and the error that left it without a fit where there was one.
+struct Outcome {
+  AxisDatasheet sheet;
+  std::exception_ptr error;
+};
+
+// What adds to a fit: its faults leave the fit as it is.
+void complete(AxisDatasheet& sheet, const Fitted& fitted, Screened& screened, Job& job, detail::Stages& stages) {
+  const fit::Result& fit = sheet.fit;
+  stages.attempt(Stage::lines, [&] { screened.look_for_lines(fit); });
+  stages.attempt(Stage::intervals, [&] {
+    const auto mix = fit.verdict == fit::Verdict::not_described ? std::vector<noise::Process>{} : fit.processes();
+    sheet.points = allan::deviation_points(fitted.curves.display, fitted.curves.identified, mix);
+  });
+  if (job.options.cross_check && !fit.fitted_terms.empty())
+    stages.attempt(Stage::cross_check, [&] { sheet.cross_checked = cross_check(fit, screened.series()); });
+  stages.attempt(Stage::facts, [&] {
+    sheet.facts = facts_of(fit, fitted.curves.octaves);
+    if (!screened.findings().spoil() && !job.options.tau_min_s)
+      sheet.facts.later = later_start(fit, fitted.curves, screened.series().rate(), sheet.name, job);
+  });
+}
+
+Outcome calibrate_axis(const allan::Axis& axis, double rate_hz, Job& job) {
   const Options& options = job.options;
+  Outcome outcome{.sheet = {.name = axis.name, .signal = axis.signal}, .error = nullptr};
+  AxisDatasheet& sheet = outcome.sheet;
+  sheet.mean = std::numeric_limits<double>::quiet_NaN();
+  detail::Stages stages(sheet.name, job.observer, sheet.faults);
+  outcome.error = stages.attempt(Stage::curve, [&] { check_scale(axis); });
+  if (outcome.error) return outcome;
   Screened screened(axis.rate, 1 / rate_hz, options.minimum_fill, options.mask);
-  Fitted fitted = fit_axis(screened.series(), axis.name, job);
-  if (screened.look_for_departure(fitted.fit.processes())) fitted = fit_axis(screened.series(), axis.name, job);
-  auto& [curves, fit, chosen] = fitted;
-  screened.look_for_lines(fit);
-  AxisDatasheet sheet{.name = axis.name, .signal = axis.signal, .mean = curves.octaves.mean};
-  const auto mix = fit.verdict == fit::Verdict::not_described ? std::vector<noise::Process>{} : fit.processes();
-  sheet.points = allan::deviation_points(curves.display, curves.identified, mix);
-  if (options.cross_check && !fit.fitted_terms.empty()) sheet.cross_checked = cross_check(fit, screened.series());
-  sheet.facts = facts_of(fit, curves.octaves);
+  stages.attempt(Stage::screening, [&] { screened.look_for_outliers_and_steps(); });
+  Fitted fitted;
+  outcome.error = stages.attempt(Stage::curve, [&] { fitted = fit_axis(screened.series(), axis.name, job, stages); });
+  if (!outcome.error) {
+    stages.attempt(Stage::departure, [&] {
+      if (screened.look_for_departure(fitted.fit.processes()))
+        fitted = fit_axis(screened.series(), axis.name, job, stages);
+    });
+    sheet.mean = fitted.curves.octaves.mean;
+    sheet.fit = std::move(fitted.fit);
+    sheet.chosen = std::move(fitted.chosen);
+    complete(sheet, fitted, screened, job, stages);
+    sheet.octaves = std::move(fitted.curves.octaves);
+  }
   sheet.findings = screened.findings();
-  sheet.chosen = std::move(chosen);
-  sheet.fit = std::move(fit);
-  return sheet;
+  return outcome;
+}
+
+// Where no axis could be fitted, what stopped the first is thrown: there is nothing that could stand.
+std::vector<AxisDatasheet> sheets_of(std::vector<Outcome> outcomes) {
+  const bool none = std::ranges::all_of(outcomes, [](const Outcome& o) { return o.error != nullptr; });
+  if (none && !outcomes.empty()) std::rethrow_exception(outcomes.front().error);
+  std::vector<AxisDatasheet> sheets;
+  for (Outcome& outcome : outcomes) sheets.push_back(std::move(outcome.sheet));
+  return sheets;
 }
 
 // A column of a table as a curve of the record behind it: whole averaging factors, at most n/2.
@@ -135,37 +177,58 @@ bool AxisDatasheet::has_answer() const {
 }
 
 bool Datasheet::is_complete() const {
-  return std::ranges::all_of(axes, [](const auto& axis) { return axis.has_answer() && axis.is_confirmed(); });
+  return std::ranges::all_of(
+      axes, [](const auto& axis) { return axis.has_answer() && axis.is_confirmed() && axis.faults.empty(); });
 }
 
 Datasheet calibrate(const allan::Record& record, const Options& options) {
+  return detail::calibrate(record, options, {});
+}
+
+Datasheet detail::calibrate(const allan::Record& record, const Options& options, const Observer& observer) {
   check_length(record);
-  Datasheet sheet{.source = record.source,
-                  .rate_hz = record.rate_hz,
-                  .samples = record.samples,
-                  .missing_samples = record.missing_samples,
-                  .axes = std::vector<AxisDatasheet>(record.axes.size())};
-  Job job{options};
+  std::vector<Outcome> outcomes(record.axes.size());
+  Job job{options, observer};
   tbb::parallel_for(std::size_t{0}, record.axes.size(),
-                    [&](std::size_t i) { sheet.axes[i] = calibrate_axis(record.axes[i], record.rate_hz, job); });
-  return sheet;
+                    [&](std::size_t i) { outcomes[i] = calibrate_axis(record.axes[i], record.rate_hz, job); });
+  return {.source = record.source,
+          .rate_hz = record.rate_hz,
+          .samples = record.samples,
+          .missing_samples = record.missing_samples,
+          .axes = sheets_of(std::move(outcomes))};
 }
 
 Datasheet calibrate(const allan::DeviationTable& table, double rate_hz, std::int64_t samples, const Options& options) {
   if (!(rate_hz > 0 && std::isfinite(rate_hz)))
     throw std::invalid_argument(fmt::format("rate is {} Hz, expected it positive and finite", rate_hz));
-  Datasheet sheet{.source = table.source, .rate_hz = rate_hz, .samples = samples, .missing_samples = 0, .axes = {}};
   Job job{options};
+  std::vector<Outcome> outcomes;
   for (const auto& column : table.columns) {
-    const allan::Curve display = curve_of(table, column.deviation, rate_hz, samples);
-    const detail::Curves curves{display, thinned(display), {}};
-    AxisDatasheet axis{.name = column.name, .signal = column.signal, .mean = display.mean};
-    axis.fit = fit_table(curves, column.name, job);
-    axis.points = allan::deviation_points(display, {}, axis.fit.processes());
-    axis.facts = facts_of(axis.fit, curves.octaves);
-    sheet.axes.push_back(std::move(axis));
+    Outcome& outcome = outcomes.emplace_back();
+    AxisDatasheet& axis = outcome.sheet;
+    axis = {.name = column.name, .signal = column.signal, .mean = std::numeric_limits<double>::quiet_NaN()};
+    detail::Stages stages(axis.name, job.observer, axis.faults);
+    detail::Curves curves;
+    outcome.error = stages.attempt(Stage::curve, [&] {
+      curves.display = curve_of(table, column.deviation, rate_hz, samples);
+      curves.octaves = thinned(curves.display);
+      stages.enter(Stage::fit);
+      axis.fit = fit_table(curves, column.name, job);
+    });
+    if (outcome.error) continue;
+    stages.attempt(Stage::intervals,
+                   [&] { axis.points = allan::deviation_points(curves.display, {}, axis.fit.processes()); });
+    stages.attempt(Stage::facts, [&] {
+      axis.facts = facts_of(axis.fit, curves.octaves);
+      if (!options.tau_min_s) axis.facts.later = later_start(axis.fit, curves, {}, column.name, job);
+    });
+    axis.octaves = std::move(curves.octaves);
   }
-  return sheet;
+  return {.source = table.source,
+          .rate_hz = rate_hz,
+          .samples = samples,
+          .missing_samples = 0,
+          .axes = sheets_of(std::move(outcomes))};
 }
 
 }  // namespace gyrobudget::inline v0::calibration

@@ -10,6 +10,7 @@
 // What the program prints for `gyrobudget calibrate` are these numbers.
 #pragma once
 
+#include "gyrobudget/allan/deviation.h"
 #include "gyrobudget/allan/deviation_table.h"
 #include "gyrobudget/allan/form.h"
 #include "gyrobudget/allan/points.h"
@@ -68,18 +69,51 @@ struct Chosen {
   std::optional<fit::Result> alternative_fit;  ///< with the terms of `selection.alternative`
 };
 
+/// A record that no datasheet can be made of, whatever its noise: too short, with too many gaps, or of a scale whose
+/// squares leave double; or records that are not of one sensor type. The message names the record or the axis, what was
+/// found and what was expected.
+struct Unusable : std::runtime_error {
+  enum class Reason { too_short, too_few_taus, out_of_scale, between_samples, other_axes, other_rate };
+  Unusable(Reason why, const std::string& message) : std::runtime_error(message), reason(why) {}
+  Reason reason;
+};
+
+/// What is done for one axis, in this order. `curve` and `fit` make the result, the others add to it.
+enum class Stage {
+  screening,    ///< the search for outliers and steps
+  curve,        ///< the Allan curve, and whether its squares stay inside double
+  choice,       ///< of the terms, where Options::choose_terms
+  fit,          ///< of the coefficients
+  departure,    ///< the search for a warm-up, a drift or a step beside the fitted noise
+  lines,        ///< the search for spectral lines
+  intervals,    ///< of the curve that is shown
+  cross_check,  ///< where Options::cross_check
+  facts,        ///< what is to be known or done beside the numbers
+};
+
+/// A stage of one axis that ended in an error. What it makes is missing; all other stages and axes stand.
+struct Fault {
+  Stage stage = Stage::fit;
+  std::string what;                        ///< the error's own words
+  std::optional<Unusable::Reason> reason;  ///< where the record cannot be used; else the stage itself failed
+};
+
 /// The datasheet of one axis. All values in SI.
 struct AxisDatasheet {
   std::string name;
   noise::Signal signal = noise::Signal::angular_rate;
   double mean = 0;                            ///< of the samples used; not a number for a table of deviations
   std::vector<allan::DeviationPoint> points;  ///< the curve with 95 % intervals
+  allan::Curve octaves;                       ///< that was fitted
   fit::Result fit;                            ///< coefficients with 95 % intervals, and the verdict on the model
   std::optional<Chosen> chosen;               ///< where Options::choose_terms
   std::optional<CrossChecked> cross_checked;  ///< where Options::cross_check
   std::optional<Findings> findings;           ///< of a record; a table of deviations has none
   Facts facts;
+  std::vector<Fault> faults;  ///< in the order of the stages; empty for almost every record
 
+  /// Coefficients were fitted, however well: false where the stage `curve` or `fit` ended in a fault.
+  [[nodiscard]] bool is_fitted() const { return !fit.coefficients.empty(); }
   /// A converged fit whose verdict is not "not described" (methods that only read the curve have none), with at least
   /// one of N, B, K and G identified: the others may be upper bounds. What was found beside noise and not masked is not
   /// in it: Findings::spoil says that.
@@ -95,17 +129,8 @@ struct Datasheet {
   std::int64_t missing_samples = 0;  ///< at which any axis has no number
   std::vector<AxisDatasheet> axes;   ///< in the order of the record's
 
-  /// Every axis has an answer, which no cross-check contradicts.
+  /// Every axis has an answer, which no cross-check contradicts, and no stage ended in a fault.
   [[nodiscard]] bool is_complete() const;
-};
-
-/// A record that no datasheet can be made of, whatever its noise: too short, with too many gaps, or of a scale whose
-/// squares leave double; or records that are not of one sensor type. The message names the record or the axis, what was
-/// found and what was expected.
-struct Unusable : std::runtime_error {
-  enum class Reason { too_short, too_few_taus, out_of_scale, between_samples, other_axes, other_rate };
-  Unusable(Reason why, const std::string& message) : std::runtime_error(message), reason(why) {}
-  Reason reason;
 };
 
 /// A record to its datasheet, axis by axis.
@@ -119,14 +144,18 @@ struct Unusable : std::runtime_error {
 ///    done again. Spectral lines that the fit does not hold are looked for.
 /// 6. The likelihood is fitted beside the curve where Options::cross_check.
 ///
+/// Axes do not touch each other, and what adds to a result cannot take it away: an error in one stage of one axis is an
+/// AxisDatasheet::faults of it. Where the terms could not be chosen, the default ones are fitted.
+///
 /// What the record cannot answer is a verdict or a status in the result: AxisDatasheet::has_answer. The same result to
 /// the bit for any number of threads. Time: about 0.2 s an axis of 3.6 million samples on one core of a 2020s
 /// processor, and 2.2 s more where terms are chosen; memory 16 bytes a sample and axis beside the record.
 ///
 /// @param record   all axes of one length; missing samples are NaN
 /// @param options  what to fit, and how
-/// @throws Unusable as above; std::invalid_argument for options out of range (as fit::fit has it), a rate that is not
-/// positive and finite, and axes of different lengths.
+/// @throws Unusable as above where it is so for every axis; std::invalid_argument for options out of range (as fit::fit
+/// has it), a rate that is not positive and finite, and axes of different lengths. Where no axis could be fitted, the
+/// error of the first is thrown.
 [[nodiscard]] Datasheet calibrate(const allan::Record& record, const Options& options = {});
 
 /// A table of deviations, as papers and other tools give them, to a datasheet. They are taken as fully overlapped ones

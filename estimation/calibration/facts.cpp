@@ -18,7 +18,8 @@ using noise::Term;
 // The bound is of random processes: a line adds nothing to what a longer record must be, a ramp hides the walk.
 std::optional<LongerRecord> longer_for(const fit::Result& fit, Term term, const allan::Curve& octaves) {
   const auto& c = fit[term];
-  if (!c.fitted || c.relative_std <= kWantedAccuracy) return std::nullopt;
+  constexpr double kReads = 1.05;  // what reads as the wanted accuracy is as good
+  if (!c.fitted || c.relative_std <= kReads * kWantedAccuracy) return std::nullopt;
   auto processes = fit.processes();
   std::erase_if(processes, [](const auto& p) { return noise::term(p) == Term::sinusoid; });
   const auto at = std::ranges::find(processes, term, [](const auto& p) { return noise::term(p); });
@@ -29,7 +30,11 @@ std::optional<LongerRecord> longer_for(const fit::Result& fit, Term term, const 
       fit::duration_for(processes, static_cast<std::size_t>(at - processes.begin()), kWantedAccuracy, octaves.dt);
   const double have = static_cast<double>(octaves.samples) * octaves.dt;
   if (!(needed > have)) return std::nullopt;
-  return LongerRecord{.term = term, .relative_std = c.relative_std, .duration_s = have, .needed_s = needed};
+  return LongerRecord{.term = term,
+                      .relative_std = c.relative_std,
+                      .identified = c.status == Status::identified,
+                      .duration_s = have,
+                      .needed_s = needed};
 }
 
 bool all_equal(const allan::Curve& curve) {

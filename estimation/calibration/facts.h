@@ -5,6 +5,7 @@
 #include "gyrobudget/estimation/fit/fit.h"
 #include "gyrobudget/noise/process.h"
 
+#include <optional>
 #include <vector>
 
 namespace gyrobudget::inline v0::calibration {
@@ -13,10 +14,17 @@ namespace gyrobudget::inline v0::calibration {
 struct LongerRecord {
   noise::Term term = noise::Term::flicker;
   double relative_std = 0;  ///< here
+  bool identified = false;  ///< here; else the value that `needed_s` is for may be 0
   double duration_s = 0;    ///< of this record [s]
   double needed_s = 0;      ///< for a relative standard deviation of kWantedAccuracy [s]; infinite: no length does
 };
 inline constexpr double kWantedAccuracy = 0.10;
+
+/// An averaging time from which the terms describe the curve, where they do not from the first one fitted.
+struct LaterStart {
+  double tau_min_s = 0;  ///< [s]
+  double p_value = 0;    ///< of the fit from there
+};
 
 /// What is to be known or done beside the numbers of an axis. Reports find the words for it.
 struct Facts {
@@ -27,6 +35,7 @@ struct Facts {
   bool misfit = false;               ///< the model does not describe it
   bool walk_unresolved = false;      ///< rate random walk was fitted and is not seen: it may show in a longer record
   std::vector<LongerRecord> longer;  ///< by the Cramer-Rao bound; only what this record is too short for
+  std::optional<LaterStart> later;   ///< of a record that is not described and holds nothing found beside noise
 };
 
 /// @param fit      of the axis

@@ -5,6 +5,7 @@
 
 #include "gyrobudget/estimation/fit/combine.h"
 
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -19,6 +20,9 @@ struct CombinedAxis {
   noise::Signal signal = noise::Signal::angular_rate;
   std::vector<fit::Combined> coefficients;  ///< of Q, N, B, K and R; empty where no record is quotable
   std::vector<std::string> left_out;        ///< sources of the records that were not taken: not described
+  /// Where the records' fits begin at different averaging times: the latest, from which all were fitted once more to be
+  /// compared [s].
+  std::optional<double> common_start_s;
 };
 
 struct TypeDatasheet {
@@ -38,6 +42,10 @@ inline constexpr double kRateTolerance = 0.01;
 
 /// Combines the datasheets of records of one type, axis by axis, by fit::combine; Gauss-Markov processes and sinusoids
 /// have times and frequencies of their own in each record and are not combined.
+///
+/// Like is compared with like: records whose fits begin at different averaging times are fitted once more from the
+/// latest of these on. A filter takes more off N the earlier a fit begins, so that N of one sensor would differ between
+/// its own records. Quantization, which the shortest times hold, is that of each record's own fit.
 /// @param records  one at least, with the same axes in the same order
 /// @throws std::invalid_argument for none, and for axes that are not the same in number.
 [[nodiscard]] TypeDatasheet combine(std::vector<Datasheet> records);

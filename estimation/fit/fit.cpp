@@ -376,7 +376,7 @@ HeldTest held_test(const TestedFit& run, Eigen::Index j, double deviation) {
 
 void add_coefficients(Result& result, const TestedFit& run, double scale, const Options& options) {
   const Cuts cuts = cuts_of(run.p_value, run.chi2, run.dof, options);
-  const bool settled = run.solution.converged;
+  const bool settled = run.solution.converged && (run.solution.S.size() > 0 || run.covariance.size() > 0);
   const Eigen::VectorXd deviation = settled ? standard_deviations(run) : Eigen::VectorXd();
   for (std::size_t i = 0; i < run.terms.size(); ++i) {
     const auto j = static_cast<Eigen::Index>(i);
@@ -515,6 +515,15 @@ void require_shapes(const Options& options) {
   }
 }
 
+// A ramp and a line are means: by themselves they have no scatter to weigh a curve with.
+void require_scatter(const Options& options) {
+  if (options.method != Method::gls && options.method != Method::edf) return;
+  const bool none = std::all_of(options.terms.begin(), options.terms.end(),
+                                [](Term t) { return t == Term::rate_ramp || t == Term::sinusoid; });
+  if (none && !options.terms.empty())
+    throw std::invalid_argument("a ramp or a line alone has no scatter to fit with: add a random term, such as N");
+}
+
 allan::CurveCovariance covariance_of(const allan::Curve& curve, const Options& options) {
   std::vector<std::int64_t> factors;
   for (const auto& point : curve.points) factors.push_back(point.m);
@@ -572,6 +581,7 @@ Result fit(const allan::Curve& curve, const allan::CurveCovariance& covariance, 
   if (options.method == Method::whittle)
     throw std::invalid_argument("the likelihood needs the samples, a curve does not hold them");
   require_shapes(options);
+  require_scatter(options);
   const Prepared p = prepare(curve, covariance, options);
   if (p.s.maxCoeff() <= 0) return silent_record(p, curve, options.method);
   if (options.method == Method::visual) return read_visually(curve, options);

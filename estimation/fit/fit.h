@@ -161,8 +161,8 @@ struct Result {
   double seconds = 0;  ///< wall time, covariance matrices excluded
   // Of Method::whittle only:
   std::vector<SpectralResidual> spectrum;
-  std::int64_t first_sample = 0;  ///< the likelihood is of samples [first_sample, first_sample + samples): the
-  std::int64_t samples = 0;       ///< longest stretch without a gap, trimmed to a length of a fast transform
+  std::int64_t first_sample = 0;  ///< of the first stretch that the likelihood is of
+  std::int64_t samples = 0;       ///< of all stretches, each trimmed to a length of a fast transform
   double log_likelihood = 0;      ///< up to a constant of the record: differences between models count
 
   /// @throws std::invalid_argument for G or S where it was not asked for.
@@ -219,9 +219,9 @@ struct Data {
 /// Other methods of the curve (edf, loglog, slope, visual) are chosen by Options::method.
 /// A curve that is zero everywhere, because nothing varies or because squares below 1e-300 left double, has no answer:
 /// `fitted` is false for every coefficient.
-/// @throws std::invalid_argument for a repeated or missing term, G without Options::correlation_time_s, S without
-///                    Options::frequency_hz, a covariance of other factors, fewer taus than terms plus one, or
-///                    Method::whittle, which needs samples.
+/// @throws std::invalid_argument for a repeated or missing term, R or S without a random term (gls and edf), G without
+///                    Options::correlation_time_s, S without Options::frequency_hz, a covariance of other factors,
+///                    fewer taus than terms plus one, or Method::whittle, which needs samples.
 /// Sources: theory of generalised least squares; IEEE Std 952-2020 annex C for the model; the interval construction
 /// and its measured coverage are this project's own (tests/estimation/fit/fit_study).
 [[nodiscard]] Result fit(const allan::Curve& curve, const allan::CurveCovariance& covariance,

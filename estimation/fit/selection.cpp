@@ -128,7 +128,7 @@ struct Candidate {
 class Search {
  public:
   Search(const Transformed& t, std::int64_t last, const SelectionOptions& options)
-      : t_(t), last_(last), options_(options), bins_(t.coefficients, t.used.count, t.dt, last) {}
+      : t_(t), last_(last), options_(options), bins_(bins_of(t)) {}
 
   Selection run() {
     Selection s;
@@ -156,6 +156,12 @@ class Search {
   }
 
  private:
+  [[nodiscard]] SineBins bins_of(const Transformed& t) const {
+    SineBins bins(t.coefficients, t.used.count, t.dt, last_);
+    for (const TransformedStretch& other : t.others) bins.add(other.coefficients, other.used.count);
+    return bins;
+  }
+
   [[nodiscard]] double cost(const Terms& terms) const { return Family(bins_, terms, time_).best().point.cost; }
 
   [[nodiscard]] double refined_time(const Terms& terms) const {
@@ -270,7 +276,7 @@ class Search {
       const auto model = family.best();
       const Sine line = find_sine(*model.likelihood, model.point, t_.coefficients, {});
       frequency_ = line.w / (2 * std::numbers::pi * t_.dt);
-      bins_ = SineBins(without_sine(t_, line), t_.used.count, t_.dt, last_);
+      bins_ = bins_of(without_sine(t_, line));
       bins_.reference = reference;
     }
   }

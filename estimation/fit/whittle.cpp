@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "whittle.h"
 
+#include "gyrobudget/estimation/fit/detail/fill.h"
 #include "gyrobudget/estimation/fit/detail/judge.h"
 #include "gyrobudget/estimation/fit/detail/likelihood.h"
 #include "gyrobudget/estimation/fit/detail/sine.h"
@@ -98,9 +99,13 @@ struct Fitted {
   std::vector<SpectralResidual> spectrum;
 };
 
-SineBins bins_of(const Transformed& t, std::span<const double> coefficients, const Band& band, bool narrow) {
+// With what filled samples know less of, counted as fewer coefficients.
+SineBins bins_of(const Transformed& t, const Band& band, bool narrow) {
   const std::int64_t first = band.first;
-  SineBins bins(coefficients, t.used.count, t.dt, band.last, narrow ? widest_bin(t.used.count) : SineBins::kAnyWidth);
+  SineBins bins(t.coefficients, t.used.count, t.dt, band.last,
+                narrow ? widest_bin(t.used.count) : SineBins::kAnyWidth);
+  for (const TransformedStretch& other : t.others) bins.add(other.coefficients, other.used.count);
+  bins.count *= information_left(t.missing_share);
   for (Eigen::Index b = 0; b < bins.count.size(); ++b) {
     if (bins.first[static_cast<std::size_t>(b)] < first) bins.count(b) = 0;
   }
@@ -257,7 +262,7 @@ Fitted fit_band(const Transformed& t, const Band& band, const Options& options, 
   f.filter = filter;
   if (f.model.processes.empty()) return f;
   const bool narrow = filter != Filter::none && filter != Filter::unknown;
-  const SineBins all = bins_of(t, t.coefficients, band, narrow);
+  const SineBins all = bins_of(t, band, narrow);
   maximise(f, all, options);
   if (f.model.line && f.point.converged) {
     const auto angle = [&](std::optional<double> hz) {
@@ -267,7 +272,7 @@ Fitted fit_band(const Transformed& t, const Band& band, const Options& options, 
     constexpr int kRounds = 2;  // a strong line raises the spectrum that it is first seen against
     for (int i = 0; i < kRounds; ++i) {
       f.line = find_sine(*f.likelihood, f.point, t.coefficients, w, near);
-      SineBins rest = bins_of(t, without_sine(t, f.line), band, narrow);
+      SineBins rest = bins_of(without_sine(t, f.line), band, narrow);
       rest.reference = all.reference;
       maximise(f, std::move(rest), options);
     }
@@ -529,8 +534,8 @@ Result fit_likelihood(std::span<const double> rate, double dt, const Options& op
   const Fitted f = choose_band(t, options);
   Result result;
   result.method = Method::whittle;
-  result.first_sample = t.used.first;
-  result.samples = t.used.count;
+  result.first_sample = t.others.empty() ? t.used.first : std::min(t.used.first, t.others.front().used.first);
+  result.samples = t.samples();
   result.fitted_terms = f.model.terms;
   result.converged = f.point.converged;
   result.iterations = f.point.iterations;

@@ -31,8 +31,12 @@ namespace gyrobudget::inline v0::fit {
 /// unset and the whole band has a p-value below 1e-4, the band is halved from above until the model describes it, as
 /// the curve's fit cuts its short taus; quantization is fitted from the whole band only.
 ///
-/// Gaps are not bridged: the longest stretch without a missing sample is used, trimmed at its end to a length
-/// 2^a 3^b 5^c, and Result says which. Fewer than 16 such samples, or samples all equal, have no answer.
+/// Gaps: all of a record is used. Gaps of up to 64 samples are filled with what the rest says they could have been
+/// (detail/fill.h), and filled samples count for less. Longer ones, and all where more than a tenth of the samples
+/// would be filled, cut the record into stretches, each with a mean of its own, whose log-likelihoods add: nothing is
+/// assumed of what happened between them. A stretch has at least 16 samples and is trimmed at its end to a length
+/// 2^a 3^b 5^c. Bins of frequency are those of the longest stretch, and a line's frequency and amplitude too. Fewer
+/// than 16 samples in a row, or samples all equal, have no answer.
 /// `residuals` stays empty: `spectrum` is what there is to compare.
 ///
 /// Cost: one real FFT of n points and about 1 ms; thread-safe, the same bytes always.

@@ -400,6 +400,61 @@ TEST(HeldNoise, AWhiteRecordsIntervalsHoldTheTruthToItsEnd) {
   EXPECT_LE(angle_noise, 4);
 }
 
+// Records whose curve turns where few clusters are left: what held at shorter taus must not narrow the intervals there.
+struct Turning {
+  const char* name;
+  std::vector<noise::Process> processes;
+};
+
+class TurningCurve : public testing::TestWithParam<Turning> {};
+
+TEST_P(TurningCurve, IsCoveredToTheEnd) {
+  constexpr std::int64_t kSamples = 3000;
+  constexpr int kRecords = 1000;
+  const auto factors = octave_factors(Estimator::oadev, kSamples);
+  std::vector<double> covered(factors.size());
+  const noise::RecordGenerator generate(GetParam().processes, kSamples, 1);
+  for (int r = 0; r < kRecords; ++r) {
+    const auto rate = generate({.seed = 78, .stream = static_cast<std::uint64_t>(r)});
+    const Series record(rate);
+    const Curve curve = overlapped_variance(record, factors);
+    const auto facts = statistics(curve, identify_noise(record, curve));
+    for (std::size_t i = 0; i < factors.size(); ++i) {
+      const double truth = noise::allan_variance(GetParam().processes, factors[i], 1);
+      const Interval& interval = facts[i].interval;
+      covered[i] += interval.lower <= truth && truth <= interval.upper ? 1. / kRecords : 0;
+    }
+  }
+  constexpr double kSigmas = 3.5;   // twelve checks in each of five: false alarm 1.4e-2 at the very edge of 95 %
+  constexpr double kMixed = 0.012;  // where two noises are as strong, the intervals are those of one of them
+  for (std::size_t i = 0; i < factors.size(); ++i)
+    EXPECT_GT(covered[i], 0.95 - kMixed - kSigmas * std::sqrt(0.05 * 0.95 / kRecords)) << factors[i];
+}
+
+// Q^2 3/tau^2, N^2/tau, 0.44 B^2 and K^2 tau/3 meet between tau = 100 and 800.
+INSTANTIATE_TEST_SUITE_P(
+    Of, TurningCurve,
+    testing::Values(Turning{"AngleNoiseIntoWalk", {noise::Quantization{1}, noise::RateRandomWalk{2e-4}}},
+                    Turning{"AngleNoiseIntoWhite", {noise::Quantization{1}, noise::White{0.1}}},
+                    Turning{"AngleNoiseIntoFlicker", {noise::Quantization{1}, noise::Flicker{0.01}}},
+                    Turning{"WhiteIntoWalk", {noise::White{1}, noise::RateRandomWalk{4e-3}}},
+                    Turning{"WhiteIntoFlicker", {noise::White{1}, noise::Flicker{0.08}}},
+                    Turning{"HumpIntoWhite", {noise::White{1}, noise::GaussMarkov{0.3, 60}}}),
+    [](const auto& of) { return of.param.name; });
+
+// Angle noise alone keeps what its many samples know, a long way towards the end.
+TEST(HeldNoise, AngleNoiseAloneStaysSharp) {
+  constexpr std::int64_t kSamples = 30'000;
+  const noise::Process angle[] = {noise::Quantization{1}};
+  const std::vector<std::int64_t> factors{1000, 4000};
+  const auto rate = noise::RecordGenerator(angle, kSamples, 1)({.seed = 4, .stream = 0});
+  const Series record(rate);
+  const Curve curve = overlapped_variance(record, factors);
+  for (const auto& facts : statistics(curve, identify_noise(record, curve))) {
+    EXPECT_LT(facts.interval.upper / facts.interval.lower, 1.2);  // 30 and 7.5 clusters of another noise: 2.4 and 11
+  }
+}
+
 TEST(HeldNoise, TotalCurvesDoNotJumpWhereTheNoiseChanges) {
   // White into random walk: from factor to factor the bias of Theo1 goes over in small steps.
   const noise::Process mix[] = {noise::White{1}, noise::RateRandomWalk{0.01}};

@@ -26,6 +26,12 @@ class Runs {
               0);
     return log + " ";
   }
+  /// The rows of both logs behind one comment and header, the clock beginning anew with the second.
+  [[nodiscard]] std::string join(const std::string& first, const std::string& second) const {
+    const std::string joined = scratch_.path("joined.csv");
+    EXPECT_EQ(shell("cat " + first + "> " + joined + " && tail -n +3 " + second + ">> " + joined).exit_code, 0);
+    return joined;
+  }
   [[nodiscard]] std::string path(const std::string& name) const { return scratch_.path(name); }
 
  private:
@@ -37,6 +43,20 @@ nlohmann::json json_of(const std::string& arguments) {
   const auto outcome = gyrobudget_run("calibrate --json " + arguments);
   EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
   return parsed<nlohmann::json>(outcome.out);
+}
+
+// One log of two power-ups is what two logs are.
+TEST(Runs, AreTheSegmentsOfOneLog) {
+  Runs runs;
+  const std::string first = runs.add("0.15"), second = runs.add("0.15");
+  const auto apart = json_of(first + second);
+  const std::string joined = runs.join(first, second);
+  const auto segments = json_of(joined + " --segments 10s");
+  ASSERT_EQ(segments["runs"].size(), 2U);
+  EXPECT_NE(segments["runs"][1]["source"].get<std::string>().find("segment 2"), std::string::npos);
+  EXPECT_EQ(segments["combined"][0]["parameters"], apart["combined"][0]["parameters"]);
+  EXPECT_EQ(gyrobudget_run("calibrate " + joined + " --segments 10s --curve x.csv").exit_code, 2);
+  EXPECT_EQ(json_of(first + "--segments 10s")["schema"], "gyrobudget.calibration/1") << "one segment is one record";
 }
 
 TEST(Runs, OfOneSensorAgreeAndAreKnownBetterTogether) {

@@ -2,6 +2,7 @@
 #include "axis_fit.h"
 
 #include "gyrobudget/allan/factors.h"
+#include "gyrobudget/allan/statistics.h"
 #include "gyrobudget/estimation/fit/judgement.h"
 #include "gyrobudget/estimation/fit/visual.h"
 
@@ -11,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 namespace gyrobudget::inline v0::calibration::detail {
 namespace {
@@ -116,15 +118,24 @@ fit::Result fit_curves(const Curves& curves, std::span<const double> rate, const
 
 // Chooses the terms from `tau_min_s` on, and fits them there.
 void fit_chosen(Fitted& f, const allan::Series& series, std::optional<double> tau_min_s, const std::string& axis,
-                Job& job) {
-  f.chosen.emplace();
-  f.chosen->selection = fit::choose_terms(series.rate(), series.dt(), {.tau_min_s = tau_min_s});
-  const fit::Selection& s = f.chosen->selection;
-  const auto fitted = [&](const std::vector<Term>& terms, std::optional<double> time) {
-    return fit_curves(f.curves, series.rate(), terms, axis, job, {time, s.frequency_hz, tau_min_s});
+                Job& job, Stages& stages) {
+  const auto fitted = [&](const std::vector<Term>& terms, const Seen& seen) {
+    return fit_curves(f.curves, series.rate(), terms, axis, job, seen);
   };
-  if (s.alternative) f.chosen->alternative_fit = fitted(s.alternative->terms, s.alternative->correlation_time_s);
-  f.fit = fitted(s.terms.empty() ? terms_for(job.options, f.curves.identified) : s.terms, s.correlation_time_s);
+  f.chosen.reset();
+  stages.attempt(Stage::choice, [&] {
+    Chosen chosen{.selection = fit::choose_terms(series.rate(), series.dt(), {.tau_min_s = tau_min_s}),
+                  .alternative_fit = {}};
+    if (const auto& other = chosen.selection.alternative) {
+      chosen.alternative_fit =
+          fitted(other->terms, {other->correlation_time_s, chosen.selection.frequency_hz, tau_min_s});
+    }
+    f.chosen = std::move(chosen);
+  });
+  stages.enter(Stage::fit);
+  const fit::Selection s = f.chosen ? f.chosen->selection : fit::Selection{};
+  f.fit = fitted(s.terms.empty() ? terms_for(job.options, f.curves.identified) : s.terms,
+                 {s.correlation_time_s, s.frequency_hz, tau_min_s});
 }
 
 }  // namespace
@@ -135,7 +146,9 @@ Curves curves_of(const allan::Series& series, const Options& options) {
   std::vector<std::int64_t> both;
   std::ranges::set_union(display, octaves, std::back_inserter(both));
   const allan::Curve curve = allan::overlapped_variance(series, both, options.form);
-  return {pick(curve, display), pick(curve, octaves), allan::identify_noise(series, display)};
+  allan::Curve shown = pick(curve, display);
+  auto identified = allan::identify_noise(series, shown);
+  return {std::move(shown), pick(curve, octaves), std::move(identified)};
 }
 
 Covariances::Shared Covariances::of(const allan::Curve& curve, const std::vector<Term>& terms) {
@@ -151,22 +164,51 @@ Covariances::Shared Covariances::of(const allan::Curve& curve, const std::vector
   return known_.back().covariance;
 }
 
-Fitted fit_axis(const allan::Series& series, const std::string& name, Job& job) {
+Fitted fit_axis(const allan::Series& series, const std::string& name, Job& job, Stages& stages) {
   const Options& o = job.options;
+  stages.enter(Stage::curve);
   Fitted f{.curves = curves_of(series, o), .fit = {}, .chosen = {}};
   if (!o.choose_terms) {
+    stages.enter(Stage::fit);
     f.fit = fit_curves(f.curves, series.rate(), terms_for(o, f.curves.identified), name, job);
     return f;
   }
-  fit_chosen(f, series, o.tau_min_s, name, job);
+  fit_chosen(f, series, o.tau_min_s, name, job, stages);
   // What was chosen does not describe the shortest taus: it may owe terms to them, so it is chosen again without.
   const double shortest = o.tau_min_s.value_or(0);
-  if (!f.fit.moved.empty() && f.fit.tau_min_s > shortest) fit_chosen(f, series, f.fit.tau_min_s, name, job);
+  if (f.chosen && !f.fit.moved.empty() && f.fit.tau_min_s > shortest)
+    fit_chosen(f, series, f.fit.tau_min_s, name, job, stages);
   return f;
 }
 
 fit::Result fit_table(const Curves& curves, const std::string& name, Job& job) {
   return fit_curves(curves, {}, terms_for(job.options, {}), name, job);
+}
+
+std::optional<LaterStart> later_start(const fit::Result& fit, const Curves& curves, std::span<const double> rate,
+                                      const std::string& name, Job& job) {
+  constexpr int kSpare = 2;  // a start must leave this many tested taus more than terms
+  if (fit.method != fit::Method::gls || fit.verdict == fit::Verdict::described || fit.fitted_terms.empty()) return {};
+  const auto terms = static_cast<int>(fit.fitted_terms.size());
+  Seen seen;
+  if (const auto* g = fit::find(fit, Term::gauss_markov)) seen.correlation_time_s = g->shape;
+  if (const auto* line = fit::find(fit, Term::sinusoid)) seen.frequency_hz = line->shape;
+  std::optional<LaterStart> found;
+  int tested = fit.dof + terms;  // at most: those with 16 clusters
+  for (const fit::Residual& r : fit.residuals) {
+    if (r.tau_s <= fit.tau_min_s) continue;
+    if (--tested < std::max(terms + kSpare, (fit.dof + terms) / 2)) break;
+    seen.tau_min_s = r.tau_s;
+    const fit::Result from_here = fit_curves(curves, rate, fit.fitted_terms, name, job, seen);
+    const bool described = from_here.verdict == fit::Verdict::described && !holds_no_answer(from_here);
+    if (!described)
+      found.reset();
+    else if (found)
+      return found;
+    else
+      found = LaterStart{r.tau_s, from_here.p_value};
+  }
+  return {};
 }
 
 }  // namespace gyrobudget::inline v0::calibration::detail

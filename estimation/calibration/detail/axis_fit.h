@@ -13,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "stages.h"
+
 namespace gyrobudget::inline v0::calibration::detail {
 
 /// The taus that are shown and the fit's octaves, made in one pass over the record.
@@ -51,12 +53,21 @@ struct Fitted {
 /// What all axes of a record have in common.
 struct Job {
   const Options& options;
+  Observer observer = {};
   Covariances covariances = {};
 };
 
+/// Enters the stages `curve`, `choice` and `fit`. Where the choice ends in a fault the default terms are fitted.
 /// @throws Unusable where gaps leave too few averaging times to fit.
-[[nodiscard]] Fitted fit_axis(const allan::Series& series, const std::string& name, Job& job);
+[[nodiscard]] Fitted fit_axis(const allan::Series& series, const std::string& name, Job& job, Stages& stages);
 /// Of curves without a record. @throws Unusable where they hold too few averaging times to fit.
 [[nodiscard]] fit::Result fit_table(const Curves& curves, const std::string& name, Job& job);
+
+/// The first averaging time from which the terms of a fit that is not described describe the curve after all: its own
+/// fit from there has an answer and is described, and so is the one from the next octave. Beyond half of the octaves
+/// that are tested nothing is looked for: the longest few fit anything.
+/// @param rate  samples of the axis; empty for a table
+[[nodiscard]] std::optional<LaterStart> later_start(const fit::Result& fit, const Curves& curves,
+                                                    std::span<const double> rate, const std::string& name, Job& job);
 
 }  // namespace gyrobudget::inline v0::calibration::detail

@@ -26,7 +26,7 @@ void drop_modelled_line(std::vector<allan::SpectralLine>& lines, const fit::Resu
 
 Screened::Screened(std::span<const double> rate, double dt, double minimum_fill, const Masking& masking)
     : rate_(rate), masking_(masking), dt_(dt), fill_(minimum_fill) {
-  look_for_outliers_and_steps();
+  keep(0, static_cast<std::int64_t>(rate_.size()));
 }
 
 std::span<const double> Screened::part_of(std::span<const double> whole) const {

@@ -15,11 +15,14 @@ namespace gyrobudget::inline v0::calibration::detail {
 /// Refers to the samples, which must outlive it.
 class Screened {
  public:
+  /// All of the samples, with nothing found yet.
   Screened(std::span<const double> rate, double dt, double minimum_fill, const Masking& masking);
 
   [[nodiscard]] const allan::Series& series() const { return *series_; }
   [[nodiscard]] const Findings& findings() const { return findings_; }
 
+  /// Looks for knocks and steps of the mean, and masks them where that is asked for.
+  void look_for_outliers_and_steps();
   /// Looks for a warm-up, a trend or a step beside the noise that was fitted.
   /// @return whether a part of the record was masked for it, and curve and fit are to be made again.
   [[nodiscard]] bool look_for_departure(std::span<const noise::Process> fitted);
@@ -27,7 +30,6 @@ class Screened {
   void look_for_lines(const fit::Result& fit);
 
  private:
-  void look_for_outliers_and_steps();
   void keep(std::int64_t first, std::int64_t count);
   void keep_longest_without_step();
   [[nodiscard]] std::span<const double> part_of(std::span<const double> whole) const;

@@ -149,6 +149,12 @@ GlsSolution iterate_gls(const LinearModel& model, std::optional<Held> held, cons
       return solution;
     }
     solution.S = model.covariance(solution.theta);
+    if (solution.S.diagonal().maxCoeff() <= 0) {  // a ramp, a line: they have no scatter, so they explain none
+      solution.converged = held.has_value();
+      solution.S.resize(0, 0);
+      solution.chi2 = kInfinity;
+      return solution;
+    }
     const Eigen::LLT<Eigen::MatrixXd> factor(solution.S);
     if (factor.info() != Eigen::Success) return solution;
     const Whitened whitened = whiten(model, factor);

@@ -36,7 +36,7 @@ struct Whitened {
 
 struct GlsSolution {
   Eigen::VectorXd theta;
-  Eigen::MatrixXd S;  ///< covariance at theta; empty where theta is zero
+  Eigen::MatrixXd S;  ///< covariance at theta; empty where nothing in theta scatters: zero, or ramps and lines alone
   double chi2 = 0;    ///< Q(theta; S)
   int iterations = 0;
   bool converged = false;
@@ -52,7 +52,7 @@ struct GlsSolution {
                                       const Eigen::VectorXd* start = nullptr);
 
 /// T(v) = Q(th_v; S(th_v)) - min_th Q(th; S(th_v)): how much worse the curve is explained with the coefficient held,
-/// both measured with the covariance of the held fit. Infinite where the held fit is zero altogether.
+/// both measured with the covariance of the held fit. Infinite where the held fit has no covariance.
 [[nodiscard]] double profile_test(const LinearModel&, Held held, const Eigen::VectorXd& start);
 
 /// What D takes up at theta, best by S: gamma.

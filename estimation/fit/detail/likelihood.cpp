@@ -54,25 +54,58 @@ noise::Process with_unit(const noise::Process& process) { return noise::with_coe
 
 }  // namespace
 
+namespace {
+
+// Mean of E[c_k^2] over all coefficients of a bin.
+double mean_variance(const noise::Process& unit, const std::vector<SineBins::Part>& parts, double dt) {
+  double sum = 0, count = 0;
+  for (const auto& p : parts) {
+    const auto size = static_cast<double>(p.end - p.first);
+    sum += size * mean_variance(unit, p.first, p.end, p.samples, dt);
+    count += size;
+  }
+  return sum / count;
+}
+
+}  // namespace
+
 SineBins::SineBins(std::span<const double> coefficients, std::int64_t samples_, double dt_, std::int64_t last,
                    std::int64_t widest)
     : samples(samples_), dt(dt_), first(bin_starts(last, widest)) {
   const auto bins = static_cast<Eigen::Index>(first.size()) - 1;
-  count.resize(bins), power.resize(bins), reference.resize(bins), with_ramp.resize(bins), ramp_power.resize(bins);
-  for (Eigen::Index b = 0; b < bins; ++b) {
-    const auto from = first[static_cast<std::size_t>(b)], to = first[static_cast<std::size_t>(b) + 1];
+  for (Eigen::ArrayXd* mean : {&count, &power, &reference, &with_ramp, &ramp_power}) mean->setZero(bins);
+  parts.resize(first.size() - 1);
+  add(coefficients, samples);
+}
+
+void SineBins::add(std::span<const double> coefficients, std::int64_t of_samples) {
+  // k of a stretch of n samples has the frequency of k n_0/n in the one that the bins are of.
+  const double ratio = static_cast<double>(of_samples) / static_cast<double>(samples);
+  const auto start = [&](std::int64_t k) {
+    const double edge =
+        of_samples == samples ? static_cast<double>(k) : std::ceil((static_cast<double>(k) - 0.5) * ratio);
+    return std::clamp<std::int64_t>(static_cast<std::int64_t>(edge), 1,
+                                    static_cast<std::int64_t>(coefficients.size()) + 1);
+  };
+  for (Eigen::Index b = 0; b < count.size(); ++b) {
+    const auto from = start(first[static_cast<std::size_t>(b)]), to = start(first[static_cast<std::size_t>(b) + 1]);
+    if (from >= to) continue;
     double cc = 0, cd = 0, dd = 0;
     for (auto k = from; k < to; ++k) {
       const double c = coefficients[static_cast<std::size_t>(k - 1)];
       cc += c * c;
     }
     for (auto k = from | 1; k < to; k += 2) {  // a ramp has odd coefficients only
-      const double d = sine_mean_of_ramp(k, samples, dt);
+      const double d = sine_mean_of_ramp(k, of_samples, dt);
       cd += coefficients[static_cast<std::size_t>(k - 1)] * d;
       dd += d * d;
     }
-    count(b) = static_cast<double>(to - from);
-    power(b) = reference(b) = cc / count(b), with_ramp(b) = cd / count(b), ramp_power(b) = dd / count(b);
+    const double before = count(b);
+    count(b) += static_cast<double>(to - from);
+    power(b) = reference(b) = (before * power(b) + cc) / count(b);
+    with_ramp(b) = (before * with_ramp(b) + cd) / count(b);
+    ramp_power(b) = (before * ramp_power(b) + dd) / count(b);
+    parts[static_cast<std::size_t>(b)].push_back({of_samples, from, to});
   }
 }
 
@@ -82,8 +115,7 @@ SineLikelihood::SineLikelihood(SineBins bins, std::span<const noise::Process> pr
   for (Eigen::Index a = 0; a < shape_.cols(); ++a) {
     const noise::Process unit = with_unit(processes[static_cast<std::size_t>(a)]);
     for (Eigen::Index b = 0; b < shape_.rows(); ++b) {
-      const auto i = static_cast<std::size_t>(b);
-      shape_(b, a) = mean_variance(unit, bins_.first[i], bins_.first[i + 1], bins_.samples, bins_.dt);
+      shape_(b, a) = mean_variance(unit, bins_.parts[static_cast<std::size_t>(b)], bins_.dt);
     }
   }
   unit_ = Eigen::VectorXd::Ones(shape_.cols());

@@ -17,9 +17,13 @@ namespace gyrobudget::inline v0::fit {
 /// ratio 1.04. A bin's coefficients count as equally variable, with the mean of their variances: no bias, and a loss of
 /// information of order (0.04)^2/12.
 struct SineBins {
+  /// @param widest  most coefficients in a bin
   SineBins(std::span<const double> coefficients, std::int64_t samples, double dt, std::int64_t last,
            std::int64_t widest = kAnyWidth);
   static constexpr std::int64_t kAnyWidth = std::int64_t{1} << 62;
+  /// Adds the coefficients of another stretch of the record, where their frequencies fall. Those below the first bin or
+  /// above the last are left out.
+  void add(std::span<const double> coefficients, std::int64_t samples);
 
   std::int64_t samples = 0;
   double dt = 1;
@@ -29,6 +33,12 @@ struct SineBins {
   Eigen::ArrayXd reference;   ///< power that the cost is counted from: of the same record, whatever is taken off it
   Eigen::ArrayXd with_ramp;   ///< mean of c d, d the transform of a unit ramp
   Eigen::ArrayXd ramp_power;  ///< mean of d^2
+
+  /// Coefficients first <= k < end of a stretch of `samples`.
+  struct Part {
+    std::int64_t samples = 0, first = 0, end = 0;
+  };
+  std::vector<std::vector<Part>> parts;  ///< of each bin: one, and one for each stretch added to it
 };
 
 /// Likelihood of independent coefficients c_k ~ N(r d_k, sum_a theta_a phi_a(k)), theta >= 0:

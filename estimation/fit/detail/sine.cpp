@@ -99,13 +99,38 @@ Sine find_sine(const SineLikelihood& likelihood, const SineLikelihood::Point& po
   return line_at(best * bin, shown, lambda, n);
 }
 
-std::vector<double> without_sine(const Transformed& t, const Sine& line) {
-  std::vector<double> rate = t.rate;
-  for (std::size_t j = 0; j < rate.size(); ++j) {
-    const double angle = line.w * static_cast<double>(j);
-    rate[j] -= line.parts[0] * std::cos(angle) + line.parts[1] * std::sin(angle);
+namespace {
+
+// A stretch less A cos(w j) + B sin(w j).
+void take_off(TransformedStretch& t, double w, const std::array<double, 2>& parts) {
+  for (std::size_t j = 0; j < t.rate.size(); ++j) {
+    const double angle = w * static_cast<double>(j);
+    t.rate[j] -= parts[0] * std::cos(angle) + parts[1] * std::sin(angle);
   }
-  return sine_transform_of_differences(rate);
+  t.coefficients = sine_transform_of_differences(t.rate);
+}
+
+// Least squares of a mean and a line.
+std::array<double, 2> line_in(std::span<const double> rate, double w) {
+  Eigen::Matrix3d M = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d v = Eigen::Vector3d::Zero();
+  for (std::size_t j = 0; j < rate.size(); ++j) {
+    const double angle = w * static_cast<double>(j);
+    const Eigen::Vector3d row(1, std::cos(angle), std::sin(angle));
+    M += row * row.transpose();
+    v += row * (rate[j] - rate[0]);
+  }
+  const Eigen::Vector3d parts = M.ldlt().solve(v);
+  return {parts(1), parts(2)};
+}
+
+}  // namespace
+
+Transformed without_sine(const Transformed& whole, const Sine& line) {
+  Transformed t = whole;
+  take_off(t, line.w, line.parts);
+  for (TransformedStretch& other : t.others) take_off(other, line.w, line_in(other.rate, line.w));
+  return t;
 }
 
 }  // namespace gyrobudget::inline v0::fit

@@ -27,7 +27,7 @@ struct Sine {
 [[nodiscard]] Sine find_sine(const SineLikelihood&, const SineLikelihood::Point&, std::span<const double> c,
                              std::optional<double> asked_w, std::optional<double> near_w = {});
 
-/// Sine coefficients of the record less the line.
-[[nodiscard]] std::vector<double> without_sine(const Transformed&, const Sine&);
+/// The record less the line; in stretches other than the longest less what they have at its frequency.
+[[nodiscard]] Transformed without_sine(const Transformed&, const Sine&);
 
 }  // namespace gyrobudget::inline v0::fit

@@ -185,6 +185,25 @@ TEST(CalibrateSeveral, CombinesRecordsOfOneTypeInTheOrderOfTheFirst) {
   EXPECT_TRUE(type.is_complete());
 }
 
+// Like is compared with like: the record that begins earlier is fitted once more from where the other one begins.
+TEST(CalibrateSeveral, ComparesFromOneStartOn) {
+  const auto first = allan::make_record({gyro_axis(mems_rates(20000, 21))}, kRecordRate);
+  const auto second = allan::make_record({gyro_axis(mems_rates(20000, 22))}, kRecordRate);
+  calibration::Options later;
+  later.tau_min_s = 0.8;
+  const auto joined = calibration::combine({calibrate(first), calibrate(second, later)});
+  const auto alike = calibration::combine({calibrate(first, later), calibrate(second, later)});
+  ASSERT_TRUE(joined.axes[0].common_start_s);
+  EXPECT_DOUBLE_EQ(*joined.axes[0].common_start_s, 0.8);
+  EXPECT_FALSE(alike.axes[0].common_start_s);
+  EXPECT_EQ(joined.records[0].axes[0].fit.tau_min_s, 1 / kRecordRate) << "each keeps its own datasheet";
+  ASSERT_EQ(joined.axes[0].coefficients.size(), alike.axes[0].coefficients.size());
+  for (std::size_t i = 0; i < alike.axes[0].coefficients.size(); ++i) {
+    EXPECT_EQ(joined.axes[0].coefficients[i].value, alike.axes[0].coefficients[i].value);
+    EXPECT_EQ(joined.axes[0].coefficients[i].p_value, alike.axes[0].coefficients[i].p_value);
+  }
+}
+
 TEST(CalibrateSeveral, RefusesOtherAxesAndRates) {
   const auto first = calibrate(record_of("three axes"));
   auto other = record_of("clean");
