@@ -45,27 +45,27 @@ Epoch epoch_of(const ErrorModel& model, double dt) {
 
 // --- From power-on to the first sample ---------------------------------------------------------------------
 
-AxisNoise::AxisNoise(const ErrorModel& model, double dt, StreamKey axis, const FlickerBand& band) {
+AxisNoise::AxisNoise(const ErrorModel& model, std::size_t which, double dt, StreamKey axis, const FlickerBand& band) {
   const Setting setting{dt, epoch_of(model, dt), axis};
-  if (model.white != 0) start_white(setting, model.white);
-  if (model.bias_instability != 0) {
+  if (model.white[which] != 0) start_white(setting, model.white[which]);
+  if (model.bias_instability[which] != 0) {
     const double past = static_cast<double>(setting.epoch.powered) * dt;
-    const auto states = flicker_approximation(Flicker{model.bias_instability}, dt, std::max(dt, band.duration + past),
-                                              band.poles_per_decade);
+    const auto states = flicker_approximation(Flicker{model.bias_instability[which]}, dt,
+                                              std::max(dt, band.duration + past), band.poles_per_decade);
     add_bank(setting, 'B', 0, states);
   }
-  if (model.rate_random_walk != 0) {
-    const Process walk = RateRandomWalk{model.rate_random_walk};
+  if (model.rate_random_walk[which] != 0) {
+    const Process walk = RateRandomWalk{model.rate_random_walk[which]};
     add_bank(setting, 'K', 0, std::span(&walk, 1));
   }
   for (std::size_t i = 0; i < model.gauss_markov.size(); ++i) {
-    if (model.gauss_markov[i].sigma == 0) continue;
-    const Process process = model.gauss_markov[i];
+    if (model.gauss_markov[i].sigma[which] == 0) continue;
+    const Process process = model.gauss_markov[i].on(which);
     add_bank(setting, 'G', i, std::span(&process, 1));
   }
-  if (model.rate_ramp != 0) add_ramp(setting, model.rate_ramp);
-  for (const Sinusoid& s : model.sinusoids) {
-    if (s.amplitude != 0) add_sinusoid(setting, s);
+  if (model.rate_ramp[which] != 0) add_ramp(setting, model.rate_ramp[which]);
+  for (const TriadSinusoid& s : model.sinusoids) {
+    if (s.amplitude[which] != 0) add_sinusoid(setting, s.on(which));
   }
 }
 

@@ -35,22 +35,23 @@ void require_size(const char* what, double value) {
 }
 
 void check(const ErrorModel& m) {
+  require_size("delay", m.delay.value_or(0));
   for (const auto& [what, value] : {std::pair{"quantization", m.quantization},
                                     {"white noise", m.white},
                                     {"bias instability", m.bias_instability},
-                                    {"random walk", m.rate_random_walk},
-                                    {"ramp", std::abs(m.rate_ramp)},
-                                    {"delay", m.delay.value_or(0)}}) {
-    require_size(what, value);
+                                    {"random walk", m.rate_random_walk}}) {
+    for (std::size_t axis = 0; axis < kAxes; ++axis) require_size(what, value[axis]);
   }
-  for (const GaussMarkov& g : m.gauss_markov) {
-    require_size("sigma of a Gauss-Markov process", g.sigma);
+  for (std::size_t axis = 0; axis < kAxes; ++axis) require_size("ramp", std::abs(m.rate_ramp[axis]));
+  for (const TriadGaussMarkov& g : m.gauss_markov) {
+    for (std::size_t axis = 0; axis < kAxes; ++axis) require_size("sigma of a Gauss-Markov process", g.sigma[axis]);
     require(g.correlation_time > 0 && std::isfinite(g.correlation_time), "correlation time", g.correlation_time,
             "positive and finite (s)");
   }
-  for (const Sinusoid& s : m.sinusoids) {
-    require(std::isfinite(s.amplitude) && std::isfinite(s.frequency) && std::isfinite(s.phase), "a sinusoid",
-            s.amplitude, "finite");
+  for (const TriadSinusoid& s : m.sinusoids) {
+    for (std::size_t axis = 0; axis < kAxes; ++axis)
+      require(std::isfinite(s.amplitude[axis]) && std::isfinite(s.frequency) && std::isfinite(s.phase), "a sinusoid",
+              s.amplitude[axis], "finite");
   }
   for (const auto& [what, value] : {std::pair{"turn-on bias", m.turn_on_bias},
                                     {"scale factor", m.scale_factor},
@@ -98,7 +99,8 @@ class Triad {
     std::optional<detail::Delay> delay;
     detail::AxisNoise::Tile slow{}, fast{};
     bool noisy = false;
-    double remainder = 0;  ///< of the quantization, not yet read
+    double bit = 0;        ///< of the quantization
+    double remainder = 0;  ///< of it, not yet read
   };
 
   void draw_constants(const ErrorModel&, const Setting&);
@@ -106,7 +108,7 @@ class Triad {
   [[nodiscard]] Vector3 sensed(const Vector3& u, const Vector3& v) const;
   [[nodiscard]] double read(std::size_t axis, double increment);
   [[nodiscard]] double saturate(std::size_t axis, double increment);
-  [[nodiscard]] double quantize(Axis&, double increment) const;
+  [[nodiscard]] static double quantize(Axis&, double increment);
 
   bool ideal_ = true;
   bool deforms_ = false;  ///< any of s, M, G, D
@@ -114,7 +116,6 @@ class Triad {
   TriadConstants constants_;
   Matrix3 deformation_{};  ///< s on the diagonal of M
   Vector3 constant_bias_{};
-  double bit_ = 0;
   double limit_ = std::numeric_limits<double>::infinity();
   std::vector<Axis> axes_;
   std::size_t at_ = 0;  ///< in the tiles
@@ -125,15 +126,14 @@ class Triad {
 Triad::Triad(const ErrorModel& model, const Setting& setting) : dt_(setting.dt) {
   check(model);
   draw_constants(model, setting);
-  bit_ = model.quantization * std::sqrt(12.0);
   if (model.range) limit_ = *model.range * dt_;
   for (std::size_t i = 0; i < kAxes; ++i) start_axis(model, setting, i);
   const auto any = [](const Vector3& x) { return std::ranges::any_of(x, [](double y) { return y != 0; }); };
   const TriadConstants& c = constants_;
   deforms_ =
       any(c.g2_sensitivity) || std::ranges::any_of(deformation_, any) || std::ranges::any_of(c.g_sensitivity, any);
-  ideal_ = !(deforms_ || any(constant_bias_) || any(c.calibrated_bias) || bit_ != 0 || model.range ||
-             std::ranges::any_of(axes_, [](const Axis& a) { return a.noisy || a.low_pass || a.delay; }));
+  ideal_ = !(deforms_ || any(constant_bias_) || any(c.calibrated_bias) || model.range ||
+             std::ranges::any_of(axes_, [](const Axis& a) { return a.noisy || a.bit != 0 || a.low_pass || a.delay; }));
 }
 
 void Triad::draw_constants(const ErrorModel& model, const Setting& setting) {
@@ -157,18 +157,19 @@ void Triad::draw_constants(const ErrorModel& model, const Setting& setting) {
 }
 
 void Triad::start_axis(const ErrorModel& model, const Setting& setting, std::size_t i) {
-  axes_.push_back({detail::AxisNoise(model, dt_, setting.axes[i], setting.band), {}, {}, {}, {}, false, 0});
+  axes_.push_back({detail::AxisNoise(model, i, dt_, setting.axes[i], setting.band), {}, {}, {}, {}, false, 0, 0});
   Axis& axis = axes_.back();
+  axis.bit = model.quantization[i] * std::sqrt(12.0);
   if (model.bandwidth) axis.low_pass.emplace(*model.bandwidth, model.filter_order, dt_);
   if (model.delay && *model.delay != 0) axis.delay.emplace(*model.delay, dt_);
   axis.noisy = axis.noise.next(axis.slow, axis.fast);
   std::array<double, 2>
       u{};  // where between two bits the reading stands, at the first sample and before the calibration
-  if (bit_ != 0) fill_uniform(detail::source_stream(setting.axes[i], kRemainder), 0, u);
-  axis.remainder = bit_ == 0 ? 0 : bit_ * (u[0] - 0.5);
+  if (axis.bit != 0) fill_uniform(detail::source_stream(setting.axes[i], kRemainder), 0, u);
+  axis.remainder = axis.bit == 0 ? 0 : axis.bit * (u[0] - 0.5);
   const auto calibrated = static_cast<double>(detail::epoch_of(model, dt_).calibrated);
   if (calibrated == 0) return;
-  const double rounding = bit_ * (u[1] - u[0]) / (calibrated * dt_);
+  const double rounding = axis.bit * (u[1] - u[0]) / (calibrated * dt_);
   constants_.calibrated_bias[i] = constants_.turn_on_bias[i] + axis.noise.calibrated_mean() + rounding;
 }
 
@@ -210,9 +211,9 @@ double Triad::saturate(std::size_t i, double increment) {
   return std::copysign(limit_, increment);
 }
 
-double Triad::quantize(Axis& axis, double increment) const {
-  if (bit_ == 0) return increment;
-  const double whole = bit_ * std::nearbyint((axis.remainder + increment) / bit_);
+double Triad::quantize(Axis& axis, double increment) {
+  if (axis.bit == 0) return increment;
+  const double whole = axis.bit * std::nearbyint((axis.remainder + increment) / axis.bit);
   axis.remainder += increment - whole;
   return whole;
 }
@@ -254,6 +255,18 @@ ErrorModel only(const ErrorModel& model, const ErrorSources& sources) {
   if (off(ErrorSource::delay)) m.delay.reset();
   if (off(ErrorSource::range)) m.range.reset();
   return m;
+}
+
+std::vector<ErrorSource> not_stated(const ErrorModel& model, Signal signal) {
+  std::vector<ErrorSource> list;
+  const auto check = [&](ErrorSource source, const std::optional<PerAxis>& value) {
+    if (!value) list.push_back(source);
+  };
+  if (!model.calibrated_over) check(ErrorSource::turn_on_bias, model.turn_on_bias);
+  check(ErrorSource::scale_factor, model.scale_factor);
+  check(ErrorSource::misalignment, model.misalignment);
+  if (signal == Signal::angular_rate) check(ErrorSource::g_sensitivity, model.g_sensitivity);
+  return list;
 }
 
 struct Imu::State {

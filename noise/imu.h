@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <initializer_list>
 #include <memory>
+#include <optional>
+#include <vector>
 
 #include "increment.h"
 #include "sensor.h"
@@ -57,6 +59,11 @@ class ErrorSources {
 
 /// The model with nothing but these sources; its epoch stays.
 [[nodiscard]] ErrorModel only(const ErrorModel& model, const ErrorSources& sources);
+
+/// The errors that a triad's model leaves open, of those that a log at rest cannot tell and a budget is small without:
+/// turn-on bias (unless a calibration takes it off), scale factor, misalignment, and of a gyro g-sensitivity. What is
+/// stated to be zero is not among them.
+[[nodiscard]] std::vector<ErrorSource> not_stated(const ErrorModel& model, Signal signal);
 
 /// Names the random numbers of one IMU in one run.
 struct ImuKey {

@@ -3,6 +3,8 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <array>
 #include <span>
 #include <stdexcept>
 
@@ -43,6 +45,10 @@ constexpr Entry kNumber[] = {
     {Term::sinusoid, "sinusoid", "sinusoid", "1"},
 };
 
+/// In the order of the list of processes.
+constexpr std::array kCoefficients{Term::quantization, Term::white, Term::flicker, Term::rate_random_walk,
+                                   Term::rate_ramp};
+
 const Entry& entry(Signal signal, Term term) {
   const std::span<const Entry> table = signal == Signal::angular_rate     ? std::span<const Entry>(kGyro)
                                        : signal == Signal::specific_force ? std::span<const Entry>(kAccelerometer)
@@ -82,21 +88,41 @@ Dimension dimension_of(Signal signal, Term term) { return parse_unit(datasheet_u
 std::string_view key(Signal signal, Term term) { return entry(signal, term).key; }
 std::string_view label(Signal signal, Term term) { return entry(signal, term).label; }
 
-std::vector<Process> ErrorModel::processes() const {
+std::vector<Process> ErrorModel::processes(std::size_t axis) const {
   std::vector<Process> result;
-  for (const Term t : {Term::quantization, Term::white, Term::flicker, Term::rate_random_walk, Term::rate_ramp}) {
-    if ((*this)[t] != 0) result.push_back(with_coefficient(unit_process(t), (*this)[t]));
+  for (const Term t : kCoefficients) {
+    if ((*this)[t][axis] != 0) result.push_back(with_coefficient(unit_process(t), (*this)[t][axis]));
   }
-  for (const GaussMarkov& g : gauss_markov) {
-    if (g.sigma != 0) result.emplace_back(g);
+  for (const TriadGaussMarkov& g : gauss_markov) {
+    if (g.sigma[axis] != 0) result.emplace_back(g.on(axis));
   }
-  for (const Sinusoid& s : sinusoids) {
-    if (s.amplitude != 0) result.emplace_back(s);
+  for (const TriadSinusoid& s : sinusoids) {
+    if (s.amplitude[axis] != 0) result.emplace_back(s.on(axis));
   }
   return result;
 }
 
-double& ErrorModel::operator[](Term t) { return member(*this, t); }
-double ErrorModel::operator[](Term t) const { return member(*this, t); }
+std::vector<TriadProcess> ErrorModel::triad_processes() const {
+  std::vector<TriadProcess> result;
+  const auto add = [&](const PerAxis& size, const Process& unit) {
+    const double largest = size.largest();
+    if (largest == 0) return;
+    TriadProcess& added = result.emplace_back(TriadProcess{with_coefficient(unit, largest), {}});
+    for (std::size_t axis = 0; axis < 3; ++axis) added.relative[axis] = size[axis] / largest;
+  };
+  for (const Term t : kCoefficients) add((*this)[t], unit_process(t));
+  for (const TriadGaussMarkov& g : gauss_markov) add(g.sigma, g.on(0));
+  for (const TriadSinusoid& s : sinusoids) add(s.amplitude, s.on(0));
+  return result;
+}
+
+bool ErrorModel::axes_are_alike() const {
+  return std::ranges::all_of(kCoefficients, [&](Term t) { return (*this)[t].is_uniform(); }) &&
+         std::ranges::all_of(gauss_markov, [](const auto& g) { return g.sigma.is_uniform(); }) &&
+         std::ranges::all_of(sinusoids, [](const auto& s) { return s.amplitude.is_uniform(); });
+}
+
+PerAxis& ErrorModel::operator[](Term t) { return member(*this, t); }
+const PerAxis& ErrorModel::operator[](Term t) const { return member(*this, t); }
 
 }  // namespace gyrobudget::inline v0::noise

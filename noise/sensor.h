@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <optional>
@@ -35,23 +36,55 @@ class PerAxis {
   constexpr PerAxis(double all = 0) : axis_{all, all, all} {}  // one number is a value for all
   constexpr PerAxis(double x, double y, double z) : axis_{x, y, z} {}
   [[nodiscard]] constexpr double operator[](std::size_t axis) const { return axis_[axis]; }
+  [[nodiscard]] constexpr double& operator[](std::size_t axis) { return axis_[axis]; }
   [[nodiscard]] constexpr bool is_uniform() const { return axis_[0] == axis_[1] && axis_[1] == axis_[2]; }
+  /// The largest of the three by absolute value.
+  [[nodiscard]] constexpr double largest() const {
+    double most = 0;
+    for (const double v : axis_) most = std::max(most, v < 0 ? -v : v);
+    return most;
+  }
+  constexpr PerAxis& operator*=(double factor) {
+    for (double& v : axis_) v *= factor;
+    return *this;
+  }
   friend constexpr bool operator==(const PerAxis&, const PerAxis&) = default;
 
  private:
   std::array<double, 3> axis_;
 };
 
+/// A Gauss-Markov process on each axis of a triad, independent of one another; an axis of sigma 0 has none.
+struct TriadGaussMarkov {
+  PerAxis sigma;
+  double correlation_time = 1;
+  [[nodiscard]] constexpr GaussMarkov on(std::size_t axis) const { return {sigma[axis], correlation_time}; }
+};
+
+/// A sinusoid of one frequency and phase on each axis of a triad; an axis of amplitude 0 has none.
+struct TriadSinusoid {
+  PerAxis amplitude;
+  double frequency = 1;
+  double phase = 0;
+  [[nodiscard]] constexpr Sinusoid on(std::size_t axis) const { return {amplitude[axis], frequency, phase}; }
+};
+
+/// A noise process on three axes, independent and alike but for their size.
+struct TriadProcess {
+  Process process;   ///< with the largest coefficient of the three
+  PerAxis relative;  ///< coefficient of each axis over that; 1 where all are alike
+};
+
 /// One sensor triad's errors, SI, one sigma each. Zero or empty means the sensor has none of it. What each of
 /// them does to a reading stands in imu.h.
 struct ErrorModel {
-  double quantization = 0;      ///< Q
-  double white = 0;             ///< N
-  double bias_instability = 0;  ///< B
-  double rate_random_walk = 0;  ///< K
-  double rate_ramp = 0;         ///< R
-  std::vector<GaussMarkov> gauss_markov;
-  std::vector<Sinusoid> sinusoids;
+  PerAxis quantization;      ///< Q
+  PerAxis white;             ///< N
+  PerAxis bias_instability;  ///< B
+  PerAxis rate_random_walk;  ///< K
+  PerAxis rate_ramp;         ///< R
+  std::vector<TriadGaussMarkov> gauss_markov;
+  std::vector<TriadSinusoid> sinusoids;
   // What a static log cannot give; kept as read, used by flight and budget. Of the axis that errs.
   std::optional<PerAxis> turn_on_bias;             ///< std [signal]
   std::optional<PerAxis> scale_factor;             ///< std [1]
@@ -67,11 +100,15 @@ struct ErrorModel {
   std::optional<double> powered_on_before;  ///< [s] before the scene; empty: at its start
   std::optional<double> calibrated_over;    ///< [s] up to the scene; empty: not calibrated
 
-  /// The non-zero noise processes.
-  [[nodiscard]] std::vector<Process> processes() const;
+  /// The non-zero noise processes of an axis: 0, 1, 2 for x, y, z.
+  [[nodiscard]] std::vector<Process> processes(std::size_t axis) const;
+  /// Those that any axis has, of all axes at once.
+  [[nodiscard]] std::vector<TriadProcess> triad_processes() const;
+  /// Whether all three axes have the same noise.
+  [[nodiscard]] bool axes_are_alike() const;
   /// The coefficient of Q, N, B, K or R. @throws std::invalid_argument for G and S, which are lists.
-  [[nodiscard]] double& operator[](Term);
-  [[nodiscard]] double operator[](Term) const;
+  [[nodiscard]] PerAxis& operator[](Term);
+  [[nodiscard]] const PerAxis& operator[](Term) const;
 };
 
 /// A sensor as its file describes it; `accelerometer` left out means ideal.

@@ -16,27 +16,32 @@ namespace {
 
 using Kind = SimulationModel::Kind;
 
-Model jerath(const SimulationModel& m, const ErrorModel& errors, double dt) {
-  Jerath model{.arw = errors.white, .bias_instability = errors.bias_instability, .rrw = errors.rate_random_walk};
+/// What models 1 to 3 know of an axis.
+struct Coefficients {
+  double n, b, k;
+};
+
+Model jerath(const SimulationModel& m, const Coefficients& given, double dt) {
+  Jerath model{.arw = given.n, .bias_instability = given.b, .rrw = given.k};
   if (m.taps) model.taps = *m.taps;
   return model.model(dt);
 }
 
-Model imu_sensor(const SimulationModel& m, const ErrorModel& errors, double dt) {
+Model imu_sensor(const SimulationModel& m, const Coefficients& given, double dt) {
   using NoiseType = ImuSensor::NoiseType;
-  ImuSensor model{.noise_density = {errors.white, 0, 0},
-                  .bias_instability = {errors.bias_instability, 0, 0},
-                  .random_walk = {errors.rate_random_walk, 0, 0},
+  ImuSensor model{.noise_density = {given.n, 0, 0},
+                  .bias_instability = {given.b, 0, 0},
+                  .random_walk = {given.k, 0, 0},
                   .noise_type = m.single_sided ? NoiseType::single_sided : NoiseType::double_sided};
   if (m.taps) model.bias_instability_coefficients = fractal_coefficients(*m.taps);
   return model.model(0, dt);
 }
 
-Model bielas(const SimulationModel& m, const ErrorModel& errors, double dt) {
+Model bielas(const SimulationModel& m, const Coefficients& given, double dt) {
   const bool walks = m.rate_random_walk.value_or(m.variant != Bielas::Bias::integrated_legacy);
-  return Bielas{.arw = errors.white,
-                .bias_instability = errors.bias_instability,
-                .rrw = walks ? errors.rate_random_walk : 0,
+  return Bielas{.arw = given.n,
+                .bias_instability = given.b,
+                .rrw = walks ? given.k : 0,
                 .bias = m.variant,
                 .correlation_time = m.correlation_time_s}
       .model(dt);
@@ -46,8 +51,8 @@ Model bielas(const SimulationModel& m, const ErrorModel& errors, double dt) {
 void add(std::vector<SimulatedAxis>& list, Signal signal, const ErrorModel& errors, const SimulationOptions& o) {
   const std::uint64_t first = signal == Signal::angular_rate ? 0 : 3;
   for (const int axis : o.axes) {
-    list.push_back(
-        {signal, axis, model_of(o.model, errors, 1 / o.rate_hz), {o.seed, first + static_cast<std::uint64_t>(axis)}});
+    const auto which = static_cast<std::size_t>(axis);
+    list.push_back({signal, axis, model_of(o.model, errors, which, 1 / o.rate_hz), {o.seed, first + which}});
   }
 }
 
@@ -63,26 +68,27 @@ void check(const SimulationOptions& o) {
 
 }  // namespace
 
-Model model_of(const SimulationModel& model, const ErrorModel& errors, double dt) {
+Model model_of(const SimulationModel& model, const ErrorModel& errors, std::size_t axis, double dt) {
+  const Coefficients given{errors.white[axis], errors.bias_instability[axis], errors.rate_random_walk[axis]};
   switch (model.kind) {
     case Kind::jerath:
-      return jerath(model, errors, dt);
+      return jerath(model, given, dt);
     case Kind::imu_sensor:
-      return imu_sensor(model, errors, dt);
+      return imu_sensor(model, given, dt);
     case Kind::bielas:
-      return bielas(model, errors, dt);
+      return bielas(model, given, dt);
     case Kind::spectral:
     case Kind::gauss_markov:
       break;
   }
-  return {errors.processes(), {}};
+  return {errors.processes(axis), {}};
 }
 
 std::vector<Term> left_out(const SimulationModel& model, const ErrorModel& errors) {
   if (model.kind == Kind::spectral || model.kind == Kind::gauss_markov) return {};
   std::vector<Term> list;
-  for (const Process& process : errors.processes()) {
-    const Term t = term(process);
+  for (const TriadProcess& triad : errors.triad_processes()) {
+    const Term t = term(triad.process);
     if (t != Term::white && t != Term::flicker && t != Term::rate_random_walk) list.push_back(t);
   }
   return list;

@@ -2,6 +2,7 @@
 // The log of a sensor at rest: which axes it has, what each holds, and the numbers.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -32,12 +33,12 @@ struct SimulationModel {
   double correlation_time_s = 100;  ///< bielas, gauss_markov
 };
 
-/// The processes and filters that the model makes of a sensor's errors at a sample interval [s]. Models 1 to 3 know N,
-/// B and K alone.
+/// The processes and filters that the model makes of the errors of a sensor's axis (0, 1, 2 for x, y, z) at a sample
+/// interval [s]. Models 1 to 3 know N, B and K alone.
 /// @throws std::invalid_argument for what the model refuses.
-[[nodiscard]] Model model_of(const SimulationModel& model, const ErrorModel& errors, double dt);
+[[nodiscard]] Model model_of(const SimulationModel& model, const ErrorModel& errors, std::size_t axis, double dt);
 
-/// The terms of a sensor's noise that the model leaves out, one for each process.
+/// The terms of a sensor's noise that the model leaves out, one for each process that any axis has.
 [[nodiscard]] std::vector<Term> left_out(const SimulationModel& model, const ErrorModel& errors);
 
 struct SimulationOptions {

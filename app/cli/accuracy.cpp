@@ -2,6 +2,7 @@
 // accuracy: records of known truth, every fit against it, limits held or broken.
 #include "gyrobudget/app/report/accuracy.h"
 
+#include "gyrobudget/app/report/sensor_words.h"
 #include "gyrobudget/app/sensor_file/sensor_file.h"
 
 #include <fmt/format.h>
@@ -16,16 +17,20 @@
 namespace gyrobudget::inline v0::cli {
 namespace {
 
-noise::ErrorModel axis_of(const noise::SensorModel& sensor, const AccuracyArguments& a) {
+std::vector<noise::Process> truth_of(const noise::SensorModel& sensor, const AccuracyArguments& a) {
   const bool gyro = a.signal == noise::Signal::angular_rate;
   const char* name = gyro ? "gyro" : "accelerometer";
   if (!gyro && !sensor.accelerometer) throw text::InputError(fmt::format("{}: it has no accelerometer", a.sensor));
-  noise::ErrorModel model = gyro ? sensor.gyro : *sensor.accelerometer;
-  if (model.processes().empty()) {
+  const noise::ErrorModel& model = gyro ? sensor.gyro : *sensor.accelerometer;
+  if (!a.axis && !model.axes_are_alike())
+    throw text::InputError(
+        fmt::format("{0}: the axes of the {1} differ; choose one: --axis {1}_x, {1}_y or {1}_z", a.sensor, name));
+  auto truth = model.processes(a.axis.value_or(0));
+  if (truth.empty()) {
     throw text::InputError(
         fmt::format("{}: the {} has no noise coefficient above zero; accuracy needs the truth", a.sensor, name));
   }
-  return model;
+  return truth;
 }
 
 fit::Accuracy measure(const std::vector<noise::Process>& truth, const AccuracyArguments& a, int records) {
@@ -47,8 +52,10 @@ fit::Accuracy measure(const std::vector<noise::Process>& truth, const AccuracyAr
 
 int run(const AccuracyArguments& a) {
   check_outputs(a.sensor, {{"--report", a.report}});
-  const noise::SensorModel sensor = sensor_file::read_sensor(a.sensor);
-  const auto truth = axis_of(sensor, a).processes();
+  const sensor_file::SensorFile file = sensor_file::read_sensor_file(a.sensor, {.rate_hz = a.sensor_rate_hz});
+  const noise::SensorModel& sensor = file.model;
+  const auto truth = truth_of(sensor, a);
+  for (const auto& note : report::sensor_notes(file.warnings, file.notes, a.sensor)) say(a.common, "note: " + note);
   if (a.sweep) return run_sweep(a, sensor.name, truth);
   constexpr int kRecords = 500;
   report::AccuracyStudy study{.sensor = sensor.name,

@@ -52,6 +52,7 @@ struct SimulateArguments {
   std::string sensor;
   double duration_s = 0;  ///< infinite: until the reader has enough; 0: the whole trajectory
   double rate_hz = 100;
+  std::optional<double> sensor_rate_hz;  ///< as PlanArguments has it
   noise::SimulationModel model;
   std::string model_name = "spectral";  ///< as typed
   std::uint64_t skipped = 0;            ///< samples left out at the start
@@ -95,7 +96,9 @@ struct CalibrateArguments {
   std::optional<double> duration_s;  ///< of the record behind a curve file
   calibration::Options options;      ///< but for what `curve` says
   std::string output;                ///< sensor file
+  bool update = false;               ///< the sensor file is there already, and keeps what else it holds
   std::string kalibr;                ///< imu.yaml
+  double kalibr_horizon_s = 100;     ///< over which a walk stands for 1/f noise in it
   std::string name;                  ///< of the sensor, for the sensor file
 };
 
@@ -103,6 +106,7 @@ struct PlanArguments {
   Common common;
   std::string sensor;
   double rate_hz = 100;
+  std::optional<double> sensor_rate_hz;  ///< the same where it was given: of sigmas of a sample in the sensor file
   std::optional<double> duration_s;
   std::vector<fit::PlanOptions::Wish> wishes;
 };
@@ -111,8 +115,10 @@ struct AccuracyArguments {
   Common common;
   std::string sensor;
   noise::Signal signal = noise::Signal::angular_rate;  ///< which of the sensor's two
+  std::optional<std::size_t> axis;                     ///< 0, 1, 2 for x, y, z; unset: all are to be alike
   double duration_s = 36'000;
   double rate_hz = 1;
+  std::optional<double> sensor_rate_hz;  ///< as PlanArguments has it
   std::optional<int> records;
   std::vector<fit::Method> methods;
   std::optional<std::vector<noise::Term>> terms;  ///< unset: N, B, K, and Q and R where the sensor has them

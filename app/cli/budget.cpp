@@ -13,6 +13,7 @@
 #include <stdexcept>
 
 #include "paths.h"
+#include "scenes.h"
 #include "terminal.h"
 #include "verbs.h"
 
@@ -37,7 +38,9 @@ report::BudgetResult result(const BudgetArguments& a, const files::SceneFile& fi
                          .name = file.scenario.name,
                          .sensor = file.sensor,
                          .command = a.common.command_line,
-                         .limit = a.limit ? a.limit->text : ""};
+                         .limit = a.limit ? a.limit->text : "",
+                         .not_stated = not_stated_of(file),
+                         .notes = sensor_notes_of(file)};
   if (file.flight) report::note_short_flight(r.notes, file.flight->plan.flight, trajectory.duration());
   budget::Options asked = options(a, trajectory.duration());
   std::optional<Watch> watch;

@@ -66,6 +66,7 @@ int run(const CalibrateArguments& asked) {
     check_outputs(
         input,
         {{"-o", a.output}, {"--kalibr", a.kalibr}, {"--report", a.pictures.report}, {"--plot", a.pictures.plot}});
+  check_sensor_output(a);
   try {
     if (!a.curve_file.empty()) return run_table(a);
     return run_logs(a);

@@ -29,7 +29,10 @@ report::FlightResult fly(const FlyArguments& a, const files::SceneFile& scene, W
                          .vehicle_numbers = source.vehicle.numbers,
                          .vehicle_left_out = source.vehicle.left_out,
                          .plan = source.plan,
-                         .dispersion = source.dispersion};
+                         .dispersion = source.dispersion,
+                         .study = {},
+                         .not_stated = not_stated_of(scene),
+                         .notes = sensor_notes_of(scene)};
   r.study = naming(scene.path, [&] {
     return closed_loop::study(r.plan, r.dispersion, scene.scenario,
                               {.runs = a.runs, .seed = a.seed, .record_rate = a.rate, .progress = std::ref(watch)});

@@ -49,12 +49,16 @@ int run(const NavigateArguments& a) {
         "{}: found no \"imu:\" with a recorded log, which navigate needs; a trajectory is for simulate", a.scene));
   for (const std::string& input : inputs(scene)) check_outputs(input, outputs);
   files::SceneData data = files::read_recording(scene);
+  std::vector<std::string> not_stated = not_stated_of(scene);
   report::NavigationResult result{.scene = a.scene,
                                   .source = scene.imu->path,
                                   .command = a.common.command_line,
                                   .scenario = std::move(scene.scenario),
                                   .recording = std::move(data.recording),
-                                  .notes = std::move(data.notes)};
+                                  .run = {},
+                                  .notes = std::move(data.notes),
+                                  .not_stated = std::move(not_stated)};
+  for (std::string& note : sensor_notes_of(scene)) result.notes.push_back(std::move(note));
   if (scene.sensor.empty())
     result.notes.emplace_back(
         "the scene names no sensor file: the IMU is taken as ideal, and no error of it is estimated");

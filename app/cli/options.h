@@ -20,7 +20,7 @@ struct Texts {
   std::string records, methods, axis = "gyro", require;
   std::string estimators = "oadev", stride = "1", taus, format, psd, window, gap, resample;
   std::string trajectory, truth, fixes, attitude, flight_input, vibration, run;
-  std::string at, step, limit;
+  std::string at, step, limit, horizon;
   std::vector<std::string> wishes, mask, logs;
   bool ieee = false, strict_gaps = false;
 };

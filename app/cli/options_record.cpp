@@ -135,6 +135,10 @@ CLI::App* add_calibrate(CLI::App& app, CalibrateArguments& a, Texts& texts) {
       "From a static log to the datasheet: ARW, bias instability and RRW with intervals and a verdict.\n\n"
       "  gyrobudget calibrate imu.csv --report datasheet.html -o sensor.yaml\n"
       "  gyrobudget calibrate gyro.txt --rate 200 --unit deg/s --kalibr imu.yaml\n");
+  verb->footer(
+      "Exit code 1: an axis has no answer, or none that may be used yet (a step, knocks or a drift that the fit took\n"
+      "for noise: see --mask), or --cross-check disagrees. What there is is printed and written all the same; a sensor\n"
+      "file then warns at its head, and whatever reads it repeats that.");
   verb->add_option(
           "log", a.logs,
           "CSV or text, also .gz; - is stdin; several: records of one sensor type, each fitted by itself, then combined")
@@ -171,8 +175,23 @@ CLI::App* add_calibrate(CLI::App& app, CalibrateArguments& a, Texts& texts) {
   add_segments(*verb, texts, "take the segments for records of one sensor type: power-ups");
   add_curve(*verb, texts, "50");
   auto* out = verb->add_option_group("Output");
-  out->add_option("-o,--output", a.output, "write the sensor file")->type_name("SENSOR.yaml");
-  out->add_option("--kalibr", a.kalibr, "write Kalibr's imu.yaml")->type_name("FILE.yaml");
+  auto* sensor =
+      out->add_option(
+             "-o,--output", a.output,
+             "write the sensor file; one that holds more than this log tells (turn-on bias, range ...) is not overwritten")
+          ->type_name("SENSOR.yaml");
+  out->add_flag("--update", a.update, "put the new coefficients into that file, and keep all else that it holds")
+      ->needs(sensor);
+  auto* kalibr =
+      out->add_option(
+             "--kalibr", a.kalibr,
+             "write Kalibr's imu.yaml; a walk that is not resolved is its limit, or stands for bias instability")
+          ->type_name("FILE.yaml");
+  out->add_option(
+         "--kalibr-horizon", texts.horizon,
+         "over how long that walk stands for bias instability: as long as the estimator relies on a bias [100 s]")
+      ->needs(kalibr)
+      ->type_name("TIME");
   out->add_option("--name", a.name, "the sensor's name in these files [name of the log]");
   add_pictures(*verb, a.pictures);
   add_common(*verb, a.common);
@@ -215,6 +234,7 @@ void finish(CalibrateArguments& a, const Texts& texts) {
     return std::find(texts.mask.begin(), texts.mask.end(), what) != texts.mask.end();
   };
   a.options.mask = {masks("outliers"), masks("steps"), masks("warm-up")};
+  if (!texts.horizon.empty()) a.kalibr_horizon_s = duration("--kalibr-horizon", texts.horizon);
   if (!texts.tau_min.empty()) a.options.tau_min_s = duration("--tau-min", texts.tau_min);
   if (!texts.tau_max.empty()) a.options.tau_max_s = duration("--tau-max", texts.tau_max);
   if (!texts.duration.empty()) a.duration_s = duration("--duration", texts.duration);

@@ -102,12 +102,16 @@ CLI::App* add_simulate(CLI::App& app, SimulateArguments& a, Texts& texts) {
       "Simulates the log of a sensor at rest, or of a whole IMU along a trajectory.\n\n"
       "  gyrobudget simulate examples/sensors/ifog.yaml --duration 10h --rate 100 -o ifog.csv\n"
       "  gyrobudget simulate mems.yaml --trajectory cruise:duration=600 --truth truth.csv -o imu.csv\n");
-  verb->add_option("sensor", a.sensor, "sensor file (YAML), or a Kalibr imu.yaml")->required()->type_name("SENSOR");
+  verb->add_option("sensor", a.sensor, "sensor file (YAML), or one of Kalibr, VINS or imu_utils")
+      ->required()
+      ->type_name("SENSOR");
   verb->add_option(
           "--duration", texts.duration,
           "length of the log, e.g. 10h, 90 min, 3600 s; endless: until the reader closes the pipe [with --trajectory: all of it]")
       ->type_name("TIME");
-  verb->add_option("--rate", texts.rate, "sample rate [100 Hz]")->type_name("HZ");
+  verb->add_option("--rate", texts.rate,
+                   "sample rate, also of sigmas of a sample that a file of VINS or imu_utils gives [100 Hz; densities]")
+      ->type_name("HZ");
   verb->add_option("--skip", texts.skip,
                    "leave out the start, a time (9h) or a number of samples; the rest is the same bytes")
       ->type_name("TIME|SAMPLES");
@@ -159,7 +163,7 @@ void finish_extent(SimulateArguments& a, const Texts& texts) {
     throw std::invalid_argument(
         fmt::format("--duration endless: {} would never be whole; write to standard output", a.output));
   }
-  if (!texts.rate.empty()) a.rate_hz = rate("--rate", texts.rate);
+  if (!texts.rate.empty()) a.sensor_rate_hz = a.rate_hz = rate("--rate", texts.rate);
   const double samples = a.duration_s * a.rate_hz;
   if (samples < 2) {
     throw std::invalid_argument(fmt::format("{} s at {} Hz is less than two samples", a.duration_s, a.rate_hz));
@@ -208,7 +212,7 @@ void finish_flight(SimulateArguments& a, const Texts& texts) {
     if (flight.vibration < 0) throw std::invalid_argument("--vibration: must not be negative");
   }
   if (!texts.run.empty()) flight.run = whole_number("--run", texts.run);
-  if (!texts.rate.empty()) a.rate_hz = rate("--rate", texts.rate);
+  if (!texts.rate.empty()) a.sensor_rate_hz = a.rate_hz = rate("--rate", texts.rate);
   if (!texts.duration.empty()) a.duration_s = duration("--duration", texts.duration);
   if (!texts.skip.empty()) a.skipped = skipped_samples(texts.skip, a.rate_hz);
   a.flight = std::move(flight);

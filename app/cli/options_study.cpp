@@ -23,7 +23,9 @@ CLI::App* add_plan(CLI::App& app, PlanArguments& a, Texts& texts) {
                                   "  gyrobudget plan examples/sensors/mems.yaml --want B=10%\n"
                                   "  gyrobudget plan sensor.yaml --duration 2h --rate 200\n");
   verb->add_option("sensor", a.sensor, "sensor file with the expected coefficients")->required()->type_name("SENSOR");
-  verb->add_option("--rate", texts.rate, "sample rate [100 Hz]")->type_name("HZ");
+  verb->add_option("--rate", texts.rate,
+                   "sample rate, also of sigmas of a sample that a file of VINS or imu_utils gives [100 Hz; densities]")
+      ->type_name("HZ");
   verb->add_option("--duration", texts.duration, "what will a record of this length buy?")->type_name("TIME");
   verb->add_option("--want", texts.wishes, "how long for this accuracy (one sigma, relative), e.g. B=10% or arw=1%")
       ->type_name("TERM=ACCURACY ...");
@@ -32,7 +34,7 @@ CLI::App* add_plan(CLI::App& app, PlanArguments& a, Texts& texts) {
 }
 
 void finish(PlanArguments& a, const Texts& texts) {
-  if (!texts.rate.empty()) a.rate_hz = rate("--rate", texts.rate);
+  if (!texts.rate.empty()) a.sensor_rate_hz = a.rate_hz = rate("--rate", texts.rate);
   if (!texts.duration.empty()) a.duration_s = duration("--duration", texts.duration);
   for (const auto& text : texts.wishes) a.wishes.push_back(wish(text));
 }
@@ -46,14 +48,18 @@ CLI::App* add_accuracy(CLI::App& app, AccuracyArguments& a, Texts& texts) {
       "  gyrobudget accuracy sensor.yaml --sweep\n");
   verb->add_option("sensor", a.sensor, "sensor file: the truth")->required()->type_name("SENSOR");
   verb->add_option("--duration", texts.duration, "length of a record [10h]")->type_name("TIME");
-  verb->add_option("--rate", texts.rate, "sample rate [1 Hz]")->type_name("HZ");
+  verb->add_option("--rate", texts.rate,
+                   "sample rate, also of sigmas of a sample that a file of VINS or imu_utils gives [1 Hz; densities]")
+      ->type_name("HZ");
   verb->add_option("--records", texts.records, "how many [500; 200 for --sweep]")->type_name("N");
   verb->add_option("--methods", texts.methods, "of gls, edf, loglog, slope, visual, whittle [gls,whittle]")
       ->type_name("LIST");
   verb->add_option("--terms", texts.terms, "terms to fit, of Q,N,B,K,R [N,B,K, and Q and R where the sensor has them]")
       ->type_name("LIST");
-  verb->add_option("--axis", texts.axis, "which of the sensor's two")
-      ->check(CLI::IsMember({"gyro", "accelerometer"}))
+  verb->add_option("--axis", texts.axis, "which of the sensor's two; gyro_x and so on where its axes differ")
+      ->check(CLI::IsMember({"gyro", "gyro_x", "gyro_y", "gyro_z", "accelerometer", "accelerometer_x",
+                             "accelerometer_y", "accelerometer_z"}))
+      ->type_name("NAME")
       ->capture_default_str();
   verb->add_option("--seed", texts.seed, "of the random numbers; printed into every output")->capture_default_str();
   verb->add_option(
@@ -81,7 +87,7 @@ void finish_sweep(AccuracyArguments& a, const Texts& texts) {
 
 void finish(AccuracyArguments& a, const Texts& texts) {
   if (!texts.duration.empty()) a.duration_s = duration("--duration", texts.duration);
-  if (!texts.rate.empty()) a.rate_hz = rate("--rate", texts.rate);
+  if (!texts.rate.empty()) a.sensor_rate_hz = a.rate_hz = rate("--rate", texts.rate);
   constexpr double kFewestSamples = 16, kMostSamples = 1e8;
   const double samples = std::round(a.duration_s * a.rate_hz);
   if (!(samples >= kFewestSamples && samples <= kMostSamples)) {
@@ -101,7 +107,9 @@ void finish(AccuracyArguments& a, const Texts& texts) {
     if (std::ranges::find(a.methods, method) == a.methods.end()) a.methods.push_back(method);
   }
   if (!texts.terms.empty()) a.terms = terms(texts.terms);
-  if (texts.axis == "accelerometer") a.signal = noise::Signal::specific_force;
+  if (texts.axis.starts_with("accelerometer")) a.signal = noise::Signal::specific_force;
+  if (const auto at = texts.axis.find('_'); at != std::string::npos)
+    a.axis = static_cast<std::size_t>(texts.axis[at + 1] - 'x');
   a.seed = seed(texts.seed);
   if (!texts.require.empty()) a.requirements = fit::parse_requirements(texts.require);
   finish_sweep(a, texts);

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 #include "scenes.h"
 
+#include "gyrobudget/app/report/sensor_words.h"
+
 #include <fmt/format.h>
 
 #include <stdexcept>
@@ -24,6 +26,14 @@ std::vector<files::SceneFile> flight_scenes(const FlyArguments& a) {
   scenes.assign(a.sensors.size(), one);
   for (std::size_t i = 0; i < scenes.size(); ++i) files::change_sensor(scenes[i], a.sensors[i]);
   return scenes;
+}
+
+std::vector<std::string> not_stated_of(const files::SceneFile& scene) {
+  return scene.sensor.empty() ? std::vector<std::string>{} : report::not_stated(scene.scenario.sensor);
+}
+
+std::vector<std::string> sensor_notes_of(const files::SceneFile& scene) {
+  return report::sensor_notes(scene.sensor_warnings, scene.sensor_notes, scene.sensor);
 }
 
 text::InputError refusal(const std::string& scene, const std::exception& error) {

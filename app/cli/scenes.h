@@ -20,6 +20,11 @@ namespace gyrobudget::inline v0::cli {
 /// sensors beside several scenes.
 [[nodiscard]] std::vector<files::SceneFile> flight_scenes(const FlyArguments& arguments);
 
+/// What the scene's sensor file does not state; empty for an ideal sensor, which has no file.
+[[nodiscard]] std::vector<std::string> not_stated_of(const files::SceneFile& scene);
+/// What that file warns of, and how it was read.
+[[nodiscard]] std::vector<std::string> sensor_notes_of(const files::SceneFile& scene);
+
 /// "scene.yaml: what is wrong".
 [[nodiscard]] text::InputError refusal(const std::string& scene, const std::exception& error);
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // simulate: sensor file -> log of simulated noise at rest.
 #include "gyrobudget/app/log/log_writer.h"
+#include "gyrobudget/app/report/sensor_words.h"
 #include "gyrobudget/app/report/simulation.h"
 #include "gyrobudget/app/sensor_file/sensor_file.h"
 #include "gyrobudget/noise/simulation.h"
@@ -59,7 +60,9 @@ void write_stream(const SimulateArguments& a, const noise::Simulation& simulatio
 int run(const SimulateArguments& a) {
   if (a.flight) return run_flight(a);
   if (a.output != "-") check_outputs(a.sensor, {{"-o", a.output}});
-  const noise::SensorModel sensor = sensor_file::read_sensor(a.sensor);
+  const sensor_file::SensorFile file = sensor_file::read_sensor_file(a.sensor, {.rate_hz = a.sensor_rate_hz});
+  const noise::SensorModel& sensor = file.model;
+  for (const auto& note : report::sensor_notes(file.warnings, file.notes, a.sensor)) say(a.common, "note: " + note);
   for (const auto& note : report::left_out_notes(a.model, sensor, a.model_name)) say(a.common, note);
   const noise::Simulation simulation(sensor, {a.model, a.rate_hz, a.duration_s, a.seed, a.axes});
   const log::LogHead head =

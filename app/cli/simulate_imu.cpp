@@ -4,6 +4,7 @@
 #include "gyrobudget/app/files/fixes_file.h"
 #include "gyrobudget/app/files/scene_file.h"
 #include "gyrobudget/app/log/log_writer.h"
+#include "gyrobudget/app/report/sensor_words.h"
 #include "gyrobudget/app/report/simulation.h"
 #include "gyrobudget/app/sensor_file/sensor_file.h"
 #include "gyrobudget/app/text/output.h"
@@ -49,7 +50,9 @@ void write_fixes(const SimulateArguments& a, const earth::Trajectory& trajectory
 int run_flight(const SimulateArguments& a) {
   const FlightArguments& flight = *a.flight;
   check_flight_paths(a);
-  const noise::SensorModel sensor = sensor_file::read_sensor(a.sensor);
+  const sensor_file::SensorFile file = sensor_file::read_sensor_file(a.sensor, {.rate_hz = a.sensor_rate_hz});
+  const noise::SensorModel& sensor = file.model;
+  for (const auto& note : report::sensor_notes(file.warnings, file.notes, a.sensor)) say(a.common, "note: " + note);
   const earth::Trajectory trajectory = files::scene_or_trajectory(flight.trajectory);
   const Flown flown = flown_of(a, trajectory);
   const navigation::SimulatedImuOptions options{a.rate_hz, a.seed, flight.run, flight.vibration};

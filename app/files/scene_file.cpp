@@ -42,6 +42,14 @@ void set_epoch(SceneFile& scene) {
   if (scene.scenario.sensor.accelerometer) set(*scene.scenario.sensor.accelerometer);
 }
 
+// The sensor of the scene's own file.
+void load(SceneFile& scene) {
+  sensor_file::SensorFile file = sensor_file::read_sensor_file(scene.sensor, {.rate_hz = scene.sensor_rate_hz});
+  scene.scenario.sensor = std::move(file.model);
+  scene.sensor_warnings = std::move(file.warnings);
+  scene.sensor_notes = std::move(file.notes);
+}
+
 class SceneReader {
  public:
   SceneReader(const std::string& path, const std::string& data_folder) : yaml_(path, data_folder) {}
@@ -197,12 +205,13 @@ class SceneReader {
       load_sensor(node);
       return;
     }
-    bool file = false;
+    if (!node["file"]) yaml_.fail_here(node, "sensor: found no \"file:\", expected the sensor file's path");
     yaml_.section(node, "sensor",
-                  {{"file",
+                  {{"file", [](const Node&) {}},  // behind what tells how to read it
+                   {"rate",
                     [&](const Node& v) {
-                      load_sensor(v);
-                      file = true;
+                      result_.sensor_rate_hz =
+                          yaml_.quantity("rate", v, dimension::kFrequency, sensor_file::Sign::above_zero);
                     }},
                    {"powered_on_before",
                     [&](const Node& v) {
@@ -216,7 +225,7 @@ class SceneReader {
                       scenario().states.vibration =
                           yaml_.quantity("vibration", v, dimension::kSpecificForce, sensor_file::Sign::not_negative);
                     }}});
-    if (!file) yaml_.fail_here(node, "sensor: found no \"file:\", expected the sensor file's path");
+    load_sensor(node["file"]);
     set_epoch(result_);
   }
 
@@ -225,7 +234,7 @@ class SceneReader {
     if (text == kIdeal) return;
     result_.sensor = yaml_.path("sensor", node);
     try {
-      scenario().sensor = sensor_file::read_sensor(result_.sensor);
+      load(result_);
     } catch (const text::InputError& error) {  // its own place, behind that of the line which named it
       yaml_.fail_here(node, fmt::format("sensor: {}", error.what()));
     }
@@ -493,9 +502,11 @@ SceneFile read_scene(const std::string& path, const std::string& data_folder) {
 }
 
 void change_sensor(SceneFile& scene, const std::string& path) {
-  const bool ideal = path == kIdeal;
-  scene.scenario.sensor = ideal ? noise::SensorModel{} : sensor_file::read_sensor(path);
-  scene.sensor = ideal ? std::string() : path;
+  scene.sensor = path == kIdeal ? std::string() : path;
+  scene.scenario.sensor = {};
+  scene.sensor_warnings.clear();
+  scene.sensor_notes.clear();
+  if (!scene.sensor.empty()) load(scene);
   set_epoch(scene);
 }
 

@@ -52,7 +52,9 @@ struct FlightSource {
 struct SceneFile {
   std::string path;  ///< of the scene itself
   navigation::Scenario scenario;
-  std::string sensor;  ///< path of the sensor file; empty: ideal
+  std::string sensor;                    ///< path of the sensor file; empty: ideal
+  std::optional<double> sensor_rate_hz;  ///< of the samples whose sigmas it gives (sensor_file::ReadOptions)
+  std::vector<std::string> sensor_warnings, sensor_notes;  ///< of that file (sensor_file::SensorFile)
   /// The scene's own epoch of any sensor, in place of the sensor file's [s].
   std::optional<double> powered_on_before, calibrated_over;
   std::string trajectory;  ///< as read_trajectory takes it; empty: none

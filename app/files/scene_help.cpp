@@ -53,6 +53,7 @@ imu:                          # what was recorded
   samples: mean               # rates are means over that interval, or instant values [mean]
 sensor:                       # or just its file; left out or ideal: no errors
   file: mems.yaml
+  rate: 200 Hz                # of the samples whose sigmas a file of VINS or imu_utils gives [it gives densities]
   powered_on_before: 10 min   # 1/f noise and rate random walk have run since [as the sensor file says]
   calibrated_over: 60 s       # the mean of the last minute before the scene is taken off [as the file says]
   vibration: 0 m/s^2          # rms level, for vibration rectification

@@ -236,7 +236,8 @@ std::vector<PaperRow> earth_rate_rows() {
 
 /// Of the integrated noise of a gyro at the end of a flight [rad].
 double angle_sigma(const noise::ErrorModel& gyro, double t) {
-  return std::sqrt(gyro.white * gyro.white * t + gyro.rate_random_walk * gyro.rate_random_walk * t * t * t / 3);
+  const double N = gyro.white[kYaw], K = gyro.rate_random_walk[kYaw];
+  return std::sqrt(N * N * t + K * K * t * t * t / 3);
 }
 
 PaperRow yaw_row(std::size_t i, const FlightRecord& flown, const FlightRecord& ideal, const noise::ErrorModel& gyro) {
@@ -265,7 +266,7 @@ PaperRow roll_row(std::size_t i, const FlightRecord& flown, const FlightRecord& 
       .what = "measured roll against the program, rms",
       .unit = "deg",
       .ours = degrees(rms(turns(flown, ideal, kRoll, kMeasured))),
-      .theory = degrees(gyro.white / std::sqrt(4 * plan.control.damping * plan.control.frequency)),
+      .theory = degrees(gyro.white[kRoll] / std::sqrt(4 * plan.control.damping * plan.control.frequency)),
       .why =
           "What such a figure shows: the loop holds what is measured to the program, all but the noise above its bandwidth, N/sqrt(4 damping frequency). The drift of the gyro does not show in it."};
 }

@@ -43,7 +43,10 @@ std::function<void(noise::ErrorModel&)> times(double factor) {
 /// A draw of equation (2) at the rate of control that stays: its standard deviation as a bias.
 std::function<void(noise::ErrorModel&)> frozen(double period) {
   return [period](noise::ErrorModel& gyro) {
-    if (gyro.white > 0) gyro.turn_on_bias = gyro.white / std::sqrt(period);
+    if (gyro.white.largest() > 0) {
+      gyro.turn_on_bias = gyro.white;
+      *gyro.turn_on_bias *= 1 / std::sqrt(period);
+    }
     gyro.white = gyro.rate_random_walk = 0;
   };
 }

@@ -41,7 +41,7 @@ class WrongGyros {
 
 }  // namespace
 
-bool noisy(const noise::ErrorModel& gyro) { return !gyro.processes().empty() || gyro.turn_on_bias; }
+bool noisy(const noise::ErrorModel& gyro) { return !gyro.triad_processes().empty() || gyro.turn_on_bias; }
 
 Plan prompt_plan() {
   Plan plan;

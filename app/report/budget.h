@@ -13,12 +13,14 @@ namespace gyrobudget::inline v0::report {
 
 /// The budget of one scene with one sensor.
 struct BudgetResult {
-  std::string scene;               ///< its path
-  std::string name;                ///< as it calls itself
-  std::string sensor;              ///< path of the sensor file; empty: ideal
-  std::string command;             ///< as typed
-  std::string limit;               ///< the limit that was asked for, as typed: "crossrange < 10 m"
-  std::vector<std::string> notes;  ///< how what moves came about; those of the study come behind (budget_notes)
+  std::string scene;                    ///< its path
+  std::string name;                     ///< as it calls itself
+  std::string sensor;                   ///< path of the sensor file; empty: ideal
+  std::string command;                  ///< as typed
+  std::string limit;                    ///< the limit that was asked for, as typed: "crossrange < 10 m"
+  std::vector<std::string> not_stated;  ///< by the sensor file (sensor_words.h)
+  std::vector<std::string>
+      notes;  ///< how the sensor was read and how what moves came about; those of the study come behind (budget_notes)
   budget::Study study;
 };
 

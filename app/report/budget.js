@@ -183,7 +183,7 @@
     badge.className = "badge";
     badge.textContent = r.limit ? `${r.limit.text}: ${r.limit.met ? "met" : "not met"}` : "";
     badge.classList.add(!r.limit || r.limit.met ? "good" : "bad");
-    byId("words").textContent = `At ${r.at_s} s the position is within ${number(r.total.position_m.rss, 3)} m, the velocity within ${number(r.total.velocity_m_s.rss, 3)} m/s and the attitude within ${number(r.total.attitude_deg.total, 3)} deg, one sigma (root sum square of three axes).${r.notes.length > 0 ? ` ${r.notes.join(" ")}` : ""}`;
+    byId("words").textContent = `At ${r.at_s} s the position is within ${number(r.total.position_m.rss, 3)} m, the velocity within ${number(r.total.velocity_m_s.rss, 3)} m/s and the attitude within ${number(r.total.attitude_deg.total, 3)} deg, one sigma (root sum square of three axes).${r.not_stated_text ? ` ${r.not_stated_text}` : ""}${r.notes.length > 0 ? ` ${r.notes.join(" ")}` : ""}`;
     const alignment = r.limit && r.limit.alignment;
     if (alignment)
       byId("words").textContent += alignment.met

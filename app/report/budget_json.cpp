@@ -13,6 +13,7 @@
 #include "budget.h"
 #include "budget_words.h"
 #include "page_parts.h"
+#include "sensor_words.h"
 
 namespace gyrobudget::inline v0::report {
 namespace {
@@ -190,6 +191,7 @@ Json result_json(const BudgetResult& r) {
           {"left_out", left_out_json(r)},
           {"tolerance", r.study.tolerance},
           {"not_modelled", not_modelled_json(r)},
+          {"not_stated", r.not_stated},
           {"growth", growth_json(r)},
           {"steps", r.study.budget.steps},
           {"flicker_states", r.study.flicker_states},
@@ -219,6 +221,7 @@ Json drawing(const BudgetResult& r) {
   add("total", r.study.total());
   for (const auto& line : r.study.budget.lines) add(line.name, line.covariance[r.study.at_index]);
   out["ellipses"] = ellipses;
+  out["not_stated_text"] = not_stated_text(r.not_stated, kThisTotal);
   Json cloud = Json::array();
   if (r.study.monte_carlo)
     for (const auto& p : r.study.monte_carlo->points) cloud.push_back({p[0], p[1], p[2]});

@@ -14,6 +14,7 @@
 #include "budget.h"
 #include "budget_words.h"
 #include "layout.h"
+#include "sensor_words.h"
 #include "words.h"
 
 namespace gyrobudget::inline v0::report {
@@ -154,12 +155,13 @@ std::string extras_table(const BudgetResult& r) {
   return out.text();
 }
 
-// One table where it fits a page, else two.
+// One table where it fits a page, else two; with what is in no line of them.
 std::string tables(const BudgetResult& r) {
   constexpr std::size_t kPage = 110;
+  const std::string not_in_it = wrapped(not_stated_text(r.not_stated, kThisTotal), "  ", "  ");
   const std::string one = table(r, Extras::beside);
-  if (width(std::string_view(one).substr(0, one.find('\n'))) <= kPage) return one;
-  return table(r, Extras::apart) + "\n" + extras_table(r);
+  if (width(std::string_view(one).substr(0, one.find('\n'))) <= kPage) return one + not_in_it;
+  return table(r, Extras::apart) + not_in_it + "\n" + extras_table(r);
 }
 
 std::string limit_text(const BudgetResult& r) {

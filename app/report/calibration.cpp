@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "calibration.h"
 
+#include "gyrobudget/app/sensor_file/sensor_merge.h"
 #include "gyrobudget/noise/sensor.h"
 
 #include <fmt/format.h>
@@ -12,6 +13,8 @@
 #include <span>
 #include <utility>
 
+#include "layout.h"
+#include "sensor_words.h"
 #include "words.h"
 
 namespace gyrobudget::inline v0::report {
@@ -221,6 +224,90 @@ AxisResult axis_result(const AxisDatasheet& axis, const Datasheet& sheet) {
           .advice = advice(axis, sheet)};
 }
 
+// --- The comment of a sensor file -----------------------------------------------------------------------------------
+
+std::string comment_line(const std::string& text) { return wrapped(text, "", "  "); }
+std::string comment_item(const std::string& text) { return wrapped(text, "  - ", "    "); }
+
+std::string head(const std::vector<std::string>& spoilt) {
+  std::string text;
+  for (const std::string& warning : spoilt) text += comment_line(fmt::format("WARNING: {}.", warning));
+  return text;
+}
+
+std::string key_of(noise::Signal signal, Term term) {
+  return fmt::format("{}.{}", signal == noise::Signal::angular_rate ? "gyro" : "accelerometer",
+                     noise::key(signal, term));
+}
+
+std::string chance(double p_value) {
+  constexpr double kLeast = 1e-12;  // beyond, no tail of chi-square is that exact
+  return p_value < kLeast ? fmt::format("p < {:.0e}", kLeast) : fmt::format("p = {:.1g}", p_value);
+}
+
+std::string over_axes(const calibration::SensorSummary& summary, std::size_t axes) {
+  std::string text;
+  if (axes > 1)
+    text += comment_line(
+        "A single value is the root mean square over the axes of its triad; [x, y, z] are those of axes that differ.");
+  std::vector<std::string> differ, partly;
+  for (const auto& c : summary.coefficients) {
+    if (!c.per_axis) continue;
+    if (c.p_value < calibration::kAxesDiffer)
+      differ.push_back(fmt::format("{} ({})", key_of(c.signal, c.term), chance(c.p_value)));
+    else
+      partly.push_back(key_of(c.signal, c.term));
+  }
+  if (!differ.empty())
+    text += comment_line(fmt::format("Axes differ by more than their scatter, which chance does with this p: {}.",
+                                     text::listing(differ)));
+  if (!partly.empty())
+    text += comment_line(fmt::format("Only some axes were fitted with: {}; the others have 0.", text::listing(partly)));
+  if (!summary.borrowed.empty())
+    text += comment_line(fmt::format("The record tells nothing of {}: the root mean square of the others stands there.",
+                                     text::listing(summary.borrowed)));
+  for (const noise::Signal signal : summary.without_places)
+    text += comment_line(fmt::format(
+        "Which {} axis is x, y or z is not known: the values are over all of them, whether they differ or not.",
+        signal == noise::Signal::angular_rate ? "gyro" : "accelerometer"));
+  return text;
+}
+
+// What the file does not tell.
+std::string foot(const Provenance& of) {
+  std::vector<std::string> names;
+  for (const noise::Signal signal : {noise::Signal::angular_rate, noise::Signal::specific_force}) {
+    const auto fitted = [&](Term term) {
+      return std::ranges::any_of(of.summary.coefficients,
+                                 [&](const auto& c) { return c.signal == signal && c.term == term; });
+    };
+    const auto& model =
+        signal == noise::Signal::angular_rate ? std::optional(of.written.gyro) : of.written.accelerometer;
+    if (!model || std::ranges::none_of(reading_order(), fitted)) continue;
+    for (const Term term : {Term::white, Term::flicker, Term::rate_random_walk})
+      if (!fitted(term) && (*model)[term] == 0) names.push_back(key_of(signal, term));
+  }
+  for (std::string& name : not_stated(of.written)) names.push_back(std::move(name));
+  std::string text;
+  if (!names.empty())
+    text += comment_line(fmt::format("Not known from this record, and taken as zero until it is stated below: {}.",
+                                     text::listing(names)));
+  return text + std::string(sensor_file::kEndOfComment) + "\n";
+}
+
+constexpr std::string_view kUntested = "The record is too short to test whether the model describes it: record longer.";
+
+// What the advice says that is still to be known where the numbers are used.
+std::vector<std::string> warnings(const AxisDatasheet& axis, const Datasheet& sheet) {
+  std::vector<std::string> texts;
+  const calibration::Facts& facts = axis.facts;
+  if (facts.untested) texts.emplace_back(kUntested);
+  if (axis.findings)
+    std::ranges::move(describe(*axis.findings, {axis.signal, sheet.samples, 1 / sheet.rate_hz}),
+                      std::back_inserter(texts));
+  return texts;
+}
+
 }  // namespace
 
 std::vector<std::string> advice(const AxisDatasheet& axis, const Datasheet& sheet) {
@@ -237,8 +324,7 @@ std::vector<std::string> advice(const AxisDatasheet& axis, const Datasheet& shee
     texts.push_back(fmt::format(
         "None of angle random walk, bias instability and rate random walk is resolved{}",
         facts.only_quantization ? ": what is seen is quantization. Record at a finer resolution, or longer." : "."));
-  if (facts.untested)
-    texts.emplace_back("The record is too short to test whether the model describes it: record longer.");
+  if (facts.untested) texts.emplace_back(kUntested);
   if (facts.misfit)
     texts.emplace_back(
         "Do not use these coefficients: the curve has a shape that no sum of the fitted terms has. Look at the residuals; motion of the support, temperature, periodic disturbances and vibration bounded in angle all do this. Repeat the record on a still base at constant temperature, or fit other terms (--terms), or a range of taus (--tau-min, --tau-max).");
@@ -296,40 +382,72 @@ std::string_view mend(calibration::Unusable::Reason reason) {
   return "quantization and filters depend on the rate, so records of other rates are not combined";
 }
 
-std::string provenance(const Datasheet& sheet, std::string_view command) {
-  std::string text = fmt::format("Fitted by: {}\nRecord: {} samples at {} Hz, {} missing\n", command, sheet.samples,
-                                 sheet.rate_hz, sheet.missing_samples);
-  if (sheet.axes.size() > 1) text += "Each value is the root mean square over the axes of its triad.\n";
-  for (const auto& axis : sheet.axes) {
-    text += fmt::format("{}: {}\n", axis.name, one_line_verdict(axis));
-    for (const auto& c : axis.fit.coefficients) {
-      if (!c.fitted || c.status == fit::Status::identified) continue;
-      const auto unit = noise::datasheet_unit(axis.signal, c.term);
-      text += fmt::format("  {} is not resolved: {} is the fitted value, ", noise::key(axis.signal, c.term),
-                          noise::quantity_text(c.value, unit, 3));
-      text += std::isfinite(c.upper) ? fmt::format("at most {} (95 %); a cautious budget takes that\n",
-                                                   noise::quantity_text(c.upper, unit, 3))
-                                     : "and the record sets no limit\n";
-    }
+std::vector<std::string> spoilt_texts(const Datasheet& sheet) {
+  std::vector<std::string> texts;
+  for (const AxisDatasheet& axis : sheet.axes) {
+    if (!axis.has_answer() || !axis.is_spoilt()) continue;
+    texts.push_back(fmt::format("{}{} holds {} that the fit took for noise", kNotYet, printable(axis.name),
+                                text::listing(spoilt_by(*axis.findings))));
   }
-  return text;
+  return texts;
 }
 
-std::string provenance(const TypeDatasheet& sheet, std::string_view command) {
-  std::string text = fmt::format("Fitted by: {}\nEach record by itself, then combined:\n", command);
-  for (const auto& run : sheet.records) {
-    text += fmt::format("  {}: {} samples at {} Hz, {} missing\n", printable(run.source), run.samples, run.rate_hz,
-                        run.missing_samples);
+std::vector<std::string> spoilt_texts(const TypeDatasheet& sheet) {
+  std::vector<std::string> texts;
+  for (const Datasheet& record : sheet.records)
+    for (const std::string& text : spoilt_texts(record))
+      texts.push_back(fmt::format("{} in {}", text, printable(record.source)));
+  return texts;
+}
+
+std::string provenance(const Datasheet& sheet, const Provenance& of) {
+  std::string text =
+      head(spoilt_texts(sheet)) + fmt::format("Fitted by: {}\nRecord: {} samples at {} Hz, {} missing\n", of.command,
+                                              sheet.samples, sheet.rate_hz, sheet.missing_samples);
+  text += over_axes(of.summary, sheet.axes.size());
+  for (const AxisDatasheet& axis : sheet.axes) {
+    text += comment_line(fmt::format("{}: {}{}", printable(axis.name), one_line_verdict(axis),
+                                     axis.has_answer() ? "" : "; it is not written"));
+    for (const auto& c : axis.fit.coefficients) {
+      if (!axis.has_answer() || !c.fitted || c.status == fit::Status::identified) continue;
+      const auto unit = noise::datasheet_unit(axis.signal, c.term);
+      const std::string limit = std::isfinite(c.upper) ? fmt::format("at most {} (95 %); a cautious budget takes that",
+                                                                     noise::quantity_text(c.upper, unit, 3))
+                                                       : "and the record sets no limit";
+      text += comment_item(fmt::format("{} is not resolved: {} is the fitted value, {}",
+                                       noise::key(axis.signal, c.term), noise::quantity_text(c.value, unit, 3), limit));
+    }
+    if (!axis.is_confirmed()) text += comment_item("the likelihood of the record does not confirm the fit");
+    for (const std::string& warning : warnings(axis, sheet)) text += comment_item(warning);
   }
-  if (sheet.axes.size() > 1) text += "Each value is the root mean square over the axes of its triad.\n";
+  return text + foot(of);
+}
+
+std::string provenance(const TypeDatasheet& sheet, const Provenance& of) {
+  std::string text =
+      head(spoilt_texts(sheet)) + fmt::format("Fitted by: {}\nEach record by itself, then combined:\n", of.command);
+  for (const auto& run : sheet.records) {
+    text += comment_item(fmt::format("{}: {} samples at {} Hz, {} missing", printable(run.source), run.samples,
+                                     run.rate_hz, run.missing_samples));
+    for (const AxisDatasheet& axis : run.axes) {
+      if (!axis.has_answer())
+        text +=
+            comment_item(fmt::format("{} of it: {}; it is not taken", printable(axis.name), one_line_verdict(axis)));
+      else
+        for (const std::string& warning : warnings(axis, run))
+          text += comment_item(fmt::format("{} of it: {}", printable(axis.name), warning));
+    }
+  }
+  text += over_axes(of.summary, sheet.axes.size());
   for (const auto& axis : sheet.axes) {
     for (const auto& c : axis.coefficients) {
       const auto t = combined_text(axis.signal, c);
-      text += fmt::format("{}: {} {}, {} (95 %), spread between records {} {}; {}\n", printable(axis.name),
-                          noise::key(axis.signal, c.term), t.value, t.interval, t.spread, t.unit, t.agreement);
+      text += comment_line(fmt::format("{}: {} {}, {} (95 %), spread between records {} {}; {}", printable(axis.name),
+                                       noise::key(axis.signal, c.term), t.value, t.interval, t.spread, t.unit,
+                                       t.agreement));
     }
   }
-  return text + "Gauss-Markov processes and sinusoids are left out: they are not combined.\n";
+  return text + "Gauss-Markov processes and sinusoids are left out: they are not combined.\n" + foot(of);
 }
 
 }  // namespace gyrobudget::inline v0::report

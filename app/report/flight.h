@@ -27,7 +27,8 @@ struct FlightResult {
   flight::Plan plan;
   flight::Dispersion dispersion;
   closed_loop::Study study;
-  std::vector<std::string> notes;  ///< beside those of the study
+  std::vector<std::string> not_stated;  ///< by the sensor file (sensor_words.h)
+  std::vector<std::string> notes;       ///< beside those of the study
 };
 
 /// Tables for the terminal: where each flight ends, how far from the nominal one, navigation error by source,

@@ -190,7 +190,7 @@
     if (mc) rows.push(errorCells(`found in ${count(mc.runs)} flights`, mc, ""));
     const head = [["source"], ...["downrange m", "crossrange m", "up m", "rss m", "velocity m/s", "attitude deg", "share"].map(numeric)];
     byId("sources").append(table("One sigma at the end", head, rows));
-    const words = error.not_modelled.map((l) => `Not in it: ${l.what}: ${l.why}.`);
+    const words = [chosen.not_stated_text, ...error.not_modelled.map((l) => `Not in it: ${l.what}: ${l.why}.`)].filter(Boolean);
     if (mc) {
       const ratios = kAxes.map((k) => {
         const ratio = mc.position_ratio[k];

@@ -16,6 +16,7 @@
 #include "flight_words.h"
 #include "json_text.h"
 #include "page_parts.h"
+#include "sensor_words.h"
 
 namespace gyrobudget::inline v0::report {
 namespace {
@@ -327,6 +328,7 @@ Json flight_document(const FlightResult& r, const FlightFrame& frame, std::size_
           {"departure", departure ? difference_json(*departure) : Json(nullptr)},
           {"dispersion", dispersion_json(s)},
           {"navigation_error", navigation_error_json(frame, s)},
+          {"not_stated", r.not_stated},
           {"margins", margins_json(s.margins)},
           {"limits", limits_json(r)},
           {"integrator", integrator_json(r)},
@@ -392,6 +394,7 @@ std::string flight_data(std::span<const FlightResult> results) {
     const FlightFrame frame(results[i].plan, results[i].study.nominal);
     Json one = flight_document(results[i], frame, kPoints);
     one["label"] = names[i];
+    one["not_stated_text"] = not_stated_text(results[i].not_stated, kThisTotal);
     one["navigation_words"] = navigation_words(results[i].study);
     one["growth"] = growth_json(results[i].study);
     one["clouds"] = clouds_json(results[i].study);

@@ -12,6 +12,7 @@
 
 #include "flight_words.h"
 #include "layout.h"
+#include "sensor_words.h"
 #include "words.h"
 
 namespace gyrobudget::inline v0::report {
@@ -201,7 +202,7 @@ std::string navigation_error(const FlightResult& r, const std::string& name) {
   if (s.sensors.complete() > 1)
     table.row(error_row(fmt::format("found in {} flights", count_text(s.sensors.complete())), s,
                         s.sensors.navigation_error(), ""));
-  out += table.text() + check_text(s);
+  out += table.text() + wrapped(not_stated_text(r.not_stated, kThisTotal), "  ", "  ") + check_text(s);
   for (const auto& l : s.left_out) out += wrapped(fmt::format("not in it: {}: {}", l.what, l.why), "  - ", "    ");
   return out;
 }

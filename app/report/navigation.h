@@ -17,7 +17,8 @@ struct NavigationResult {
   navigation::Scenario scenario;
   navigation::Recording recording;
   navigation::Navigation run;
-  std::vector<std::string> notes;  ///< how the data were read
+  std::vector<std::string> notes;       ///< how the data were read
+  std::vector<std::string> not_stated;  ///< by the sensor file (sensor_words.h)
 };
 
 /// An estimated error with its unit for people.

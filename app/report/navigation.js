@@ -120,7 +120,7 @@
     const badge = byId("badge");
     badge.textContent = run.status.replaceAll("_", " ");
     badge.classList.add(run.status === "navigated" ? "good" : "bad");
-    byId("words").append(list([run.why, ...run.alignment.words].filter(Boolean)));
+    byId("words").append(list([run.why, ...run.alignment.words, data.not_stated_text].filter(Boolean)));
     const rows = [];
     const add = (name, value, sigma, rms) => rows.push({ cells: [[name, "", "row"], [value], numeric(sigma), numeric(rms)] });
     const f = run.final, s = run.sigma, r = run.reference;

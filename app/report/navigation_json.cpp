@@ -15,6 +15,7 @@
 
 #include "navigation.h"
 #include "page_parts.h"
+#include "sensor_words.h"
 
 namespace gyrobudget::inline v0::report {
 namespace {
@@ -168,6 +169,7 @@ Json document(const NavigationResult& r) {
       {"states", states_json(r)},
       {"reference", reference_json(r.run)},
       {"left_out", left_out},
+      {"not_stated", r.not_stated},
       {"notes", r.notes}};
 }
 
@@ -294,8 +296,13 @@ Json track_json(const NavigationResult& r) {
 std::string navigation_json(const NavigationResult& r) { return text_of(document(r), 2) + "\n"; }
 
 std::string navigation_data(const NavigationResult& r) {
-  const Json data{{"navigation", document(r)},    {"errors", errors_json(r.run)}, {"claims", claims_json(r.run)},
-                  {"biases", biases_json(r.run)}, {"innovations", nis_points(r)}, {"track", track_json(r)}};
+  const Json data{{"navigation", document(r)},
+                  {"errors", errors_json(r.run)},
+                  {"claims", claims_json(r.run)},
+                  {"biases", biases_json(r.run)},
+                  {"innovations", nis_points(r)},
+                  {"track", track_json(r)},
+                  {"not_stated_text", not_stated_text(r.not_stated, kTheseSigmas)}};
   return without_markup(text_of(data, -1));
 }
 

@@ -15,6 +15,7 @@
 
 #include "layout.h"
 #include "navigation.h"
+#include "sensor_words.h"
 #include "words.h"
 
 namespace gyrobudget::inline v0::report {
@@ -95,7 +96,7 @@ std::string final_solution(const NavigationResult& r) {
              fmt::format("heading {:.4f}, pitch {:.4f}, roll {:.4f} deg", euler.yaw / deg, euler.pitch / deg,
                          euler.roll / deg),
              fmt::format("{} deg", vector_text(s.attitude_sigma / deg, 3))});
-  return out + table.text();
+  return out + table.text() + wrapped(not_stated_text(r.not_stated, kTheseSigmas), "  ", "  ");
 }
 
 // What many refused fixes mean.

@@ -9,6 +9,10 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <string>
+#include <vector>
+
+#include "layout.h"
 
 namespace gyrobudget::inline v0::report {
 namespace {
@@ -28,27 +32,25 @@ nlohmann::ordered_json number(double x) {
   return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(nullptr);
 }
 
-}  // namespace
-
-std::string plan_table(const PlanStudy& study) {
-  const fit::Plan& plan = study.plan;
-  std::string text =
-      fmt::format("{}: what a record at {:g} Hz buys (one sigma of each coefficient)\n\n", study.sensor, study.rate_hz);
-  if (!plan.rows.empty()) {
-    text += fmt::format("  {:>10}", "record");
-    for (const auto& t : plan.terms) text += fmt::format("  {:>18}", noise::label(kGyro, t.term));
-    text += fmt::format("\n  {:>10}", "");
-    for (const auto& t : plan.terms) {
-      text += fmt::format("  {:>18}", noise::quantity_text(t.value, noise::datasheet_unit(kGyro, t.term), 3));
-    }
-    text += "\n";
-    for (const auto& row : plan.rows) {
-      text += fmt::format("  {:>10}", length(row.duration_s));
-      for (const double x : row.relative_std) text += fmt::format("  {:>18}", percent(x));
-      text += "\n";
-    }
+std::string rows_text(const fit::Plan& plan) {
+  if (plan.rows.empty()) return {};
+  std::string text = fmt::format("  {:>10}", "record");
+  for (const auto& t : plan.terms) text += fmt::format("  {:>18}", noise::label(kGyro, t.term));
+  text += fmt::format("\n  {:>10}", "");
+  for (const auto& t : plan.terms) {
+    text += fmt::format("  {:>18}", noise::quantity_text(t.value, noise::datasheet_unit(kGyro, t.term), 3));
+  }
+  text += "\n";
+  for (const auto& row : plan.rows) {
+    text += fmt::format("  {:>10}", length(row.duration_s));
+    for (const double x : row.relative_std) text += fmt::format("  {:>18}", percent(x));
     text += "\n";
   }
+  return text + "\n";
+}
+
+std::string answers_text(const fit::Plan& plan) {
+  std::string text;
   for (const auto& answer : plan.answers) {
     if (std::isfinite(answer.duration_s)) {
       text += fmt::format("{} to {:.3g} %: record {}.\n", noise::label(kGyro, answer.term), 100 * answer.relative_std,
@@ -58,34 +60,73 @@ std::string plan_table(const PlanStudy& study) {
                           100 * answer.relative_std);
     }
   }
+  return text;
+}
+
+std::string axes_name(const fit::AxesPlan::Part& part) {
+  std::vector<std::string> names;
+  for (const std::size_t axis : part.axes) names.emplace_back(1, "xyz"[axis]);
+  return text::listing(names);
+}
+
+nlohmann::ordered_json durations_json(const fit::Plan& plan) {
+  auto list = nlohmann::ordered_json::array();
+  for (const auto& row : plan.rows) {
+    nlohmann::ordered_json entry{{"duration_s", row.duration_s}};
+    for (std::size_t i = 0; i < plan.terms.size(); ++i) {
+      entry["relative_std"][std::string(noise::key(kGyro, plan.terms[i].term))] = number(row.relative_std[i]);
+    }
+    list.push_back(entry);
+  }
+  return list;
+}
+
+nlohmann::ordered_json answers_json(const fit::Plan& plan) {
+  auto list = nlohmann::ordered_json::array();
+  for (const auto& answer : plan.answers) {
+    list.push_back({{"parameter", noise::key(kGyro, answer.term)},
+                    {"relative_std", answer.relative_std},
+                    {"duration_s", number(answer.duration_s)},
+                    {"lower_bound", answer.relative_std > fit::kBoundReached}});
+  }
+  return list;
+}
+
+}  // namespace
+
+std::string plan_table(const PlanStudy& study) {
+  const auto& parts = study.plan.parts;
+  std::string text =
+      fmt::format("{}: what a record at {:g} Hz buys (one sigma of each coefficient)\n\n", study.sensor, study.rate_hz);
+  for (const auto& part : parts) {
+    if (parts.size() > 1) text += fmt::format("Axis {}:\n\n", axes_name(part));
+    text += rows_text(part.plan) + answers_text(part.plan);
+    if (parts.size() > 1 && !part.plan.answers.empty()) text += "\n";
+  }
+  if (parts.size() > 1 && !study.plan.all.answers.empty()) text += "All axes:\n\n" + answers_text(study.plan.all);
   text +=
       "\nFrom the Fisher information (Cramer-Rao). The fit reaches these figures below about 10 %; above, they are lower bounds (>=).\n";
+  for (const auto& note : study.notes) text += wrapped(note, "Note: ", "  ");
   return text;
 }
 
 std::string plan_json(const PlanStudy& study) {
-  const fit::Plan& plan = study.plan;
+  const auto& parts = study.plan.parts;
   nlohmann::ordered_json json;
   json["schema"] = "gyrobudget.plan/1";
   json["version"] = kVersion;
   json["command"] = study.command;
   json["sensor"] = study.sensor;
   json["rate_hz"] = study.rate_hz;
-  json["durations"] = nlohmann::ordered_json::array();
-  for (const auto& row : plan.rows) {
-    nlohmann::ordered_json entry{{"duration_s", row.duration_s}};
-    for (std::size_t i = 0; i < plan.terms.size(); ++i) {
-      entry["relative_std"][std::string(noise::key(kGyro, plan.terms[i].term))] = number(row.relative_std[i]);
-    }
-    json["durations"].push_back(entry);
+  json["durations"] = durations_json(study.plan.all);
+  json["answers"] = answers_json(study.plan.all);
+  json["axes"] = nlohmann::ordered_json::array();
+  for (const auto& part : parts) {
+    if (parts.size() > 1)
+      json["axes"].push_back(
+          {{"axes", axes_name(part)}, {"durations", durations_json(part.plan)}, {"answers", answers_json(part.plan)}});
   }
-  json["answers"] = nlohmann::ordered_json::array();
-  for (const auto& answer : plan.answers) {
-    json["answers"].push_back({{"parameter", noise::key(kGyro, answer.term)},
-                               {"relative_std", answer.relative_std},
-                               {"duration_s", number(answer.duration_s)},
-                               {"lower_bound", answer.relative_std > fit::kBoundReached}});
-  }
+  json["notes"] = study.notes;
   return json.dump(2) + "\n";
 }
 

@@ -4,6 +4,7 @@
 #include "gyrobudget/estimation/fit/plan.h"
 
 #include <string>
+#include <vector>
 
 namespace gyrobudget::inline v0::report {
 
@@ -12,7 +13,8 @@ struct PlanStudy {
   std::string sensor;  ///< its name
   std::string command;
   double rate_hz = 0;
-  fit::Plan plan;
+  fit::AxesPlan plan;
+  std::vector<std::string> notes;  ///< of the sensor file
 };
 
 [[nodiscard]] std::string plan_table(const PlanStudy&);

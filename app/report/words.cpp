@@ -460,11 +460,16 @@ std::string consequence_text(const fit::Result& fit) {
   return "Do not quote these coefficients as a datasheet: they are the nearest curve of this kind, and their intervals mean nothing.";
 }
 
-std::string consequence_text(const AxisResult& axis) {
+std::vector<std::string> spoilt_by(const calibration::Findings& findings) {
   std::vector<std::string> spoilt;
-  if (axis.findings && axis.findings->outliers_spoil()) spoilt.emplace_back("outliers");
-  if (axis.findings && axis.findings->steps_spoil()) spoilt.emplace_back("steps");
-  if (axis.findings && axis.findings->departure_spoils()) spoilt.emplace_back("a drift");
+  if (findings.outliers_spoil()) spoilt.emplace_back("outliers");
+  if (findings.steps_spoil()) spoilt.emplace_back("steps");
+  if (findings.departure_spoils()) spoilt.emplace_back("a drift");
+  return spoilt;
+}
+
+std::string consequence_text(const AxisResult& axis) {
+  const auto spoilt = axis.findings ? spoilt_by(*axis.findings) : std::vector<std::string>{};
   const bool disputed = axis.cross_checked && !axis.cross_checked->check.agrees;
   if (!is_usable(*axis.fit) || (spoilt.empty() && !disputed)) return consequence_text(*axis.fit);
   std::string text;

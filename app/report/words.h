@@ -101,6 +101,8 @@ struct Share {
 [[nodiscard]] std::string consequence_text(const fit::Result&);
 /// The same, with what the record holds beside noise and what the likelihood says of the fit.
 [[nodiscard]] std::string consequence_text(const AxisResult&);
+/// What the fit took for noise, in words: "outliers", "steps"; empty where its numbers may be used.
+[[nodiscard]] std::vector<std::string> spoilt_by(const calibration::Findings&);
 [[nodiscard]] std::string minimum_text(const AxisResult&, double rate_hz);
 [[nodiscard]] std::string beta_text(const fit::Result&);
 [[nodiscard]] std::string cut_text(const AxisResult&);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "sensor_file.h"
 
+#include "gyrobudget/app/sensor_file/detail/sensor_text.h"
 #include "gyrobudget/app/text/text.h"
 
 #include <fmt/format.h>
@@ -11,6 +12,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -57,30 +59,32 @@ constexpr Extra<double> kForAll[] = {
     {"powered_on_before", &ErrorModel::powered_on_before, "s", "s"},
     {"calibrated_over", &ErrorModel::calibrated_over, "s", "s"},
 };
-constexpr std::string_view kFilterOrder = "filter_order", kLeverArm = "lever_arm";
+constexpr std::string_view kFilterOrder = "filter_order", kLeverArm = "lever_arm", kWarning = "warning",
+                           kIdeal = "ideal";
 
 template <class Member>
 std::string_view unit_of(const Extra<Member>& extra, Signal signal) {
   return signal == Signal::angular_rate ? extra.gyro_unit : extra.accelerometer_unit;
 }
 
-/// One value of an entry of gauss_markov or sinusoid.
+/// One value of an entry of gauss_markov or sinusoid: its size, for all axes or one for each, or something else.
 template <class Process>
 struct Field {
   std::string_view key;
-  double Process::*member;
-  std::string_view unit;  ///< empty: the datasheet unit of the signal
+  PerAxis Process::*size;   ///< or null
+  double Process::*member;  ///< or null
+  std::string_view unit;    ///< empty: the datasheet unit of the signal
   bool above_zero;
   bool needed;
 };
-constexpr Field<noise::GaussMarkov> kGaussMarkov[] = {
-    {"sigma", &noise::GaussMarkov::sigma, "", false, true},
-    {"correlation_time", &noise::GaussMarkov::correlation_time, "s", true, true},
+constexpr Field<noise::TriadGaussMarkov> kGaussMarkov[] = {
+    {"sigma", &noise::TriadGaussMarkov::sigma, nullptr, "", false, true},
+    {"correlation_time", nullptr, &noise::TriadGaussMarkov::correlation_time, "s", true, true},
 };
-constexpr Field<noise::Sinusoid> kSinusoid[] = {
-    {"amplitude", &noise::Sinusoid::amplitude, "", false, true},
-    {"frequency", &noise::Sinusoid::frequency, "Hz", true, true},
-    {"phase", &noise::Sinusoid::phase, "deg", false, false},
+constexpr Field<noise::TriadSinusoid> kSinusoid[] = {
+    {"amplitude", &noise::TriadSinusoid::amplitude, nullptr, "", false, true},
+    {"frequency", nullptr, &noise::TriadSinusoid::frequency, "Hz", true, true},
+    {"phase", nullptr, &noise::TriadSinusoid::phase, "deg", false, false},
 };
 
 template <class Process>
@@ -92,23 +96,28 @@ std::string_view unit_of(const Field<Process>& field, Signal signal) {
 
 class Reader : private YamlReader {
  public:
-  explicit Reader(const std::string& path) : YamlReader(path, "a sensor file", "arw: 0.15 deg/sqrt(h)", "gyro:") {}
+  Reader(const std::string& path, const ReadOptions& options)
+      : YamlReader(path, "a sensor file", kLine, kKey), options_(options) {}
+  explicit Reader(Text text) : YamlReader(std::move(text), kLine, kKey) {}
 
-  SensorModel read() {
+  SensorFile read() {
     if (root()["gyro"] || root()["accelerometer"]) return own_form();
     if (root()["Gyr"]) return imu_utils_form();
-    if (const YAML::Node node = with_key("gyroscope_noise_density")) return density_form(node, kKalibr);
-    if (const YAML::Node node = with_key("gyr_n")) return density_form(node, kVins);
+    if (const YAML::Node node = with_key("gyroscope_noise_density")) return {density_form(node, kKalibr), {}, {}};
+    if (const YAML::Node node = with_key("gyr_n")) return vins_form(node);
     fail_unknown_form();
   }
 
  private:
   using Node = YAML::Node;
 
+  static constexpr std::string_view kLine = "arw: 0.15 deg/sqrt(h)", kKey = "gyro:";
+
   // --- The form of this project ---
 
-  SensorModel own_form() const {
-    SensorModel model;
+  SensorFile own_form() const {
+    SensorFile file;
+    SensorModel& model = file.model;
     bool gyro = false;
     for_each(root(), "the file", [&](const Node& key, const Node& value) {
       if (key.Scalar() == "name") {
@@ -121,12 +130,23 @@ class Reader : private YamlReader {
         model.accelerometer = error_model(value, Signal::specific_force, "accelerometer");
       } else if (key.Scalar() == kLeverArm) {
         model.lever_arm = three(kLeverArm, value, kLength, Sign::any);
+      } else if (key.Scalar() == kWarning) {
+        file.warnings = texts(value);
       } else {
-        fail_unknown_key(key, "a sensor file", {"name", "gyro", "accelerometer", std::string(kLeverArm)});
+        fail_unknown_key(key, "a sensor file",
+                         {"name", std::string(kWarning), "gyro", "accelerometer", std::string(kLeverArm)});
       }
     });
     if (!gyro) fail_here(root(), "found no \"gyro:\", expected one; its errors stand below it");
-    return model;
+    return file;
+  }
+
+  /// A text, or a list of them.
+  std::vector<std::string> texts(const Node& value) const {
+    if (!value.IsSequence()) return {text(kWarning, value)};
+    std::vector<std::string> result;
+    for (const Node& one : value) result.push_back(text(kWarning, one));
+    return result;
   }
 
   static std::vector<std::string> keys(Signal signal) {
@@ -144,7 +164,12 @@ class Reader : private YamlReader {
 
   ErrorModel error_model(const Node& node, Signal signal, std::string_view where) const {
     ErrorModel model;
-    if (node.IsNull()) return model;  // "gyro:" with nothing below it is an ideal one
+    // "gyro: ideal", or with nothing below it: it is known to have no error.
+    if (node.IsNull() || (node.IsScalar() && node.Scalar() == kIdeal)) {
+      for (const auto& e : kPerAxis)
+        if (!unit_of(e, signal).empty()) model.*e.member = PerAxis(0);
+      return model;
+    }
     for_each(node, where, [&](const Node& key, const Node& value) {
       if (!read_entry(key.Scalar(), value, signal, model)) fail_unknown_key(key, where, keys(signal));
     });
@@ -155,13 +180,13 @@ class Reader : private YamlReader {
   bool read_entry(const std::string& key, const Node& value, Signal signal, ErrorModel& model) const {
     for (const Term t : kCoefficients) {
       if (key != noise::key(signal, t)) continue;
-      model[t] =
-          quantity(key, value, noise::dimension_of(signal, t), t == Term::rate_ramp ? Sign::any : Sign::not_negative);
+      const Sign sign = t == Term::rate_ramp ? Sign::any : Sign::not_negative;
+      model[t] = per_axis(key, value, noise::dimension_of(signal, t), sign);
       return true;
     }
     for (const auto& e : kPerAxis) {
       if (key != e.key || unit_of(e, signal).empty()) continue;
-      model.*e.member = per_axis(key, value, noise::parse_unit(unit_of(e, signal)).dimension);
+      model.*e.member = per_axis(key, value, noise::parse_unit(unit_of(e, signal)).dimension, Sign::not_negative);
       return true;
     }
     for (const auto& e : kForAll) {
@@ -177,11 +202,11 @@ class Reader : private YamlReader {
       return true;
     }
     if (key == noise::key(signal, Term::gauss_markov)) {
-      model.gauss_markov = list<noise::GaussMarkov>(key, value, kGaussMarkov, signal);
+      model.gauss_markov = list<noise::TriadGaussMarkov>(key, value, kGaussMarkov, signal);
       return true;
     }
     if (key == noise::key(signal, Term::sinusoid)) {
-      model.sinusoids = list<noise::Sinusoid>(key, value, kSinusoid, signal);
+      model.sinusoids = list<noise::TriadSinusoid>(key, value, kSinusoid, signal);
       return true;
     }
     return false;
@@ -199,9 +224,9 @@ class Reader : private YamlReader {
     return result;
   }
 
-  PerAxis per_axis(std::string_view key, const Node& value, const Dimension& expected) const {
-    if (!value.IsSequence()) return quantity(key, value, expected, Sign::not_negative);
-    const auto v = three(key, value, expected, Sign::not_negative);
+  PerAxis per_axis(std::string_view key, const Node& value, const Dimension& expected, Sign sign) const {
+    if (!value.IsSequence()) return quantity(key, value, expected, sign);
+    const auto v = three(key, value, expected, sign);
     return {v[0], v[1], v[2]};
   }
 
@@ -225,8 +250,12 @@ class Reader : private YamlReader {
     for_each(entry, where, [&](const Node& key, const Node& value) {
       const auto* field = std::ranges::find(fields, key.Scalar(), &Field<Process>::key);
       if (field == std::end(fields)) fail_unknown_key(key, where, known);
-      result.*field->member = quantity(field->key, value, noise::parse_unit(unit_of(*field, signal)).dimension,
-                                       field->above_zero ? Sign::above_zero : Sign::any);
+      const Dimension dimension = noise::parse_unit(unit_of(*field, signal)).dimension;
+      if (field->size)
+        result.*field->size = per_axis(field->key, value, dimension, Sign::any);
+      else
+        result.*field->member =
+            quantity(field->key, value, dimension, field->above_zero ? Sign::above_zero : Sign::any);
       found.push_back(key.Scalar());
     });
     for (const auto& field : fields) {
@@ -268,25 +297,65 @@ class Reader : private YamlReader {
     return model;
   }
 
-  SensorModel imu_utils_form() const {
-    SensorModel model;
-    model.name = root()["name"] && root()["name"].IsScalar() ? root()["name"].Scalar() : file_name();
-    model.gyro = imu_utils_triad(root()["Gyr"], "gyr_n", "gyr_w", dimension::kAngularRate);
-    if (root()["Acc"]) {
-      model.accelerometer = imu_utils_triad(root()["Acc"], "acc_n", "acc_w", dimension::kSpecificForce);
-    }
-    return model;
+  /// VINS' own code takes n and w for sigmas of a sample; many who fill its file in write densities.
+  SensorFile vins_form(const Node& node) const {
+    SensorFile file{density_form(node, kVins), {}, {}};
+    file.notes.push_back(reading(file.model.gyro.white[0], "gyr_n", "gyr_n, gyr_w, acc_n and acc_w"));
+    const auto to_densities = [&](ErrorModel& errors) {
+      errors.white *= of_a_sample();
+      errors.rate_random_walk *= of_a_sample();
+    };
+    to_densities(file.model.gyro);
+    if (file.model.accelerometer) to_densities(*file.model.accelerometer);
+    return file;
   }
 
+  /// From a sigma of a sample to a density; 1 where the rate is not known.
+  double of_a_sample() const { return options_.rate_hz ? 1 / std::sqrt(*options_.rate_hz) : 1; }
+
+  /// Which of the two readings was taken, what the other would be, and how to say it.
+  std::string reading(double written, std::string_view key, std::string_view keys) const {
+    const auto n = [](double density) { return noise::quantity_text(density, "deg/sqrt(h)", 3); };
+    if (options_.rate_hz) {
+      const double density = written / std::sqrt(*options_.rate_hz);
+      return fmt::format(
+          "{}: {} are read as sigmas of a sample at {:g} Hz, so {} is an angle random walk of {}; were they densities, as keys like Kalibr's say, it would be {}",
+          file_name(), keys, *options_.rate_hz, key, n(density), n(written));
+    }
+    constexpr double kExample = 200;
+    return fmt::format(
+        "{}: {} are read as densities, so {} is an angle random walk of {}; the file does not say that they are, and were they sigmas of a sample, as VINS' code takes them, it would be {} at 200 Hz: then give their rate (--rate; in a scene 'rate:' beside the file)",
+        file_name(), keys, key, n(written), n(written / std::sqrt(kExample)));
+  }
+
+  SensorFile imu_utils_form() const {
+    SensorFile file;
+    SensorModel& model = file.model;
+    model.name = root()["name"] && root()["name"].IsScalar() ? root()["name"].Scalar() : file_name();
+    model.gyro = imu_utils_triad(root()["Gyr"], "gyr_n", "gyr_w", dimension::kAngularRate);
+    file.notes.push_back(reading(model.gyro.white.largest(), "gyr_n", root()["Acc"] ? "gyr_n and acc_n" : "gyr_n"));
+    model.gyro.white *= of_a_sample();
+    if (root()["Acc"]) {
+      model.accelerometer = imu_utils_triad(root()["Acc"], "acc_n", "acc_w", dimension::kSpecificForce);
+      model.accelerometer->white *= of_a_sample();
+    }
+    return file;
+  }
+
+  /// Each axis where the file has all three, else their mean.
   ErrorModel imu_utils_triad(const Node& triad, const char* white, const char* minimum, const Dimension& signal) const {
     if (!triad.IsMap()) fail_here(triad, fmt::format("found {}, expected avg-axis below it", kind(triad)));
     const double to_si = triad["unit"] ? unit_factor(triad["unit"], signal) : 1;
-    const Node axis = triad["avg-axis"] ? triad["avg-axis"] : triad["x-axis"];
-    if (!axis || !axis.IsMap()) fail_here(triad, "found no avg-axis, expected one as imu_utils writes it");
+    constexpr std::array kNames{"x-axis", "y-axis", "z-axis"};
+    const bool each = std::ranges::all_of(kNames, [&](const char* name) { return triad[name].IsDefined(); });
     ErrorModel model;
     const double flat = std::sqrt(2 * std::numbers::ln2 / std::numbers::pi);  // of the deviation of flicker with B = 1
-    model.white = to_si * number(axis, white);
-    model.bias_instability = to_si * number(axis, minimum) / flat;
+    for (std::size_t i = 0; i < kNames.size(); ++i) {
+      const Node axis = triad[each || !triad["avg-axis"] ? kNames[each ? i : 0] : "avg-axis"];
+      if (!axis || !axis.IsMap()) fail_here(triad, "found no avg-axis, expected one as imu_utils writes it");
+      model.white[i] = to_si * number(axis, white);
+      model.bias_instability[i] = to_si * number(axis, minimum) / flat;
+    }
     return model;
   }
 
@@ -315,6 +384,8 @@ class Reader : private YamlReader {
   }
 
   std::string file_name() const { return name().substr(name().rfind('/') + 1); }
+
+  ReadOptions options_;
 
   [[noreturn]] void fail_unknown_form() const {
     std::vector<std::string> found;
@@ -362,13 +433,15 @@ class Writer {
   explicit Writer(std::string_view comment) {
     for (std::string_view rest = comment; !rest.empty();) {
       const std::size_t end = std::min(rest.find('\n'), rest.size());
-      text_ += fmt::format("# {}\n", rest.substr(0, end));
+      text_ += fmt::format("#{}{}\n", end > 0 ? " " : "", rest.substr(0, end));
       rest.remove_prefix(std::min(end + 1, rest.size()));
     }
   }
 
-  std::string write(const SensorModel& model) && {
+  std::string write(const SensorModel& model, std::span<const std::string> warnings) && {
     if (!model.name.empty()) text_ += fmt::format("name: {}\n", scalar(model.name));
+    if (!warnings.empty()) text_ += fmt::format("{}:\n", kWarning);
+    for (const std::string& warning : warnings) text_ += fmt::format("  - {}\n", scalar(warning));
     triad("gyro", model.gyro, Signal::angular_rate);
     if (model.accelerometer) triad("accelerometer", *model.accelerometer, Signal::specific_force);
     if (model.lever_arm != std::array<double, 3>{}) {
@@ -378,12 +451,11 @@ class Writer {
     return std::move(text_);
   }
 
- private:
   void triad(std::string_view name, const ErrorModel& model, Signal signal) {
     text_ += fmt::format("{}:\n", name);
     for (const Term t : kCoefficients) {
       const bool always = t == Term::white || t == Term::flicker || t == Term::rate_random_walk;
-      if (always || model[t] != 0) line(noise::key(signal, t), quantity(model[t], noise::datasheet_unit(signal, t)));
+      if (always || model[t] != 0) line(noise::key(signal, t), per_axis(model[t], noise::datasheet_unit(signal, t)));
     }
     list(noise::key(signal, Term::gauss_markov), model.gauss_markov, kGaussMarkov, signal);
     list(noise::key(signal, Term::sinusoid), model.sinusoids, kSinusoid, signal);
@@ -396,34 +468,7 @@ class Writer {
     if (model.filter_order != 1) line(kFilterOrder, std::to_string(model.filter_order));
   }
 
-  void line(std::string_view key, const std::string& value) { text_ += fmt::format("  {}: {}\n", key, value); }
-
-  template <class Process, std::size_t n>
-  void list(std::string_view key, const std::vector<Process>& entries, const Field<Process> (&fields)[n],
-            Signal signal) {
-    if (entries.empty()) return;
-    text_ += fmt::format("  {}:\n", key);
-    for (const Process& entry : entries) {
-      std::string fields_text;
-      for (const auto& field : fields) {
-        if (!field.needed && entry.*field.member == 0) continue;
-        fields_text += fmt::format("{}{}: {}", fields_text.empty() ? "" : ", ", field.key,
-                                   quantity(entry.*field.member, unit_of(field, signal)));
-      }
-      text_ += fmt::format("    - {{{}}}\n", fields_text);
-    }
-  }
-
-  static std::string quantity(double si, std::string_view unit) {
-    return exact_quantity(si, unit, si_unit(noise::parse_unit(unit).dimension));
-  }
-
-  static std::string three(const PerAxis& value, std::string_view unit) {
-    return fmt::format("[{}, {}, {}]", quantity(value[0], unit), quantity(value[1], unit), quantity(value[2], unit));
-  }
-  static std::string per_axis(const PerAxis& value, std::string_view unit) {
-    return value.is_uniform() ? quantity(value[0], unit) : three(value, unit);
-  }
+  [[nodiscard]] std::string take() && { return std::move(text_); }
 
   /// Quoted where YAML could read something else into it.
   static std::string scalar(const std::string& text) {
@@ -444,53 +489,69 @@ class Writer {
     return result + '"';
   }
 
+ private:
+  void line(std::string_view key, const std::string& value) { text_ += fmt::format("  {}: {}\n", key, value); }
+
+  template <class Process, std::size_t n>
+  void list(std::string_view key, const std::vector<Process>& entries, const Field<Process> (&fields)[n],
+            Signal signal) {
+    if (entries.empty()) return;
+    text_ += fmt::format("  {}:\n", key);
+    for (const Process& entry : entries) {
+      std::string fields_text;
+      for (const auto& field : fields) {
+        if (!field.needed && entry.*field.member == 0) continue;
+        const auto unit = unit_of(field, signal);
+        fields_text +=
+            fmt::format("{}{}: {}", fields_text.empty() ? "" : ", ", field.key,
+                        field.size ? per_axis(entry.*field.size, unit) : quantity(entry.*field.member, unit));
+      }
+      text_ += fmt::format("    - {{{}}}\n", fields_text);
+    }
+  }
+
+  static std::string quantity(double si, std::string_view unit) {
+    return exact_quantity(si, unit, si_unit(noise::parse_unit(unit).dimension));
+  }
+
+  static std::string three(const PerAxis& value, std::string_view unit) {
+    return fmt::format("[{}, {}, {}]", quantity(value[0], unit), quantity(value[1], unit), quantity(value[2], unit));
+  }
+  static std::string per_axis(const PerAxis& value, std::string_view unit) {
+    return value.is_uniform() ? quantity(value[0], unit) : three(value, unit);
+  }
+
   std::string text_;
 };
 
-std::string kalibr_triad(std::string_view name, const ErrorModel* model, std::string_view white_unit,
-                         std::string_view walk_unit) {
-  if (!model) return fmt::format("# {}_noise_density and {}_random_walk are not known: fill them in\n", name, name);
-  return fmt::format("{}_noise_density: {}  # [{}]\n{}_random_walk: {}  # [{}]\n", name, model->white, white_unit, name,
-                     model->rate_random_walk, walk_unit);
-}
-
-std::string kalibr_left_out(std::string_view name, const ErrorModel& model, Signal signal) {
-  std::string text;
-  for (const Term t : {Term::flicker, Term::quantization, Term::rate_ramp}) {
-    if (model[t] == 0) continue;
-    text += fmt::format("# {} {}: {} has no place in this form\n", name, noise::label(signal, t),
-                        noise::quantity_text(model[t], noise::datasheet_unit(signal, t)));
-  }
-  for (const auto& g : model.gauss_markov) {
-    text += fmt::format("# {} {}: {} with a correlation time of {:.6g} s has no place in this form\n", name,
-                        noise::label(signal, Term::gauss_markov),
-                        noise::quantity_text(g.sigma, noise::datasheet_unit(signal)), g.correlation_time);
-  }
-  for (const auto& s : model.sinusoids) {
-    text +=
-        fmt::format("# {} {}: {} at {:.6g} Hz has no place in this form\n", name, noise::label(signal, Term::sinusoid),
-                    noise::quantity_text(s.amplitude, noise::datasheet_unit(signal)), s.frequency);
-  }
-  return text;
-}
-
 }  // namespace
 
-SensorModel read_sensor(const std::string& path) { return Reader(path).read(); }
-
-std::string sensor_yaml(const SensorModel& model, std::string_view comment) { return Writer(comment).write(model); }
-
-std::string kalibr_yaml(const SensorModel& model, double update_rate_hz) {
-  if (!(std::isfinite(update_rate_hz) && update_rate_hz > 0)) {
-    throw std::invalid_argument(fmt::format("update_rate_hz is {} Hz; it must be above 0 and finite", update_rate_hz));
-  }
-  const ErrorModel* accelerometer = model.accelerometer ? &*model.accelerometer : nullptr;
-  std::string text = "# Kalibr imu.yaml: continuous-time densities, two-sided, SI\n";
-  text += kalibr_triad("accelerometer", accelerometer, "m/s^2/sqrt(Hz)", "m/s^3/sqrt(Hz)");
-  text += kalibr_triad("gyroscope", &model.gyro, "rad/s/sqrt(Hz)", "rad/s^2/sqrt(Hz)");
-  text += kalibr_left_out("gyroscope", model.gyro, Signal::angular_rate);
-  if (accelerometer) text += kalibr_left_out("accelerometer", *accelerometer, Signal::specific_force);
-  return text + fmt::format("rostopic: /imu0\nupdate_rate: {}  # [Hz]\n", update_rate_hz);
+SensorFile read_sensor_file(const std::string& path, const ReadOptions& options) {
+  if (options.rate_hz && !(std::isfinite(*options.rate_hz) && *options.rate_hz > 0))
+    throw std::invalid_argument(fmt::format("rate is {} Hz; it must be above 0 and finite", *options.rate_hz));
+  return Reader(path, options).read();
 }
+
+SensorModel read_sensor(const std::string& path) { return read_sensor_file(path).model; }
+
+std::string sensor_yaml(const SensorModel& model, std::string_view comment, std::span<const std::string> warnings) {
+  return Writer(comment).write(model, warnings);
+}
+
+namespace detail {
+
+SensorFile read_sensor_text(std::string name, std::string text) {
+  return Reader(YamlReader::Text{std::move(name), std::move(text)}).read();
+}
+
+std::string triad_yaml(const ErrorModel& model, Signal signal) {
+  Writer writer({});
+  writer.triad(signal == Signal::angular_rate ? "gyro" : "accelerometer", model, signal);
+  return std::move(writer).take();
+}
+
+std::string text_yaml(const std::string& text) { return Writer::scalar(text); }
+
+}  // namespace detail
 
 }  // namespace gyrobudget::inline v0::sensor_file

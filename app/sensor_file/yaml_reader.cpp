@@ -9,15 +9,19 @@
 #include <algorithm>
 #include <charconv>
 #include <stdexcept>
+#include <utility>
 
 namespace gyrobudget::inline v0::sensor_file {
 
 using YAML::Node;
 
+constexpr std::size_t kLargest = std::size_t{1} << 20;
+
 YamlReader::YamlReader(const std::string& path, std::string_view what, std::string_view line, std::string_view key)
-    : name_(text::input_name(path)) {
-  constexpr std::size_t kLargest = std::size_t{1} << 20;
-  std::string text = text::read_text(path, kLargest, what);
+    : YamlReader({text::input_name(path), text::read_text(path, kLargest, what)}, line, key) {}
+
+YamlReader::YamlReader(Text read, std::string_view line, std::string_view key) : name_(std::move(read.name)) {
+  std::string& text = read.text;
   if (text.starts_with("%YAML:")) text[0] = '#';  // OpenCV's own first line is not YAML
   try {
     root_ = YAML::Load(text);

@@ -30,6 +30,11 @@ class YamlReader {
   /// @param key   a key of its root: "site:"
   /// @throws InputError where the file cannot be read, has more than 1 MiB, is no YAML or no map.
   YamlReader(const std::string& path, std::string_view what, std::string_view line, std::string_view key);
+  /// Of a text that was read already. @param name  of its file, for messages
+  struct Text {
+    std::string name, text;
+  };
+  YamlReader(Text text, std::string_view line, std::string_view key);
 
   [[nodiscard]] const YAML::Node& root() const { return root_; }
   [[nodiscard]] const std::string& name() const { return name_; }

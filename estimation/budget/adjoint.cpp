@@ -189,13 +189,17 @@ class SinceEpoch {
   double within_ = 0;
 };
 
-navigation::CoreMatrix of_white(const Adjoint& adjoint, const Timeline& timeline, int first, double n,
-                                const navigation::Epoch& epoch) {
+Eigen::Vector3d vector(const noise::PerAxis& of) { return {of[0], of[1], of[2]}; }
+
+navigation::CoreMatrix of_white(const Adjoint& adjoint, const Timeline& timeline, int first,
+                                const noise::TriadProcess& white, const navigation::Epoch& epoch) {
+  const double n = noise::coefficient(white.process);
+  const Eigen::Vector3d relative = vector(white.relative);
   navigation::CoreMatrix covariance = navigation::CoreMatrix::Zero();
   Eigen::Matrix<double, navigation::kCoreStates, 3> sum = Eigen::Matrix<double, navigation::kCoreStates, 3>::Zero();
   for (std::size_t k = 0; k < adjoint.steps; ++k) {
     const Eigen::Matrix<double, navigation::kCoreStates, 3> input =
-        by_errors(adjoint, timeline, k).middleCols<3>(first);
+        by_errors(adjoint, timeline, k).middleCols<3>(first) * relative.asDiagonal();
     covariance += n * n / timeline.steps()[k].input.dt * input * input.transpose();
     sum += input;
   }
@@ -206,8 +210,9 @@ navigation::CoreMatrix of_white(const Adjoint& adjoint, const Timeline& timeline
 }  // namespace
 
 navigation::CoreMatrix process_response(const Adjoint& adjoint, const Timeline& timeline, navigation::Carrier carrier,
-                                        const noise::Process& process, const navigation::Epoch& epoch,
+                                        const noise::TriadProcess& triad, const navigation::Epoch& epoch,
                                         double imu_interval) {
+  const noise::Process& process = triad.process;
   const noise::Term term = noise::term(process);
   if (term == noise::Term::quantization || term == noise::Term::rate_ramp || term == noise::Term::sinusoid)
     throw std::invalid_argument("quantization, ramp and sinusoid have no response by a structure function");
@@ -222,7 +227,7 @@ navigation::CoreMatrix process_response(const Adjoint& adjoint, const Timeline& 
                                             longest, imu_interval, kMostSamples));
   const int first = carrier == navigation::Carrier::gyro ? 0 : 3;
   if (adjoint.steps == 0) return navigation::CoreMatrix::Zero();
-  if (term == noise::Term::white) return of_white(adjoint, timeline, first, noise::coefficient(process), epoch);
+  if (term == noise::Term::white) return of_white(adjoint, timeline, first, triad, epoch);
 
   // A Gauss-Markov process is stationary, not zero at power-on.
   navigation::Epoch from = epoch;
@@ -245,7 +250,8 @@ navigation::CoreMatrix process_response(const Adjoint& adjoint, const Timeline& 
   MatrixXd column(navigation::kCoreStates, K);
   for (int axis = 0; axis < 3; ++axis) {
     for (Eigen::Index k = 0; k < K; ++k) column.col(k) = blocks[static_cast<std::size_t>(k)].by.col(axis);
-    covariance += column * R * column.transpose();
+    const double relative = triad.relative[static_cast<std::size_t>(axis)];
+    if (relative != 0) covariance += relative * relative * (column * R * column.transpose());
   }
   return (covariance + covariance.transpose()) / 2;
 }

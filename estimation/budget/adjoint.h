@@ -36,7 +36,7 @@ struct Adjoint {
 /// @throws std::invalid_argument unless `time` is the end of a step (times of interest are) or the start.
 [[nodiscard]] Adjoint adjoint(const Timeline& timeline, const FrozenGains& gains, double time);
 
-/// Covariance from one process on each axis of a triad, independent and alike, since its epoch:
+/// Covariance from one process on each axis of a triad, independent and alike but for their size, since its epoch:
 ///   E[r(s) r(t)] = [D(s + P) + D(t + P) - D(|t - s|)]/2            zero at -P, D its structure function
 ///                = [m(s) + m(t) - D(|t - s|) - mm]/2               mean over the last T taken off
 /// with m(t) the mean of D from t to that window and mm its mean within. White noise is N^2/dt in each step and
@@ -47,7 +47,7 @@ struct Adjoint {
 /// Time O(steps^2), 0.1 s for 2000; beyond these the process is held over so many neighbouring steps that 2000 are
 /// left.
 [[nodiscard]] navigation::CoreMatrix process_response(const Adjoint& adjoint, const Timeline& timeline,
-                                                      navigation::Carrier carrier, const noise::Process& process,
+                                                      navigation::Carrier carrier, const noise::TriadProcess& process,
                                                       const navigation::Epoch& epoch, double imu_interval);
 
 /// Covariance from a source by its states, whatever they are: white noise, terms, initial core covariance and, where it

@@ -54,7 +54,7 @@ struct Source {
   /// What the terms that vary stand for, on each axis of a triad: for routes without states (adjoint.h).
   struct Slow {
     navigation::Carrier carrier = navigation::Carrier::gyro;
-    std::vector<noise::Process> processes;
+    std::vector<noise::TriadProcess> processes;
     navigation::Epoch epoch;
   };
   std::optional<Slow> slow;

@@ -44,7 +44,7 @@ std::vector<SingleError> single_errors(const noise::ErrorModel& all, Signal sign
   const auto add = [&](std::string name, noise::ErrorSource source, bool has, noise::ErrorModel model) {
     if (has) list.push_back({std::move(name), source, std::move(model)});
   };
-  const auto add_term = [&](Term term, noise::ErrorSource source, double noise::ErrorModel::*member) {
+  const auto add_term = [&](Term term, noise::ErrorSource source, noise::PerAxis noise::ErrorModel::*member) {
     add(std::string(key(signal, term)), source, all.*member != 0, alone(all, member));
   };
   const auto add_constant = [&](std::string name, noise::ErrorSource source,
@@ -113,7 +113,7 @@ SensorSources sensor_sources(const noise::SensorModel& sensor, const navigation:
       Source& source = result.sources.emplace_back();
       source.name = fmt::format("{}.{}", triad, name);
       source.sensor = {carrier, error};
-      if (const auto processes = model.processes(); !processes.empty())
+      if (const auto processes = model.triad_processes(); !processes.empty())
         source.slow = {carrier, processes,
                        (signal == Signal::angular_rate ? options.gyro : options.accelerometer)
                            .value_or(navigation::epoch_of(model))};

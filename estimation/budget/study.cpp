@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
 #include <utility>
@@ -32,14 +33,14 @@ LocalAxes axes_of(const navigation::Scenario& scenario, const earth::Trajectory&
           earth::LocalFrame::launch_plane(here, scenario.azimuth).C_el()};
 }
 
-// States an axis: those of the flicker's source that do not stay, of three axes.
+// States of the axis that has most: those of the flicker's source that do not stay.
 int flicker_states(std::span<const Source> sources) {
   const auto flicker = std::ranges::find(sources, "gyro.bias_instability", &Source::name);
   if (flicker == sources.end()) return 0;
-  const auto& terms = flicker->model.terms;
-  return static_cast<int>(
-             std::ranges::count_if(terms, [](const auto& term) { return std::isfinite(term.correlation_time); })) /
-         3;
+  std::array<int, 3> count{};
+  for (const auto& term : flicker->model.terms)
+    if (std::isfinite(term.correlation_time)) ++count.at(static_cast<std::size_t>(term.axis));
+  return std::ranges::max(count);
 }
 
 std::optional<Study::LargeAttitude> large_attitude(const Budget& budget, const Eigen::Matrix3d& C_enu) {

@@ -69,7 +69,7 @@ struct Study {
   Budget budget;                     ///< without what was left out
   std::vector<Negligible> left_out;  ///< smallest first
   std::vector<navigation::SensorStates::LeftOut> not_modelled;  ///< what linear covariance knows nothing of, and why
-  int flicker_states = 0;  ///< Gauss-Markov states an axis that stand for 1/f noise
+  int flicker_states = 0;  ///< Gauss-Markov states that stand for 1/f noise, of the axis that has most
 
   // --- Where linear covariance does not hold ---
   /// What the alignment on the pad says where it finds no heading; empty: it finds one, or needs none.

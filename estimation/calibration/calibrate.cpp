@@ -177,8 +177,9 @@ bool AxisDatasheet::has_answer() const {
 }
 
 bool Datasheet::is_complete() const {
-  return std::ranges::all_of(
-      axes, [](const auto& axis) { return axis.has_answer() && axis.is_confirmed() && axis.faults.empty(); });
+  return std::ranges::all_of(axes, [](const auto& axis) {
+    return axis.has_answer() && axis.is_confirmed() && !axis.is_spoilt() && axis.faults.empty();
+  });
 }
 
 Datasheet calibrate(const allan::Record& record, const Options& options) {

@@ -116,8 +116,10 @@ struct AxisDatasheet {
   [[nodiscard]] bool is_fitted() const { return !fit.coefficients.empty(); }
   /// A converged fit whose verdict is not "not described" (methods that only read the curve have none), with at least
   /// one of N, B, K and G identified: the others may be upper bounds. What was found beside noise and not masked is not
-  /// in it: Findings::spoil says that.
+  /// in it: is_spoilt() says that.
   [[nodiscard]] bool has_answer() const;
+  /// The fit took for noise what is none: its numbers are not yet those of the sensor.
+  [[nodiscard]] bool is_spoilt() const { return findings && findings->spoil(); }
   /// No cross-check was asked for, or it agrees.
   [[nodiscard]] bool is_confirmed() const { return !cross_checked || cross_checked->check.agrees; }
 };
@@ -129,7 +131,7 @@ struct Datasheet {
   std::int64_t missing_samples = 0;  ///< at which any axis has no number
   std::vector<AxisDatasheet> axes;   ///< in the order of the record's
 
-  /// Every axis has an answer, which no cross-check contradicts, and no stage ended in a fault.
+  /// Every axis has an answer that may be used: not spoilt, no cross-check contradicts it, and no stage ended in a fault.
   [[nodiscard]] bool is_complete() const;
 };
 

@@ -83,7 +83,10 @@ CombinedAxis combined(const std::vector<Datasheet>& records, std::size_t axis) {
 
 bool TypeDatasheet::is_complete() const {
   for (std::size_t i = 0; i < axes.size(); ++i) {
-    if (std::ranges::none_of(records, [i](const Datasheet& record) { return record.axes[i].has_answer(); }))
+    const auto of = [i](const Datasheet& record) -> const AxisDatasheet& { return record.axes[i]; };
+    if (std::ranges::none_of(records, &AxisDatasheet::has_answer, of)) return false;
+    if (std::ranges::any_of(
+            records, [](const AxisDatasheet& a) { return a.has_answer() && a.is_spoilt(); }, of))
       return false;
   }
   return true;

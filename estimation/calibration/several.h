@@ -29,7 +29,7 @@ struct TypeDatasheet {
   std::vector<Datasheet> records;  ///< the same axes in the same order in each
   std::vector<CombinedAxis> axes;  ///< in that order
 
-  /// Every axis has an answer in one record at least.
+  /// Every axis has an answer in one record at least, and none of those that it has is spoilt.
   [[nodiscard]] bool is_complete() const;
 };
 

@@ -102,8 +102,8 @@ Matrix3d TiltResponse::covariance(const noise::ErrorModel& gyro) const {
       const Vector3d u = points_[middle].C.col(static_cast<Eigen::Index>(axis));
       const Vector3d of_angle = answer([&](double) { return u; }, middle);
       of_rate += of_angle * dt;
-      add(gyro.white * std::sqrt(dt), of_angle);
-      add(gyro.rate_random_walk * std::sqrt(dt), of_rate);
+      add(gyro.white[axis] * std::sqrt(dt), of_angle);
+      add(gyro.rate_random_walk[axis] * std::sqrt(dt), of_rate);
     }
     if (gyro.turn_on_bias) add((*gyro.turn_on_bias)[axis], of_rate);
   }

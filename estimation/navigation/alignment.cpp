@@ -79,15 +79,15 @@ double moved_flicker(const Epoch& epoch, double T, double dt) {
   return 2 / pi * std::max(0.0, fast / 2 + between - (std::log(T) - kWithin) / 2);
 }
 
-// Expected scatter() by what varies slowly: means of n parts differ as D within the record does from that within a
-// part.
-double wander(const noise::ErrorModel& model, double T) {
+// Expected scatter() of an axis by what varies slowly: means of n parts differ as D within the record does from that
+// within a part.
+double wander(const noise::ErrorModel& model, std::size_t axis, double T) {
   constexpr double n = kParts;
-  double within =
-      squared(model.rate_random_walk) * T / 3 * (1 - 1 / n) + squared(model.bias_instability) * 2 / pi * std::log(n);
-  for (const noise::GaussMarkov& process : model.gauss_markov) {
+  double within = squared(model.rate_random_walk[axis]) * T / 3 * (1 - 1 / n) +
+                  squared(model.bias_instability[axis]) * 2 / pi * std::log(n);
+  for (const noise::TriadGaussMarkov& process : model.gauss_markov) {
     const double t = T / process.correlation_time;
-    within += 2 * squared(process.sigma) * (detail::mean_variance(t / n) - detail::mean_variance(t));
+    within += 2 * squared(process.sigma[axis]) * (detail::mean_variance(t / n) - detail::mean_variance(t));
   }
   return within / (2 * (n - 1));
 }
@@ -98,21 +98,19 @@ Variances variances(const noise::ErrorModel& model, const Vector3d& signal, cons
   const Epoch epoch = epoch_of(model);
   // The mean of R t from power-on, or from the middle of the calibration, to the middle of the record.
   const double ramped = T / 2 + (epoch.calibrated_over ? *epoch.calibrated_over / 2 : epoch.powered_on_before);
-  double moved = squared(model.rate_random_walk) * moved_walk(epoch, T) + squared(model.rate_ramp * ramped);
-  if (model.bias_instability != 0) moved += squared(model.bias_instability) * moved_flicker(epoch, T, interval);
-  for (const noise::GaussMarkov& process : model.gauss_markov)
-    moved += squared(process.sigma) * moved_gauss_markov(epoch, T, process.correlation_time);
-  const Vector3d constant = model.calibrated_over
-                                ? Vector3d(Vector3d::Constant(squared(model.white) / *model.calibrated_over))
-                                : squares(model.turn_on_bias);
+  Vector3d moved = squares(model.rate_random_walk) * moved_walk(epoch, T) + squares(model.rate_ramp) * squared(ramped);
+  if (model.bias_instability != 0) moved += squares(model.bias_instability) * moved_flicker(epoch, T, interval);
+  for (const noise::TriadGaussMarkov& process : model.gauss_markov)
+    moved += squares(process.sigma) * moved_gauss_markov(epoch, T, process.correlation_time);
+  const Vector3d constant =
+      model.calibrated_over ? Vector3d(squares(model.white) / *model.calibrated_over) : squares(model.turn_on_bias);
   const Vector3d across = Vector3d::Constant(signal.squaredNorm()) - signal.cwiseAbs2();
   const Vector3d calibration = squares(model.scale_factor).cwiseProduct(signal.cwiseAbs2()) +
                                squares(model.misalignment).cwiseProduct(across) +
                                squares(model.g_sensitivity) * force.squaredNorm() +
                                squares(model.g2_sensitivity).cwiseProduct(force.cwiseAbs2().cwiseAbs2());
-  const double noise = squared(model.white) / T + 2 * squared(model.quantization / T);
-  return {constant + Vector3d::Constant(moved), calibration, Vector3d::Constant(noise),
-          Vector3d::Constant(wander(model, T))};
+  const Vector3d noise = squares(model.white) / T + 2 / squared(T) * squares(model.quantization);
+  return {constant + moved, calibration, noise, {wander(model, 0, T), wander(model, 1, T), wander(model, 2, T)}};
 }
 
 /// C_lb of east, north, up from the vertical and any vector with a part to the north.

@@ -95,10 +95,11 @@ class Builder {
   void add(const Triad& triad) {
     check(triad.epoch, triad.name);
     auto& white = triad.carrier == Carrier::gyro ? result_.model.gyro_white : result_.model.accelerometer_white;
-    white.setConstant(triad.errors.white);
-    const auto processes = slow_processes(triad);
-    const double beyond = slower_than_band(triad, processes.flicker);
-    for (int axis = 0; axis < 3; ++axis) add_biases(triad, axis, processes, beyond);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      white[static_cast<Eigen::Index>(axis)] = triad.errors.white[axis];
+      const auto processes = slow_processes(triad, axis);
+      add_biases(triad, axis, processes, slower_than_band(triad, axis, processes.flicker));
+    }
     add_constants(triad);
     mention(triad);
   }
@@ -117,30 +118,30 @@ class Builder {
   };
 
   // The fewest states whose error is hidden by all the noise there is at the scene's length.
-  Processes slow_processes(const Triad& triad) const {
-    const noise::ErrorModel& errors = triad.errors;
+  Processes slow_processes(const Triad& triad, std::size_t axis) const {
     Processes result;
-    result.given = errors.gauss_markov;
-    if (errors.bias_instability == 0) return result;
+    for (const auto& g : triad.errors.gauss_markov)
+      if (g.sigma[axis] != 0) result.given.push_back(g.on(axis));
+    const double N = triad.errors.white[axis], B = triad.errors.bias_instability[axis],
+                 K = triad.errors.rate_random_walk[axis];
+    if (B == 0) return result;
     const double T = longest_;
-    const double flicker = kFlatVariance * errors.bias_instability * errors.bias_instability;
-    double total =
-        flicker + errors.white * errors.white / T + errors.rate_random_walk * errors.rate_random_walk * T / 3;
-    for (const auto& g : errors.gauss_markov) total += allan_variance(g, T);
+    const double flicker = kFlatVariance * B * B;
+    double total = flicker + N * N / T + K * K * T / 3;
+    for (const auto& g : result.given) total += allan_variance(g, T);
     int states = options_.flicker_states.value_or(0);
-    FlickerStates fit = flicker_states(errors.bias_instability, shortest_, longest_, states);
+    FlickerStates fit = flicker_states(B, shortest_, longest_, states);
     const auto hidden = [&] {
       const double error = fit.worst_error;  // of the deviation; 2 error of flicker's variance, its share of the total
       return (states == 0 ? flicker / total / 2 : error * flicker / total) <= options_.tolerance;
     };
-    while (!options_.flicker_states && states < 3 && !hidden())
-      fit = flicker_states(errors.bias_instability, shortest_, longest_, ++states);
+    while (!options_.flicker_states && states < 3 && !hidden()) fit = flicker_states(B, shortest_, longest_, ++states);
     result.flicker = fit.processes;
     return result;
   }
 
-  double slower_than_band(const Triad& triad, const std::vector<noise::GaussMarkov>& states) const {
-    const double b = triad.errors.bias_instability;
+  double slower_than_band(const Triad& triad, std::size_t axis, const std::vector<noise::GaussMarkov>& states) const {
+    const double b = triad.errors.bias_instability[axis];
     if (b == 0) return 0;
     const BeyondBand beyond(b, states, shortest_, longest_, options_.step);
     return triad.epoch.calibrated_over ? beyond.against_mean(*triad.epoch.calibrated_over)
@@ -158,17 +159,15 @@ class Builder {
     return k;
   }
 
-  void add_biases(const Triad& triad, int axis, const Processes& processes, double beyond) {
+  void add_biases(const Triad& triad, std::size_t axis, const Processes& processes, double beyond) {
     const noise::ErrorModel& errors = triad.errors;
     const auto T = triad.epoch.calibrated_over;
     const double P = triad.epoch.powered_on_before;
-    const auto of_axis = [axis](const std::optional<noise::PerAxis>& sigma) {
-      return sigma.value_or(0)[static_cast<std::size_t>(axis)];
-    };
-    const double K = errors.rate_random_walk, b0 = of_axis(errors.turn_on_bias);
+    const auto of_axis = [axis](const std::optional<noise::PerAxis>& sigma) { return sigma.value_or(0)[axis]; };
+    const double N = errors.white[axis], K = errors.rate_random_walk[axis], b0 = of_axis(errors.turn_on_bias);
     const double rectified = of_axis(errors.vibration_rectification) * options_.vibration * options_.vibration;
     double variance = beyond + rectified * rectified;  // no calibration at rest takes off what vibration adds
-    variance += T ? K * K * *T / 3 + errors.white * errors.white / *T : b0 * b0 + K * K * P;
+    variance += T ? K * K * *T / 3 + N * N / *T : b0 * b0 + K * K * P;
     // Correlation of the bias with each process, over sigma^2, and the variance that the epoch charges for it.
     struct Link {
       noise::GaussMarkov process;
@@ -185,7 +184,7 @@ class Builder {
     for (const auto& link : links) variance += link.process.sigma * link.process.sigma * link.charged;
     if (variance == 0 && K == 0 && links.empty()) return;
 
-    ErrorTerm term{.carrier = triad.carrier, .effect = Effect::bias, .axis = axis, .walk = K};
+    ErrorTerm term{.carrier = triad.carrier, .effect = Effect::bias, .axis = static_cast<int>(axis), .walk = K};
     const auto bias = static_cast<Eigen::Index>(add_term(term, variance));
     for (const auto& [process, correlation, charged] : links) {
       term.correlation_time = process.correlation_time;

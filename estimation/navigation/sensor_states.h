@@ -37,7 +37,7 @@ enum class Use { estimated, considered, left_out };
 /// Per axis and triad, with r(t) what is left of the slow errors since the epoch:
 ///   one bias state       turn-on bias, vibration rectification, random walk K, and what flicker has moved more
 ///                        slowly than its band
-///   Gauss-Markov states  flicker, by flicker_states(); each gauss_markov entry of the file
+///   Gauss-Markov states  flicker, by flicker_states(); each gauss_markov entry of the file that the axis has
 /// and, where the file has them, scale factor, misalignment (six a triad), g-sensitivity (nine) and g2-sensitivity.
 ///
 /// Flicker is F(t) = sum g_i(t), g_i stationary; its value at the epoch leaves it, so the bias state starts

@@ -36,7 +36,8 @@ class AxisNoise {
   static constexpr std::size_t kTile = 64;
   using Tile = std::array<double, kTile>;
 
-  AxisNoise(const ErrorModel&, double dt, StreamKey axis, const FlickerBand&);
+  /// @param which  of the triad's axes: 0, 1, 2 for x, y, z
+  AxisNoise(const ErrorModel&, std::size_t which, double dt, StreamKey axis, const FlickerBand&);
 
   /// Their mean over the calibration, a draw of this run; 0 without one.
   [[nodiscard]] double calibrated_mean() const { return calibrated_mean_; }

@@ -244,7 +244,7 @@ TEST(ImuEpoch, GaussMarkovIsStationaryAndLosesItsMean) {
   constexpr double kDt = 0.5, kTc = 4;
   const GaussMarkov process{2, kTc};
   const double tolerance = variance_tolerance(3 * kRuns);
-  const ErrorModel model{.gauss_markov = {process}};
+  const ErrorModel model{.gauss_markov = {{process.sigma, process.correlation_time}}};
   for (const Epoch& epoch : {Epoch{}, Epoch{100, {}}}) {
     EXPECT_NEAR(mean_square(model, epoch, kDt, 0, kRuns) / 4, 1, tolerance);
     EXPECT_NEAR(mean_square(model, epoch, kDt, 30, kRuns) / 4, 1, tolerance);

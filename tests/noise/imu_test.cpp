@@ -421,7 +421,7 @@ TEST(Imu, SetsOfSources) {
   EXPECT_FALSE(ErrorSources({white, flicker}).without(white).has(white));
   EXPECT_TRUE(ErrorSources().with(delay).has(delay));
   const ErrorModel model = only(full_model().gyro, {white, bandwidth});
-  EXPECT_EQ(model.processes().size(), 1U);
+  EXPECT_EQ(model.processes(0).size(), 1U);
   EXPECT_TRUE(model.bandwidth);
   EXPECT_FALSE(model.range || model.delay || model.turn_on_bias || model.misalignment);
 }
@@ -441,7 +441,7 @@ TEST(Imu, ExtremesStayFinite) {
       for (const double scale : {1e-100, 1e100}) {
         SensorModel model = full_model();
         for (ErrorModel* m : {&model.gyro, &*model.accelerometer}) {
-          for (double* x : {&m->white, &m->bias_instability, &m->rate_random_walk, &m->rate_ramp}) *x *= scale;
+          for (PerAxis* x : {&m->white, &m->bias_instability, &m->rate_random_walk, &m->rate_ramp}) *x *= scale;
           m->turn_on_bias = scale;
           m->range.reset();
           m->powered_on_before = epoch;
@@ -496,6 +496,42 @@ TEST(Imu, RefusesWhatMakesNoSense) {
       "at most powered_on_before");
   EXPECT_THROW(Imu({}, kDt, {1, std::uint64_t{1} << 45}), std::invalid_argument);
   EXPECT_THROW(Imu({}, kDt, {}, {.vibration = -1}), std::invalid_argument);
+}
+
+// --- Axes that differ ----------------------------------------------------------------------------------------
+
+// Each axis has its own white noise and its own quantization; z has neither and reads the truth.
+TEST(Imu, AxesHaveTheirOwnNoise) {
+  constexpr int kSamples = 20000;
+  SensorModel model;
+  model.gyro.white = {1e-3, 5e-3, 0};
+  model.accelerometer = ErrorModel{.quantization = {1e-3, 0, 0}};
+  Imu imu(model, kDt, {});
+  Vector3 squares{};
+  bool whole = true;
+  for (int k = 0; k < kSamples; ++k) {
+    const ImuIncrement read = imu.next(kTruth);
+    for (std::size_t i = 0; i < 3; ++i) squares[i] += std::pow(read.angle[i] - kTruth.angle[i], 2) / kSamples;
+    const double bits = read.velocity[0] / (1e-3 * std::sqrt(12.0));
+    whole &= std::abs(bits - std::nearbyint(bits)) < 1e-9;
+    EXPECT_EQ(read.velocity[1], kTruth.velocity[1]);
+  }
+  // A mean of squares scatters by sqrt(2/n); 99.99 % of them lie within 3.9 of that.
+  const double band = 3.9 * std::sqrt(2.0 / kSamples);
+  EXPECT_NEAR(squares[0] / (1e-3 * 1e-3 * kDt), 1, band);
+  EXPECT_NEAR(squares[1] / (5e-3 * 5e-3 * kDt), 1, band);
+  EXPECT_EQ(squares[2], 0);
+  EXPECT_TRUE(whole);
+}
+
+TEST(Imu, NamesWhatIsNotStated) {
+  using enum ErrorSource;
+  using List = std::vector<ErrorSource>;
+  EXPECT_EQ(not_stated({}, Signal::angular_rate), (List{turn_on_bias, scale_factor, misalignment, g_sensitivity}));
+  EXPECT_EQ(not_stated({}, Signal::specific_force), (List{turn_on_bias, scale_factor, misalignment}));
+  EXPECT_EQ(not_stated({.scale_factor = 0.0, .misalignment = 1e-4}, Signal::specific_force), (List{turn_on_bias}));
+  EXPECT_EQ(not_stated({.scale_factor = 0.0, .misalignment = 0.0, .calibrated_over = 60}, Signal::specific_force),
+            List{});
 }
 
 }  // namespace

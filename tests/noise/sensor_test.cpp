@@ -58,13 +58,13 @@ TEST(Sensor, KeysOfFilesAndResults) {
 }
 
 TEST(Sensor, ProcessesAreTheNonZeroTerms) {
-  EXPECT_TRUE(ErrorModel{}.processes().empty());
+  EXPECT_TRUE(ErrorModel{}.processes(0).empty());
   ErrorModel gyro;
   gyro[Term::white] = 3;
   gyro[Term::rate_random_walk] = 5;
   gyro.gauss_markov = {{0, 1}, {2, 100}};
   gyro.sinusoids = {{0.5, 50, 0.1}};
-  const auto processes = gyro.processes();
+  const auto processes = gyro.processes(0);
   ASSERT_EQ(processes.size(), 4u);
   EXPECT_EQ(std::get<White>(processes[0]).n, 3);
   EXPECT_EQ(std::get<RateRandomWalk>(processes[1]).k, 5);
@@ -88,6 +88,33 @@ TEST(Sensor, CoefficientsByTerm) {
   EXPECT_EQ(model.bias_instability, 4);
   EXPECT_EQ(model.rate_random_walk, 5);
   EXPECT_EQ(model.rate_ramp, 6);
+}
+
+TEST(Sensor, AxesHaveTheirOwnNoise) {
+  ErrorModel gyro{.white = {1, 2, 0}, .bias_instability = 3};
+  EXPECT_FALSE(gyro.axes_are_alike());
+  EXPECT_EQ(gyro.white.largest(), 2);
+  gyro.gauss_markov = {{.sigma = {0, 0, -5}, .correlation_time = 100}};
+  gyro.sinusoids = {{.amplitude = 7, .frequency = 50}};
+  const auto coefficients = [&](std::size_t axis) {
+    std::vector<std::pair<Term, double>> list;
+    for (const Process& p : gyro.processes(axis)) list.emplace_back(term(p), coefficient(p));
+    return list;
+  };
+  using List = std::vector<std::pair<Term, double>>;
+  EXPECT_EQ(coefficients(0), (List{{Term::white, 1}, {Term::flicker, 3}, {Term::sinusoid, 7}}));
+  EXPECT_EQ(coefficients(1), (List{{Term::white, 2}, {Term::flicker, 3}, {Term::sinusoid, 7}}));
+  EXPECT_EQ(coefficients(2), (List{{Term::flicker, 3}, {Term::gauss_markov, -5}, {Term::sinusoid, 7}}));
+  const auto all = gyro.triad_processes();
+  ASSERT_EQ(all.size(), 4U);
+  for (std::size_t axis = 0; axis < 3; ++axis) {  // each axis is its part of them
+    double sum = 0, own = 0;
+    for (const TriadProcess& p : all) sum += std::pow(coefficient(p.process) * p.relative[axis], 2);
+    for (const auto& [t, c] : coefficients(axis)) own += c * c;
+    EXPECT_EQ(sum, own);
+  }
+  EXPECT_EQ(all[1].relative, PerAxis(1));
+  EXPECT_TRUE((ErrorModel{.white = 2, .gauss_markov = {{1, 10}}}.axes_are_alike()));
 }
 
 }  // namespace

@@ -61,7 +61,7 @@ TEST(Simulation, SpectralRecordsAreThoseOfTheExactGenerator) {
   const Simulation simulation(sensor(), options(Kind::spectral));
   EXPECT_FALSE(simulation.streams());
   EXPECT_EQ(simulation.samples(), 200U);
-  EXPECT_EQ(simulation.record(1), generate_record(sensor().gyro.processes(), 200, 0.1, {kSeed, 1}));
+  EXPECT_EQ(simulation.record(1), generate_record(sensor().gyro.processes(1), 200, 0.1, {kSeed, 1}));
 }
 
 TEST(Simulation, TheOthersStream) {
@@ -69,7 +69,7 @@ TEST(Simulation, TheOthersStream) {
   EXPECT_TRUE(simulation.streams());
   EXPECT_THROW((void)simulation.record(0), std::invalid_argument);
   const Generator::Options expected{.key = {kSeed, 0}, .longest_tau = 20};
-  EXPECT_EQ(made(simulation.generator(0), 200), made(Generator(sensor().gyro.processes(), 0.1, expected), 200));
+  EXPECT_EQ(made(simulation.generator(0), 200), made(Generator(sensor().gyro.processes(0), 0.1, expected), 200));
 }
 
 TEST(Simulation, WithoutEndKeepsTheBandOfTheGenerator) {
@@ -78,7 +78,7 @@ TEST(Simulation, WithoutEndKeepsTheBandOfTheGenerator) {
   const Simulation simulation(sensor(), endless);
   EXPECT_EQ(simulation.samples(), Simulation::kEndless);
   EXPECT_EQ(made(simulation.generator(2), 50),
-            made(Generator(sensor().gyro.processes(), 0.1, {.key = {kSeed, 2}}), 50));
+            made(Generator(sensor().gyro.processes(2), 0.1, {.key = {kSeed, 2}}), 50));
 }
 
 TEST(Simulation, NeedsMemoryForRecordsAndForTheTransformOfFlicker) {
@@ -106,23 +106,26 @@ double density(const Model& model, double frequency_hz) { return ModelMoments(mo
 
 TEST(SimulationModel, TakesTheCoefficientsOfTheSensor) {
   const ErrorModel errors = sensor().gyro;
-  const Jerath jerath{
-      .arw = errors.white, .bias_instability = errors.bias_instability, .rrw = errors.rate_random_walk, .taps = 50};
-  EXPECT_EQ(density(model_of({.kind = Kind::jerath, .taps = 50}, errors, 0.1), 0.2), density(jerath.model(0.1), 0.2));
+  const Jerath jerath{.arw = errors.white[0],
+                      .bias_instability = errors.bias_instability[0],
+                      .rrw = errors.rate_random_walk[0],
+                      .taps = 50};
+  EXPECT_EQ(density(model_of({.kind = Kind::jerath, .taps = 50}, errors, 0, 0.1), 0.2),
+            density(jerath.model(0.1), 0.2));
   // At half the rate model 2's noise is white but for 1/f: N^2, or half of it where the sensor's densities are taken as
   // two-sided.
   ErrorModel white{.white = 1};
-  EXPECT_NEAR(density(model_of({.kind = Kind::imu_sensor, .single_sided = true}, white, 0.1), 5), 1, 1e-12);
-  EXPECT_NEAR(density(model_of({.kind = Kind::imu_sensor}, white, 0.1), 5), 0.5, 1e-12);
+  EXPECT_NEAR(density(model_of({.kind = Kind::imu_sensor, .single_sided = true}, white, 0, 0.1), 5), 1, 1e-12);
+  EXPECT_NEAR(density(model_of({.kind = Kind::imu_sensor}, white, 0, 0.1), 5), 0.5, 1e-12);
 }
 
 TEST(SimulationModel, ModelThreeWalksWhereItDoesNotAlready) {
   using Bias = Bielas::Bias;
   const auto walks = [](Bias variant, std::optional<bool> asked) {
     const Model with =
-        model_of({.kind = Kind::bielas, .variant = variant, .rate_random_walk = asked}, sensor().gyro, 0.1);
+        model_of({.kind = Kind::bielas, .variant = variant, .rate_random_walk = asked}, sensor().gyro, 0, 0.1);
     return std::ranges::any_of(with.processes, [](const Process& p) {
-      return term(p) == Term::rate_random_walk && coefficient(p) == sensor().gyro.rate_random_walk;
+      return term(p) == Term::rate_random_walk && coefficient(p) == sensor().gyro.rate_random_walk[0];
     });
   };
   EXPECT_FALSE(walks(Bias::integrated_legacy, {}));
@@ -139,6 +142,21 @@ TEST(SimulationModel, SaysWhatItLeavesOut) {
   EXPECT_TRUE(left_out({.kind = Kind::gauss_markov}, errors).empty());
   const auto terms = left_out({.kind = Kind::jerath}, errors);
   EXPECT_EQ(terms, (std::vector{Term::quantization, Term::gauss_markov, Term::gauss_markov}));
+}
+
+TEST(Simulation, AxesHaveTheirOwnNoise) {
+  SensorModel model;
+  model.gyro.white = {1e-4, 0, 3e-4};
+  for (const Kind kind : {Kind::spectral, Kind::gauss_markov, Kind::jerath, Kind::imu_sensor, Kind::bielas}) {
+    const Simulation simulation(model, options(kind));
+    ASSERT_EQ(simulation.axes().size(), 3U);
+    const auto level = [&](std::size_t axis) { return ModelMoments(simulation.axes()[axis].model, 0.1).psd(0.2); };
+    EXPECT_NEAR(level(2) / level(0), 9, 1e-9);
+    EXPECT_EQ(level(1), 0);
+  }
+  const Simulation simulation(model, options(Kind::spectral));
+  EXPECT_EQ(simulation.record(1), std::vector<double>(200));
+  EXPECT_EQ(simulation.record(2), generate_record(model.gyro.processes(2), 200, 0.1, {kSeed, 2}));
 }
 
 }  // namespace

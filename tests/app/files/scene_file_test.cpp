@@ -35,10 +35,10 @@ TEST_F(SceneFile, AnotherSensorKeepsTheScenesEpoch) {
   (void)file("a.yaml", "gyro:\n  rrw: 1 deg/h/sqrt(h)\n");
   const auto other = file("b.yaml", "gyro:\n  rrw: 2 deg/h/sqrt(h)\n  powered_on_before: 3 s\naccelerometer:\n");
   files::SceneFile scene = read("trajectory: ascent\nsensor: {file: a.yaml, powered_on_before: 10 min}\n");
-  const double walk = scene.scenario.sensor.gyro.rate_random_walk;
+  const double walk = scene.scenario.sensor.gyro.rate_random_walk[0];
   files::change_sensor(scene, other);
   EXPECT_EQ(scene.sensor, other);
-  EXPECT_DOUBLE_EQ(scene.scenario.sensor.gyro.rate_random_walk, 2 * walk);
+  EXPECT_DOUBLE_EQ(scene.scenario.sensor.gyro.rate_random_walk[0], 2 * walk);
   EXPECT_EQ(scene.scenario.sensor.gyro.powered_on_before, 600);
   EXPECT_EQ(scene.scenario.sensor.accelerometer.value().powered_on_before, 600);
 }

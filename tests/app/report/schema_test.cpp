@@ -41,12 +41,14 @@ RunsResult two_runs() {
 }
 
 PlanStudy plan() {
+  const fit::Plan terms{.terms = {{noise::Term::white, 4.4e-5}},
+                        .rows = {{3600, {0.01}}, {60, {std::numeric_limits<double>::infinity()}}},
+                        .answers = {{noise::Term::white, 0.1, std::numeric_limits<double>::infinity()}}};
   return {.sensor = "MEMS",
           .command = "gyrobudget plan mems.yaml",
           .rate_hz = 100,
-          .plan = {.terms = {{noise::Term::white, 4.4e-5}},
-                   .rows = {{3600, {0.01}}, {60, {std::numeric_limits<double>::infinity()}}},
-                   .answers = {{noise::Term::white, 0.1, std::numeric_limits<double>::infinity()}}}};
+          .plan = {.parts = {{{0, 1}, terms}, {{2}, terms}}, .all = terms},
+          .notes = {"read as densities"}};
 }
 
 AccuracyStudy accuracy_study() {

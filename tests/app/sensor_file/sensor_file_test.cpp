@@ -109,13 +109,13 @@ accelerometer:
   accel_rw: 1 ug/sqrt(h)
 )yaml");
   EXPECT_EQ(m.name, "IFOG, closed loop, 2018");
-  expect_near(m.gyro.white, 5.4e-4 * kDegree / 60);
-  expect_near(m.gyro.bias_instability, 1.7e-3 * kDegree / kHour);
-  expect_near(m.gyro.rate_random_walk, 4.32e-2 * kDegree / kHour / 60);
-  expect_near(m.gyro.quantization, kDegree / kHour);
-  expect_near(m.gyro.rate_ramp, -kDegree / kHour / kHour);
+  expect_near(m.gyro.white[0], 5.4e-4 * kDegree / 60);
+  expect_near(m.gyro.bias_instability[0], 1.7e-3 * kDegree / kHour);
+  expect_near(m.gyro.rate_random_walk[0], 4.32e-2 * kDegree / kHour / 60);
+  expect_near(m.gyro.quantization[0], kDegree / kHour);
+  expect_near(m.gyro.rate_ramp[0], -kDegree / kHour / kHour);
   ASSERT_EQ(m.gyro.gauss_markov.size(), 2U);
-  expect_near(m.gyro.gauss_markov[0].sigma, 0.1 * kDegree / kHour);
+  expect_near(m.gyro.gauss_markov[0].sigma[0], 0.1 * kDegree / kHour);
   expect_near(m.gyro.gauss_markov[1].correlation_time, kHour);
   ASSERT_EQ(m.gyro.sinusoids.size(), 1U);
   expect_near(m.gyro.sinusoids[0].frequency, 0.05);
@@ -141,21 +141,21 @@ accelerometer:
   expect_near(m.lever_arm[2], -0.002);
   expect_near(m.accelerometer.value().g2_sensitivity.value()[1], 15e-6 / kGravity);
   ASSERT_TRUE(m.accelerometer);
-  expect_near(m.accelerometer->white, 0.001);
-  expect_near(m.accelerometer->bias_instability, 1e-5 * kGravity);
-  expect_near(m.accelerometer->rate_random_walk, 1e-6 * kGravity / 60);
+  expect_near(m.accelerometer->white[0], 0.001);
+  expect_near(m.accelerometer->bias_instability[0], 1e-5 * kGravity);
+  expect_near(m.accelerometer->rate_random_walk[0], 1e-6 * kGravity / 60);
 }
 
 TEST_F(SensorFile, WhatIsLeftOutIsZeroOrIdeal) {
-  const SensorModel m = read("gyro:\n");
-  EXPECT_TRUE(m.gyro.processes().empty());
+  const SensorModel m = read("gyro: {}\n");
+  EXPECT_TRUE(m.gyro.processes(0).empty());
   EXPECT_FALSE(m.gyro.turn_on_bias);
   EXPECT_FALSE(m.accelerometer);
 }
 
 TEST_F(SensorFile, OtherUnitsOfTheSameKind) {
-  expect_near(read("gyro: {arw: 60 deg/h/sqrt(Hz)}").gyro.white, kDegree / 60);
-  expect_near(read("gyro: {arw: 1e-3 rad/s/√Hz}").gyro.white, 1e-3);
+  expect_near(read("gyro: {arw: 60 deg/h/sqrt(Hz)}").gyro.white[0], kDegree / 60);
+  expect_near(read("gyro: {arw: 1e-3 rad/s/√Hz}").gyro.white[0], 1e-3);
 }
 
 TEST_F(SensorFile, RoundTripIsExact) {
@@ -225,8 +225,9 @@ TEST_F(SensorFile, ErrorsNamePlaceFindingAndExpectation) {
   EXPECT_CONTAINS(message("gyro:\nscale: 1\n"), ":2:1: 'scale' is no key of a sensor file");
   EXPECT_CONTAINS(message("accelerometer:\n"), "found no \"gyro:\"");
   EXPECT_CONTAINS(message("gyro: 5\n"), ":1:7: gyro: found '5', expected keys and values below it");
-  EXPECT_CONTAINS(message("gyro:\n  arw: [1, 2]\n"),
-                  ":2:8: arw: found a list, expected a number and a unit (deg/sqrt(h)");
+  EXPECT_CONTAINS(
+      message("gyro:\n  arw: [1, 2]\n"),
+      ":2:8: arw: found a list of 2, expected a list of three, [x, y, z], each a number and a unit (deg/sqrt(h)");
   EXPECT_CONTAINS(message("gyro:\n  arw: 1 deg/sqrt(h)\n  arw: 2 deg/sqrt(h)\n"), ":3:3: 'arw' is given twice");
   EXPECT_CONTAINS(message("gyro:\n  gauss_markov: [{sigma: 1 deg/h}]\n"),
                   ":2:18: gauss_markov: found no 'correlation_time'");
@@ -279,12 +280,12 @@ TEST_F(SensorFile, TheExamplesHoldThePapersValues) {
   const SensorModel ifog = sensor_file::read_sensor(folder + "ifog.yaml"),
                     mems = sensor_file::read_sensor(folder + "mems.yaml");
   constexpr double kPrinted = 5e-7;  // relative: the values below have seven digits
-  for (const auto& [found, expected] : {std::pair{ifog.gyro.white, 1.570796e-7},
-                                        {ifog.gyro.bias_instability, 8.241833e-9},
-                                        {ifog.gyro.rate_random_walk, 3.490659e-9},
-                                        {mems.gyro.white, 4.363323e-5},
-                                        {mems.gyro.bias_instability, 3.393696e-6},
-                                        {mems.gyro.rate_random_walk, 3.490659e-7}}) {
+  for (const auto& [found, expected] : {std::pair{ifog.gyro.white[0], 1.570796e-7},
+                                        {ifog.gyro.bias_instability[0], 8.241833e-9},
+                                        {ifog.gyro.rate_random_walk[0], 3.490659e-9},
+                                        {mems.gyro.white[0], 4.363323e-5},
+                                        {mems.gyro.bias_instability[0], 3.393696e-6},
+                                        {mems.gyro.rate_random_walk[0], 3.490659e-7}}) {
     EXPECT_NEAR(found, expected, kPrinted * expected);
   }
 }
@@ -328,8 +329,8 @@ TEST_F(SensorFile, ImuUtilsWritesTheMinimumOfTheCurve) {
   EXPECT_EQ(m.gyro.white, 1.5e-4);
   EXPECT_EQ(m.gyro.rate_random_walk, 0);
   // IEEE Std 952: the flat of the Allan deviation of flicker noise is 0.664 B.
-  EXPECT_NEAR(m.gyro.bias_instability, 6e-5 / 0.6643, 1e-8);
-  EXPECT_NEAR(m.accelerometer.value().bias_instability, 3e-4 / 0.6643, 1e-7);
+  EXPECT_NEAR(m.gyro.bias_instability[0], 6e-5 / 0.6643, 1e-8);
+  EXPECT_NEAR(m.accelerometer.value().bias_instability[0], 3e-4 / 0.6643, 1e-7);
 }
 
 TEST_F(SensorFile, ErrorsInTheFormsOfOthers) {
@@ -346,21 +347,114 @@ TEST_F(SensorFile, ErrorsInTheFormsOfOthers) {
   EXPECT_CONTAINS(message("Gyr: {x: 1}\n"), "found no avg-axis");
 }
 
-TEST_F(SensorFile, KalibrIsWrittenAsItIsRead) {
-  SensorModel model;
-  model.gyro.white = 1.2345678901234567e-4;
-  model.gyro.rate_random_walk = 3e-7;
-  model.gyro.bias_instability = 0.7 * kDegree / kHour;
-  const std::string gyro_only = sensor_file::kalibr_yaml(model, 200);
-  EXPECT_CONTAINS(gyro_only, "update_rate: 200  # [Hz]");
-  EXPECT_CONTAINS(gyro_only, "# gyroscope bias instability: 0.7000 deg/h has no place in this form");
-  EXPECT_CONTAINS(gyro_only, "# accelerometer_noise_density and accelerometer_random_walk are not known");
-  EXPECT_EQ(read(gyro_only).gyro.white, model.gyro.white);
-  EXPECT_FALSE(read(gyro_only).accelerometer);
-  model.accelerometer.emplace().white = 1e-3;
-  EXPECT_EQ(read(sensor_file::kalibr_yaml(model, 100)).accelerometer.value().white, 1e-3);
-  EXPECT_CONTAINS(message_of<std::invalid_argument>([&] { (void)sensor_file::kalibr_yaml(model, 0); }),
-                  "update_rate_hz is 0 Hz");
+// --- Axes that differ ----------------------------------------------------------------------------------------------
+
+TEST_F(SensorFile, CoefficientsOfEachAxis) {
+  const SensorModel m = read(
+      "gyro:\n  arw: [0.15 deg/sqrt(h), 9 deg/h/sqrt(Hz), 0 deg/sqrt(h)]\n  rate_ramp: [-1 deg/h/h, 0 deg/h/h, 1 deg/h/h]\n"
+      "  gauss_markov: [{sigma: [1 deg/h, 0 deg/h, 2 deg/h], correlation_time: 300 s}]\n"
+      "  sinusoid: [{amplitude: [2 deg/h, 2 deg/h, 2 deg/h], frequency: 50 Hz}]\n");
+  expect_near(m.gyro.white[0], 0.15 * kDegree / 60);
+  expect_near(m.gyro.white[1], 0.15 * kDegree / 60);
+  EXPECT_EQ(m.gyro.white[2], 0);
+  expect_near(m.gyro.rate_ramp[0], -kDegree / kHour / kHour);
+  expect_near(m.gyro.gauss_markov[0].sigma[2], 2 * kDegree / kHour);
+  EXPECT_EQ(m.gyro.gauss_markov[0].sigma[1], 0);
+  EXPECT_TRUE(m.gyro.sinusoids[0].amplitude.is_uniform());
+  // What is the same for all is written once, what is not three times.
+  const std::string text = sensor_file::sensor_yaml(m);
+  EXPECT_CONTAINS(text, "  bias_instability: 0 deg/h\n");
+  EXPECT_CONTAINS(text, "sigma: [1 deg/h, 0 deg/h, 2 deg/h], correlation_time: 3e+02 s");
+  EXPECT_CONTAINS(text, "amplitude: 2 deg/h, frequency: 5e+01 Hz");
+  expect_same(read(text).gyro, m.gyro);
+  EXPECT_CONTAINS(message("gyro:\n  arw: [1 deg/sqrt(h), 2 deg/sqrt(h)]\n"),
+                  ":2:8: arw: found a list of 2, expected a list of three, [x, y, z]");
+  EXPECT_CONTAINS(message("gyro:\n  rrw: [1 deg/h/sqrt(h), -2 deg/h/sqrt(h), 0 deg/h/sqrt(h)]\n"),
+                  "expected a value of 0 or more");
+}
+
+TEST_F(SensorFile, RoundTripOfAxesThatDifferIsExact) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> digits(1, 10);
+  const auto any = [&] { return noise::PerAxis(digits(random), digits(random), 0); };
+  constexpr int kModels = 100;
+  for (int i = 0; i < kModels; ++i) {
+    SensorModel model;
+    for (const Term t : {Term::quantization, Term::white, Term::flicker, Term::rate_random_walk, Term::rate_ramp})
+      model.gyro[t] = any();
+    model.gyro.gauss_markov = {{any(), digits(random)}};
+    model.gyro.sinusoids = {{any(), digits(random), 0}};
+    expect_same(read(sensor_file::sensor_yaml(model)).gyro, model.gyro);
+  }
+}
+
+// --- What a file states, and what it warns of ----------------------------------------------------------------------
+
+TEST_F(SensorFile, AnIdealTriadIsStatedToBeOne) {
+  for (const std::string_view ideal : {"accelerometer: ideal\n", "accelerometer:\n"}) {
+    const SensorModel m = read("gyro: {arw: 1 deg/sqrt(h)}\n" + std::string(ideal));
+    ASSERT_TRUE(m.accelerometer) << ideal;
+    EXPECT_EQ(m.accelerometer->scale_factor, noise::PerAxis(0));
+    EXPECT_EQ(m.accelerometer->turn_on_bias, noise::PerAxis(0));
+    EXPECT_FALSE(m.gyro.scale_factor);
+  }
+  EXPECT_CONTAINS(message("gyro: perfect\n"), "gyro: found 'perfect', expected keys and values below it");
+}
+
+TEST_F(SensorFile, WarningsAreReadAndWritten) {
+  using List = std::vector<std::string>;
+  const auto warnings = [&](std::string_view text) {
+    return sensor_file::read_sensor_file(file("sensor.yaml", text)).warnings;
+  };
+  EXPECT_EQ(warnings("warning: the fan was on\ngyro: ideal\n"), (List{"the fan was on"}));
+  EXPECT_EQ(warnings("gyro: ideal\nwarning: [a, b]\n"), (List{"a", "b"}));
+  EXPECT_TRUE(warnings("gyro: ideal\n").empty());
+  const List two{"do not use: a step, \"big\"", "yes"};
+  EXPECT_EQ(warnings(sensor_file::sensor_yaml({}, {}, two)), two);
+  EXPECT_CONTAINS(message("warning: {a: b}\ngyro: ideal\n"), "warning: found keys and values, expected text");
+}
+
+// --- Files that do not tell which of two forms they are of -----------------------------------------------------------
+
+// VINS' code takes gyr_n for a sigma of a sample: N = n / sqrt(rate), and adds (w dt)^2 to a bias' variance each step,
+// w^2 dt a second: K = w / sqrt(rate).
+TEST_F(SensorFile, SigmasOfASampleAreReadWithTheirRate) {
+  const std::string vins =
+      "%YAML:1.0\nimu: 1\nacc_n: 0.08\ngyr_n: 0.004\nacc_w: 0.00004\ngyr_w: 2.0e-6\ng_norm: 9.81\n";
+  const auto with_rate = sensor_file::read_sensor_file(file("vins.yaml", vins), {.rate_hz = 200});
+  const double root = std::sqrt(200.0);
+  expect_near(with_rate.model.gyro.white[0], 0.004 / root);
+  expect_near(with_rate.model.gyro.rate_random_walk[0], 2e-6 / root);
+  expect_near(with_rate.model.accelerometer.value().white[0], 0.08 / root);
+  expect_near(with_rate.model.accelerometer.value().rate_random_walk[0], 4e-5 / root);
+  ASSERT_EQ(with_rate.notes.size(), 1U);
+  EXPECT_CONTAINS(with_rate.notes[0],
+                  "sigmas of a sample at 200 Hz, so gyr_n is an angle random walk of 0.972 deg/sqrt(h)");
+  EXPECT_CONTAINS(with_rate.notes[0], "it would be 13.8 deg/sqrt(h)");  // .004 rad/sqrt(s) = .004 * 57.2958 * 60
+  const auto without = sensor_file::read_sensor_file(file("vins.yaml", vins));
+  EXPECT_EQ(without.model.gyro.white, noise::PerAxis(0.004));
+  ASSERT_EQ(without.notes.size(), 1U);
+  EXPECT_CONTAINS(without.notes[0], "read as densities, so gyr_n is an angle random walk of 13.8 deg/sqrt(h)");
+  EXPECT_CONTAINS(without.notes[0], "it would be 0.972 deg/sqrt(h) at 200 Hz");
+  // Kalibr's keys are densities by their name, whatever the rate.
+  const std::string kalibr = "gyroscope_noise_density: 1e-4\ngyroscope_random_walk: 1e-5\n";
+  const auto densities = sensor_file::read_sensor_file(file("kalibr.yaml", kalibr), {.rate_hz = 200});
+  EXPECT_EQ(densities.model.gyro.white, noise::PerAxis(1e-4));
+  EXPECT_TRUE(densities.notes.empty());
+  EXPECT_THROW((void)sensor_file::read_sensor_file(file("v.yaml", vins), {.rate_hz = 0}), std::invalid_argument);
+}
+
+TEST_F(SensorFile, ImuUtilsHasAxesAndMayHaveSigmasOfASample) {
+  const std::string text =
+      "Gyr:\n  unit: \" rad/s\"\n  avg-axis: {gyr_n: 2, gyr_w: 2}\n  x-axis: {gyr_n: 1, gyr_w: 1}\n"
+      "  y-axis: {gyr_n: 2, gyr_w: 2}\n  z-axis: {gyr_n: 3, gyr_w: 4}\n";
+  const auto densities = sensor_file::read_sensor_file(file("i.yaml", text));
+  EXPECT_EQ(densities.model.gyro.white, noise::PerAxis(1, 2, 3));
+  EXPECT_NEAR(densities.model.gyro.bias_instability[2] / densities.model.gyro.bias_instability[0], 4, 1e-12);
+  ASSERT_EQ(densities.notes.size(), 1U);
+  const auto samples = sensor_file::read_sensor_file(file("i.yaml", text), {.rate_hz = 100});
+  expect_near(samples.model.gyro.white[2], 0.3);
+  EXPECT_EQ(samples.model.gyro.bias_instability, densities.model.gyro.bias_instability);  // the minimum of the curve
 }
 
 }  // namespace

@@ -92,16 +92,17 @@ TEST(AlignedBudget, StartsFromWhatEachSourceDoesToTheCoarseAlignment) {
   const double L = earth::alcantara().position.latitude, c = earth::wgs84::kEarthRate * std::cos(L);
   constexpr double g = 9.7803, P = 120;
   constexpr double kSame = 1e-3;  // gravity at the pad
-  EXPECT_NEAR(attitude("gyro.arw").z() / (sensor.gyro.white / (c * std::sqrt(kPad))), 1, kSame);
+  EXPECT_NEAR(attitude("gyro.arw").z() / (sensor.gyro.white[0] / (c * std::sqrt(kPad))), 1, kSame);
   EXPECT_NEAR(attitude("gyro.turn_on_bias").z() / ((*sensor.gyro.turn_on_bias)[0] / c), 1, kSame);
   // The walk has gone on for P before the record, over which its mean moves by K sqrt(T/3).
-  EXPECT_NEAR(attitude("gyro.rrw").z() / (sensor.gyro.rate_random_walk * std::sqrt(P + kPad / 3) / c), 1, kSame);
+  EXPECT_NEAR(attitude("gyro.rrw").z() / (sensor.gyro.rate_random_walk[0] * std::sqrt(P + kPad / 3) / c), 1, kSame);
   for (const int level : {0, 1}) {
     EXPECT_LT(attitude("gyro.arw")[level], 1e-9 * attitude("gyro.arw").z() + 1e-10);
     const auto& a = *sensor.accelerometer;
     EXPECT_NEAR(attitude("accelerometer.turn_on_bias")[level] / ((*a.turn_on_bias)[0] / g), 1, kSame);
-    EXPECT_NEAR(attitude("accelerometer.accel_rw")[level] / (a.rate_random_walk * std::sqrt(kPad / 3) / g), 1, kSame);
-    EXPECT_NEAR(attitude("accelerometer.vrw")[level] / (a.white / (g * std::sqrt(kPad))), 1, kSame);
+    EXPECT_NEAR(attitude("accelerometer.accel_rw")[level] / (a.rate_random_walk[0] * std::sqrt(kPad / 3) / g), 1,
+                kSame);
+    EXPECT_NEAR(attitude("accelerometer.vrw")[level] / (a.white[0] / (g * std::sqrt(kPad))), 1, kSame);
     EXPECT_NEAR(attitude("deflection")[level] / 1e-4, 1, kSame);
   }
   EXPECT_THROW((void)attitude("initial.heading"), std::invalid_argument);
@@ -200,7 +201,7 @@ TEST(AlignmentTime, OfWhiteNoiseIsItsClosedForm) {
   const double by_heading = variance("initial.heading"), in_flight = variance("gyro.arw");
   const double c = earth::wgs84::kEarthRate * std::cos(earth::alcantara().position.latitude);
   constexpr double kWanted = 300;
-  const double heading = scenario.sensor.gyro.white / (c * std::sqrt(kWanted));
+  const double heading = scenario.sensor.gyro.white[0] / (c * std::sqrt(kWanted));
   const double limit = std::sqrt(heading * heading * by_heading + in_flight);
   const auto found = alignment_time(scenario, path, question, path.duration(), axes, limit);
   ASSERT_TRUE(found.met);

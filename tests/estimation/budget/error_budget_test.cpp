@@ -62,7 +62,7 @@ TEST(Budget, MeetsTheClosedFormsOfConstantForce) {
   constexpr double kPhysics = 4e-4;
   const auto path = climb(kScene);
   const struct {
-    double noise::ErrorModel::*coefficient;
+    noise::PerAxis noise::ErrorModel::*coefficient;
     double expected;
   } cases[] = {{&noise::ErrorModel::white, kForce * std::sqrt(std::pow(kScene, 5) / 20)},
                {&noise::ErrorModel::rate_random_walk, kForce * std::sqrt(std::pow(kScene, 7) / 252)}};
@@ -77,6 +77,44 @@ TEST(Budget, MeetsTheClosedFormsOfConstantForce) {
   biased.gyro.turn_on_bias = 1;
   EXPECT_NEAR(at_end(path, source(biased, epoch_of(kScene)), 0.02).position.x(), kForce * std::pow(kScene, 3) / 6,
               kPhysics * kForce * std::pow(kScene, 3) / 6);
+}
+
+// Axes are independent: a triad whose axes differ has the sum of what each has alone, by states and by integrals.
+TEST(Budget, OfAxesThatDifferIsTheSumOfThem) {
+  constexpr double kSum = 1e-12;  // of the total: rounding of sums of thousands of terms
+  const auto path = earth::ascent({});
+  Timeline::Options options;
+  options.step = 0.5;
+  const Timeline timeline(path, {}, options);
+  const auto gains = budget::frozen_gains(timeline, {});
+  const auto backward = adjoint(timeline, gains, path.duration());
+  noise::ErrorModel differ;
+  differ.white = {1e-5, 3e-5, 0};
+  differ.rate_random_walk = {1e-7, 0, 5e-7};
+  differ.bias_instability = {0, 1e-6, 3e-6};
+  auto states = epoch_of(83);
+  states.flicker_states = 2;  // of each axis, whatever else it has
+  const auto forward = [&](const noise::ErrorModel& gyro) {
+    noise::SensorModel sensor;
+    sensor.gyro = gyro;
+    return CoreMatrix(budget::error_budget(timeline, std::vector{source(sensor, states)}, gains).total.back());
+  };
+  const auto exact = [&](const noise::ErrorModel& gyro) {
+    CoreMatrix sum = CoreMatrix::Zero();
+    for (const noise::TriadProcess& p : gyro.triad_processes())
+      sum += process_response(backward, timeline, navigation::Carrier::gyro, p, {.powered_on_before = 60}, 0.01);
+    return sum;
+  };
+  CoreMatrix by_states = CoreMatrix::Zero(), by_integrals = CoreMatrix::Zero();
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    noise::ErrorModel one;
+    for (const auto term : {noise::Term::white, noise::Term::flicker, noise::Term::rate_random_walk})
+      one[term][axis] = differ[term][axis];
+    by_states += forward(one);
+    by_integrals += exact(one);
+  }
+  EXPECT_LT((by_states - forward(differ)).norm(), kSum * by_states.norm());
+  EXPECT_LT((by_integrals - exact(differ)).norm(), kSum * by_integrals.norm());
 }
 
 // The error of a step falls with its square.
@@ -236,7 +274,7 @@ TEST(Budget, AgreesWithTheAdjoint) {
         for (const auto carrier : {navigation::Carrier::gyro, navigation::Carrier::accelerometer}) {
           const auto& n =
               carrier == navigation::Carrier::gyro ? source.model.gyro_white : source.model.accelerometer_white;
-          ours += process_response(backward, scene.timeline, carrier, noise::White{n.x()}, {}, 0.01);
+          ours += process_response(backward, scene.timeline, carrier, {noise::White{n.x()}, 1}, {}, 0.01);
         }
         EXPECT_LT(difference(ours, expected, budget.total[i]), kConstants);
       } else if (!source.model.terms.empty() && source.model.terms[0].walk > 0) {
@@ -247,9 +285,9 @@ TEST(Budget, AgreesWithTheAdjoint) {
       }
     }
     // Random walk and turn-on bias of all gyro axes together.
-    CoreMatrix ours =
-        process_response(backward, scene.timeline, navigation::Carrier::gyro,
-                         noise::RateRandomWalk{tactical().gyro.rate_random_walk}, {.powered_on_before = 600}, 0.01);
+    CoreMatrix ours = process_response(backward, scene.timeline, navigation::Carrier::gyro,
+                                       {noise::RateRandomWalk{tactical().gyro.rate_random_walk[0]}, 1},
+                                       {.powered_on_before = 600}, 0.01);
     noise::SensorModel biased;
     biased.gyro.turn_on_bias = tactical().gyro.turn_on_bias;
     ours += state_response(backward, scene.timeline, source(biased, epoch_of(Aided::kDuration)));
@@ -275,7 +313,7 @@ TEST(Budget, HoldsFlickerByStatesAsByItsStructureFunction) {
     states.gyro = epoch;
     const auto forward = budget::error_budget(timeline, std::vector{source(sensor, states)}, gains).total.back();
     const auto exact =
-        process_response(backward, timeline, navigation::Carrier::gyro, noise::Flicker{1e-6}, epoch, 0.01);
+        process_response(backward, timeline, navigation::Carrier::gyro, {noise::Flicker{1e-6}, 1}, epoch, 0.01);
     for (int i = 0; i < 9; ++i) EXPECT_NEAR(std::sqrt(forward(i, i) / exact(i, i)), 1, kStates) << i;
   }
 }

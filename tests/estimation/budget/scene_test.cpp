@@ -461,8 +461,9 @@ TEST(SceneBudget, RefusesThirtyYearsAtOnceAndMoreSamplesThanCount) {
   stand.duration = 10;
   const BudgetScene scene = budget::budget_scene(given_start(), earth::stand(stand), quick(1));
   const auto back = adjoint(scene.timeline, budget::frozen_gains(scene.timeline, scene.design), 10);
-  EXPECT_THROW((void)process_response(back, scene.timeline, navigation::Carrier::gyro, noise::Flicker{1e-6}, {}, 1e-18),
-               std::invalid_argument);
+  EXPECT_THROW(
+      (void)process_response(back, scene.timeline, navigation::Carrier::gyro, {noise::Flicker{1e-6}, 1}, {}, 1e-18),
+      std::invalid_argument);
 }
 
 TEST(SceneBudget, SaysWhereTheHeadingIsNotObservable) {

@@ -7,11 +7,16 @@
 #include <gtest/gtest.h>
 
 #include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "../fit/sensors.h"
 #include "records.h"
@@ -214,16 +219,128 @@ TEST(CalibrateSeveral, RefusesOtherAxesAndRates) {
   EXPECT_THROW((void)calibration::combine({}), std::invalid_argument);
 }
 
-// Spectra add up: the triad has the root mean square of its axes, here of grades 1 and 5.
-TEST(SensorModel, IsTheRootMeanSquareOfEachTriad) {
+constexpr double kSixDigits = 5e-6;  // to which a model is rounded
+
+allan::Record triad(std::array<double, 3> grades, std::uint64_t seed, std::int64_t samples = 20000) {
+  std::vector<allan::Axis> axes;
+  for (std::size_t i = 0; i < grades.size(); ++i) {
+    auto rate = mems_rates(samples, seed + i);
+    for (double& y : rate) y *= grades[i];
+    axes.push_back(gyro_axis(std::move(rate), std::string("gyro_") + "xyz"[i]));
+  }
+  return allan::make_record(std::move(axes), kRecordRate);
+}
+
+const calibration::TriadCoefficient& told(const calibration::SensorSummary& summary, Term term) {
+  return *std::ranges::find(summary.coefficients, term, &calibration::TriadCoefficient::term);
+}
+
+// Spectra add up: axes that are alike have the root mean square of them all.
+TEST(SensorModel, IsTheRootMeanSquareOfAxesThatAreAlike) {
+  const auto sheet = calibrate(triad({1, 1, 1}, 100));
+  const auto summary = calibration::summarise(sheet, "bench");
+  EXPECT_EQ(summary.sensor.name, "bench");
+  EXPECT_FALSE(summary.sensor.accelerometer);
+  EXPECT_TRUE(summary.sensor.gyro.axes_are_alike());
+  EXPECT_TRUE(summary.borrowed.empty());
+  double squares = 0;
+  for (const auto& axis : sheet.axes) squares += std::pow(axis.fit[Term::white].value, 2) / 3;
+  EXPECT_NEAR(summary.sensor.gyro.white[0] / std::sqrt(squares), 1, kSixDigits);
+  EXPECT_FALSE(told(summary, Term::white).per_axis);
+}
+
+// A fibre-optic z beside x and y of MEMS: an average would be far off on every axis.
+TEST(SensorModel, HasAxesThatDifferOneByOne) {
+  const auto sheet = calibrate(triad({1, 1, 0.01}, 110));
+  const auto summary = calibration::summarise(sheet, "mixed");
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_NEAR(summary.sensor.gyro.white[i] / sheet.axes[i].fit[Term::white].value, 1, kSixDigits) << i;
+  EXPECT_TRUE(told(summary, Term::white).per_axis);
+  EXPECT_LT(told(summary, Term::white).p_value, 1e-9);
+  // Axes are told by the last letter of their names, not by their order.
+  auto turned = triad({1, 1, 0.01}, 110);
+  std::rotate(turned.axes.begin(), turned.axes.begin() + 2, turned.axes.end());
+  EXPECT_EQ(calibration::summarise(calibrate(turned), "mixed").sensor.gyro.white, summary.sensor.gyro.white);
+}
+
+// Two gyros of three, of grades 1 and 5, and one accelerometer: the others borrow.
+TEST(SensorModel, AnAxisThatWasNotRecordedHasTheRootMeanSquareOfTheOthers) {
   const auto sheet = calibrate(record_of("three axes"));
-  const auto model = calibration::sensor_model(sheet, "bench");
-  EXPECT_EQ(model.name, "bench");
+  const auto summary = calibration::summarise(sheet, "bench");
   const double x = sheet.axes[0].fit[Term::white].value, y = sheet.axes[1].fit[Term::white].value;
-  constexpr double kSixDigits = 5e-6;
-  EXPECT_NEAR(model.gyro.white / std::sqrt((x * x + y * y) / 2), 1, kSixDigits);
-  ASSERT_TRUE(model.accelerometer);
-  EXPECT_NEAR(model.accelerometer->white / sheet.axes[2].fit[Term::white].value, 1, kSixDigits);
+  EXPECT_NEAR(summary.sensor.gyro.white[0] / x, 1, kSixDigits);
+  EXPECT_NEAR(summary.sensor.gyro.white[1] / y, 1, kSixDigits);
+  EXPECT_NEAR(summary.sensor.gyro.white[2] / std::sqrt((x * x + y * y) / 2), 1, kSixDigits);
+  ASSERT_TRUE(summary.sensor.accelerometer);
+  EXPECT_TRUE(summary.sensor.accelerometer->white.is_uniform());  // one tells nothing of a difference
+  EXPECT_NEAR(summary.sensor.accelerometer->white[0] / sheet.axes[2].fit[Term::white].value, 1, kSixDigits);
+  EXPECT_EQ(summary.borrowed, (std::vector<std::string>{"gyro z", "accelerometer y", "accelerometer z"}));
+}
+
+// Six gyros in one record, by names that tell no axis: nothing says which is x.
+TEST(SensorModel, AxesWithoutPlacesStayOneValue) {
+  auto record = triad({1, 1, 1}, 120, 4000);
+  for (allan::Axis axis : triad({5, 5, 5}, 130, 4000).axes) record.axes.push_back(std::move(axis));
+  for (std::size_t i = 0; i < record.axes.size(); ++i) record.axes[i].name = "rate " + std::to_string(i);
+  const auto summary = calibration::summarise(calibrate(record), "two");
+  EXPECT_TRUE(summary.sensor.gyro.white.is_uniform());
+  EXPECT_EQ(summary.without_places, (std::vector<noise::Signal>{noise::Signal::angular_rate}));
+}
+
+TEST(SensorModel, KeepsTheLimitsOfWhatIsNotResolved) {
+  const auto sheet = calibrate(triad({1, 1, 1}, 140, 2000));  // 200 s: no walk shows
+  const auto summary = calibration::summarise(sheet, "short");
+  double squares = 0;
+  for (const auto& axis : sheet.axes) {
+    ASSERT_NE(axis.fit[Term::rate_random_walk].status, fit::Status::identified) << "another seed is wanted";
+    squares += std::pow(axis.fit[Term::rate_random_walk].upper, 2) / 3;
+  }
+  EXPECT_NEAR(summary.limits.gyro.rate_random_walk[1] / std::sqrt(squares), 1, kSixDigits);
+  EXPECT_EQ(summary.limits.gyro.white, noise::PerAxis(0));  // resolved
+}
+
+// A walk that begins to show: whether the value of all three axes is resolved is told by all of them together. There
+// are triads in which no axis shows it and all do, and others in which one does and all do not.
+TEST(SensorModel, AWalkIsResolvedByAllAxesTogether) {
+  constexpr std::size_t kTriads = 60;
+  constexpr std::int64_t kSamples = 8000;
+  std::array<int, kTriads> axes_that_show_it{};
+  std::array<bool, kTriads> one_value{}, resolved{};
+  tbb::parallel_for(std::size_t{0}, kTriads, [&](std::size_t i) {
+    const auto sheet = calibrate(triad({1, 1, 1}, 5000 + 3 * i, kSamples));
+    const auto summary = calibration::summarise(sheet, "weak");
+    one_value.at(i) = !told(summary, Term::rate_random_walk).per_axis;
+    resolved.at(i) = summary.limits.gyro.rate_random_walk[0] == 0;
+    axes_that_show_it.at(i) = static_cast<int>(std::ranges::count_if(sheet.axes, [](const auto& axis) {
+      return axis.fit[Term::rate_random_walk].status == fit::Status::identified;
+    }));
+  });
+  int none_but_all = 0, one_but_not_all = 0;
+  for (std::size_t i = 0; i < kTriads; ++i) {
+    if (!one_value.at(i)) continue;
+    none_but_all += axes_that_show_it.at(i) == 0 && resolved.at(i);
+    one_but_not_all += axes_that_show_it.at(i) == 1 && !resolved.at(i);
+    EXPECT_TRUE(resolved.at(i) || axes_that_show_it.at(i) < 3) << i;
+  }
+  EXPECT_GT(none_but_all, 0);
+  EXPECT_GT(one_but_not_all, 0);
+}
+
+// Triads of equal axes are written axis by axis in one of 100: of 150 triads and two coefficients that are seen, 300 in
+// all, 3 on average. More than 11 come by chance once in 10 000 times (Poisson).
+TEST(SensorModel, EqualAxesAreToldApartInOneOfAHundred) {
+  constexpr std::size_t kTriads = 150;
+  constexpr std::int64_t kSamples = 10000;
+  constexpr int kMost = 11;
+  std::array<int, kTriads> told_apart{};
+  tbb::parallel_for(std::size_t{0}, kTriads, [&](std::size_t i) {
+    const auto summary = calibration::summarise(calibrate(triad({1, 1, 1}, 1000 + 3 * i, kSamples)), "many");
+    told_apart.at(i) = told(summary, Term::white).per_axis + told(summary, Term::rate_random_walk).per_axis;
+  });
+  EXPECT_LE(std::accumulate(told_apart.begin(), told_apart.end(), 0), kMost);
+}
+
+TEST(SensorModel, OfASilentRecordHasNoAccelerometer) {
   EXPECT_FALSE(calibration::sensor_model(calibrate(record_of("silent")), "silent").accelerometer);
 }
 

@@ -113,6 +113,14 @@ TEST(TiltResponse, NoiseAndBiasesDisperseAsManyFlightsDo) {
   bias.turn_on_bias = sensor.gyro.turn_on_bias;
   EXPECT_NEAR(of(white) + of(walk) + of(bias), of(sensor.gyro), 1e-9 * of(sensor.gyro));
   for (const auto& part : {white, walk, bias}) EXPECT_GT(of(part), 0.02 * of(sensor.gyro));
+  // So do axes, and noise about the thrust's own axis does less than about the others.
+  const auto alone = [&](std::size_t axis) {
+    noise::ErrorModel one;
+    one.white[axis] = white.white[axis];
+    return of(one);
+  };
+  EXPECT_NEAR(alone(0) + alone(1) + alone(2), of(white), 1e-9 * of(white));
+  EXPECT_LT(alone(0), alone(1));
 }
 
 }  // namespace

@@ -78,5 +78,29 @@ TEST(Plan, RefusesWhatItCannotAnswer) {
   EXPECT_THROW((void)plan(mems(), {.rate_hz = 100, .duration_s = 1.1e13}), std::invalid_argument);
 }
 
+// x and y are alike, z is better by 5 in its random walk: it needs another length, and all three the longest.
+TEST(Plan, OfAxesThatDifferIsThatOfTheWorst) {
+  noise::ErrorModel model = mems();
+  model.rate_random_walk[2] /= 5;
+  const PlanOptions options{.wishes = {{Term::rate_random_walk, 0.1}}};
+  const AxesPlan both = plan_axes(model, options);
+  ASSERT_EQ(both.parts.size(), 2U);
+  EXPECT_EQ(both.parts[0].axes, (std::vector<std::size_t>{0, 1}));
+  EXPECT_EQ(both.parts[1].axes, (std::vector<std::size_t>{2}));
+  const double x = plan(mems(), options).answers[0].duration_s, z = both.parts[1].plan.answers[0].duration_s;
+  EXPECT_EQ(both.parts[0].plan.answers[0].duration_s, x);
+  EXPECT_GT(z, x);
+  ASSERT_EQ(both.all.answers.size(), 1U);
+  EXPECT_EQ(both.all.answers[0].duration_s, z);
+  // Alike axes have one plan, which is all.
+  const AxesPlan alike = plan_axes(mems(), {.duration_s = 3600});
+  ASSERT_EQ(alike.parts.size(), 1U);
+  EXPECT_EQ(alike.all.rows[0].relative_std, plan(mems(), {.duration_s = 3600}).rows[0].relative_std);
+  // An axis without the term that is wished for has no part in it; where none has it, that is an error.
+  model.rate_random_walk[0] = model.rate_random_walk[1] = 0;
+  EXPECT_EQ(plan_axes(model, options).parts.size(), 1U);
+  EXPECT_THROW((void)plan_axes({.white = 1e-4}, options), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace gyrobudget::fit

@@ -98,10 +98,10 @@ TEST(Alignment, SigmasAreTheClosedForms) {
   EXPECT_NEAR(a.parts.bias.x() / level, 1, 1e-12);
   EXPECT_NEAR(a.parts.bias.y() / level, 1, 1e-12);
   EXPECT_NEAR(a.parts.bias.z() / std::hypot((*sensor.gyro.turn_on_bias)[0] / c, level * std::tan(kLatitude)), 1, 1e-12);
-  EXPECT_NEAR(a.parts.noise.z() / std::hypot(sensor.gyro.white / (c * std::sqrt(T)),
-                                             sensor.accelerometer->white / (g * std::sqrt(T)) * std::tan(kLatitude)),
+  EXPECT_NEAR(a.parts.noise.z() / std::hypot(sensor.gyro.white[0] / (c * std::sqrt(T)),
+                                             sensor.accelerometer->white[0] / (g * std::sqrt(T)) * std::tan(kLatitude)),
               1, 1e-12);
-  EXPECT_NEAR(a.parts.noise.x() / (sensor.accelerometer->white / (g * std::sqrt(T))), 1, 1e-12);
+  EXPECT_NEAR(a.parts.noise.x() / (sensor.accelerometer->white[0] / (g * std::sqrt(T))), 1, 1e-12);
   EXPECT_EQ(a.parts.motion, Vector3d::Zero());
   EXPECT_NEAR(a.sigma().z(), std::hypot(a.parts.bias.z(), a.parts.noise.z()), 1e-15);
   // 0.01 deg/h at 34 degrees are 2.8 arc minutes of heading, 50 ug are 10 arc seconds of level.
@@ -158,8 +158,8 @@ TEST(Alignment, AttitudeAndBiasesAreConsistentTogether) {
     const Vector3d gyro = vector((*sensor.gyro.turn_on_bias)[0]);
     const Vector3d accelerometer = vector((*sensor.accelerometer->turn_on_bias)[0]);
     StaticMeans means = truth;
-    means.w_ib_b += gyro + vector(sensor.gyro.white / std::sqrt(T));
-    means.f_ib_b += accelerometer + vector(sensor.accelerometer->white / std::sqrt(T));
+    means.w_ib_b += gyro + vector(sensor.gyro.white[0] / std::sqrt(T));
+    means.f_ib_b += accelerometer + vector(sensor.accelerometer->white[0] / std::sqrt(T));
     const Alignment a = align(means, {.sensor = sensor, .latitude = kLatitude});
     Eigen::Matrix<double, 9, 9> P = Eigen::Matrix<double, 9, 9>::Zero();
     P.topLeftCorner<3, 3>() = a.covariance;

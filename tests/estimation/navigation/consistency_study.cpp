@@ -46,7 +46,7 @@ int main(int argc, char** argv) {
     scene.band = band.longest;
     scene.shortest = band.shortest;
     scene.sensor.gyro.rate_random_walk = 0;
-    scene.sensor.gyro.white /= 10;
+    scene.sensor.gyro.white *= 0.1;
     scene.imu_interval = 0.05;
     row(fmt::format("quiet, 3600 s, {:g} to {:g} s", band.shortest, band.longest), scene);
   }

@@ -206,3 +206,34 @@ TEST(SensorStates, RefuseWhatMakesNoSense) {
   many.gyro.gauss_markov.assign(25, {.sigma = 1, .correlation_time = 10});
   EXPECT_THROW((void)sensor_states(many, scene(0.01, {0, std::nullopt})), std::invalid_argument);
 }
+
+// Three axes, three sensors: what each has is what a triad of it has on that axis.
+TEST(SensorStates, AreThoseOfEachAxis) {
+  noise::SensorModel flicker = flicker_alone(), walk, none, mixed;
+  walk.gyro.rate_random_walk = 2;
+  walk.gyro.white = 3;
+  mixed.gyro.bias_instability = {flicker.gyro.bias_instability[0], 0, 0};
+  mixed.gyro.rate_random_walk = {0, 2, 0};
+  mixed.gyro.white = {0, 3, 0};
+  const auto options = scene(0.01, {100, std::nullopt});
+  const auto found = sensor_states(mixed, options);
+  EXPECT_EQ(found.model.gyro_white, Eigen::Vector3d(0, 3, 0));
+  std::size_t at = 0;
+  int axis = 0;
+  for (const auto* one : {&flicker, &walk, &none}) {
+    const auto alone = sensor_states(*one, options);
+    for (std::size_t i = 0; i < alone.model.terms.size(); ++i) {
+      if (alone.model.terms[i].axis != axis) continue;
+      ASSERT_LT(at, found.model.terms.size());
+      EXPECT_EQ(found.model.terms[at].axis, axis);
+      EXPECT_EQ(found.model.terms[at].walk, alone.model.terms[i].walk);
+      EXPECT_EQ(found.model.terms[at].correlation_time, alone.model.terms[i].correlation_time);
+      const auto ours = static_cast<Eigen::Index>(at), theirs = static_cast<Eigen::Index>(i);
+      EXPECT_EQ(found.initial(ours, ours), alone.initial(theirs, theirs));
+      ++at;
+    }
+    ++axis;
+  }
+  EXPECT_EQ(found.model.terms.size(), at);
+  EXPECT_GT(at, 2U);
+}
