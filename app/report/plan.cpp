@@ -19,13 +19,9 @@ std::string length(double seconds) {
   return std::isfinite(seconds) ? text::duration_text(seconds, text::DurationForm::planned) : "never";
 }
 
-std::string percent(double relative) {
+std::string accuracy_text(double relative) {
   if (!std::isfinite(relative) || relative > 10) return "> 1000 %";
   return fmt::format("{}{:.3g} %", relative > fit::kBoundReached ? ">= " : "", 100 * relative);
-}
-
-nlohmann::ordered_json number(double x) {
-  return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(nullptr);
 }
 
 }  // namespace
@@ -44,7 +40,7 @@ std::string plan_table(const PlanStudy& study) {
     text += "\n";
     for (const auto& row : plan.rows) {
       text += fmt::format("  {:>10}", length(row.duration_s));
-      for (const double x : row.relative_std) text += fmt::format("  {:>18}", percent(x));
+      for (const double x : row.relative_std) text += fmt::format("  {:>18}", accuracy_text(x));
       text += "\n";
     }
     text += "\n";
@@ -75,7 +71,7 @@ std::string plan_json(const PlanStudy& study) {
   for (const auto& row : plan.rows) {
     nlohmann::ordered_json entry{{"duration_s", row.duration_s}};
     for (std::size_t i = 0; i < plan.terms.size(); ++i) {
-      entry["relative_std"][std::string(noise::key(kGyro, plan.terms[i].term))] = number(row.relative_std[i]);
+      entry["relative_std"][std::string(noise::key(kGyro, plan.terms[i].term))] = finite(row.relative_std[i]);
     }
     json["durations"].push_back(entry);
   }
@@ -83,7 +79,7 @@ std::string plan_json(const PlanStudy& study) {
   for (const auto& answer : plan.answers) {
     json["answers"].push_back({{"parameter", noise::key(kGyro, answer.term)},
                                {"relative_std", answer.relative_std},
-                               {"duration_s", number(answer.duration_s)},
+                               {"duration_s", finite(answer.duration_s)},
                                {"lower_bound", answer.relative_std > fit::kBoundReached}});
   }
   return json.dump(2) + "\n";
