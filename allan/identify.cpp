@@ -135,8 +135,8 @@ std::vector<Identified> held_noise(std::vector<Identified> found, std::int64_t s
   const Identified* held = &white;
   for (const std::size_t i : order) {
     Identified& seen = found[i];
-    const double clusters =
-        std::min(static_cast<double>(samples / seen.m), static_cast<double>(kStretches * kStretchClusters));
+    const std::int64_t whole = samples / seen.m;
+    const double clusters = std::min(static_cast<double>(whole), static_cast<double>(kStretches * kStretchClusters));
     const bool first = held == &white;  // takes what it sees, but angle noise from few clusters
     if ((!first || seen.term == noise::Term::quantization) && may_hold(seen, held->term, clusters)) {
       seen.alpha = held->alpha;

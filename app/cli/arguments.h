@@ -19,7 +19,7 @@
 #include <variant>
 #include <vector>
 
-// What the command line asks for, one struct per verb, already checked and in SI. Only arguments.cpp knows CLI11.
+// What the command line asks for, one struct per verb, already checked and in SI. Only app.cpp knows CLI11.
 namespace gyrobudget::inline v0::cli {
 
 /// Options that every verb has.

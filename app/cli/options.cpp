@@ -11,41 +11,39 @@
 
 namespace gyrobudget::inline v0::cli {
 
-void add_common(CLI::App& app, Common& common, bool has_json) {
+void add_common(App& app, Common& common, bool has_json) {
   auto* group = app.add_option_group("Common");
   if (has_json) group->add_flag("--json", common.json, "one JSON object on stdout and nothing else");
   group->add_flag("-q,--quiet", common.quiet, "no messages on stderr");
   group->add_option("--threads", common.threads, "number of threads (all cores); the result does not depend on it")
-      ->check(CLI::Range(0, 4096));
+      ->check(Range{0, 4096});
 }
 
-void add_pictures(CLI::App& app, Pictures& pictures) {
+void add_pictures(App& app, Pictures& pictures) {
   auto* group = app.add_option_group("Pictures");
   group->add_option("--report", pictures.report, "write a self-contained HTML page")->type_name("FILE.html");
   group->add_option("--plot", pictures.plot, "write the figure")->type_name("FILE.svg|.png|.pdf");
 }
 
-void add_format(CLI::App& app, Texts& texts, const std::string& help) {
-  app.add_option("--format", texts.format, help)
-      ->check(CLI::IsMember({"csv", "f32", "f64", "npy"}))
-      ->type_name("FORMAT");
+void add_format(App& app, Texts& texts, const std::string& help) {
+  app.add_option("--format", texts.format, help)->check(IsMember{{"csv", "f32", "f64", "npy"}})->type_name("FORMAT");
 }
 
-void add_log(CLI::App& app, CurveArguments& curve, Texts& texts) {
+void add_log(App& app, CurveArguments& curve, Texts& texts) {
   auto* group = app.add_option_group("Log");
   group->add_option("--rate", texts.rate, "sample rate, where the log has no time column")->type_name("HZ");
   group->add_option(
       "--unit", curve.log.unit,
       "unit of the data columns without one in the header, e.g. deg/s, rad/s, deg/h, g; 1 is dimensionless");
   group->add_option("--input", texts.input, "what a sample is: rate, increment (angle per sample) or angle")
-      ->check(CLI::IsMember({"rate", "increment", "angle"}));
+      ->check(IsMember{{"rate", "increment", "angle"}});
   group->add_option("--scale", curve.log.scale, "units per count");
   group->add_option("--column", curve.log.columns, "names or numbers (from 1) of the columns to use")
       ->type_name("NAME|N ...");
   add_format(*group, texts,
              "csv, or binary: f32, f64 (raw, little-endian), npy; needs --rate and --unit [by the ending]");
   group->add_option("--columns", curve.log.file_columns, "numbers a sample has in a raw binary log [1]")
-      ->check(CLI::Range(1, 65536))
+      ->check(Range{1, 65536})
       ->type_name("K");
   group
       ->add_option(
@@ -56,7 +54,7 @@ void add_log(CLI::App& app, CurveArguments& curve, Texts& texts) {
                   "use a cluster only where none of its samples is missing (else 95 %)");
 }
 
-void add_curve(CLI::App& app, Texts& texts, const std::string& default_taus) {
+void add_curve(App& app, Texts& texts, const std::string& default_taus) {
   texts.taus = default_taus;
   auto* group = app.add_option_group("Curve");
   group->add_option("--taus", texts.taus, "averaging times: octave, decade, all, or a number of log-spaced ones")

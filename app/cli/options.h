@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: MIT
-// Inside the command line: the options of the verbs. The one header that includes CLI11.
+// Inside the command line: the options of the verbs.
 #pragma once
-
-#include <CLI/CLI.hpp>
 
 #include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "app.h"
 #include "arguments.h"
 
 namespace gyrobudget::inline v0::cli {
@@ -27,13 +26,13 @@ struct Texts {
 
 /// A verb on the command line.
 struct Verb {
-  CLI::App* app;
+  App* app;
   std::function<Arguments()> arguments;  ///< once it is parsed; throws std::invalid_argument
 };
 
 /// A verb that `add` declares and `finish` turns from text into values.
 template <class A>
-Verb make_verb(CLI::App& app, CLI::App* (*add)(CLI::App&, A&, Texts&), void (*finish)(A&, const Texts&)) {
+Verb make_verb(App& app, App* (*add)(App&, A&, Texts&), void (*finish)(A&, const Texts&)) {
   struct State {
     A arguments;
     Texts texts;
@@ -46,22 +45,22 @@ Verb make_verb(CLI::App& app, CLI::App* (*add)(CLI::App&, A&, Texts&), void (*fi
 }
 
 // Each adds its verb to the program.
-[[nodiscard]] Verb simulate_verb(CLI::App&);
-[[nodiscard]] Verb allan_verb(CLI::App&);
-[[nodiscard]] Verb calibrate_verb(CLI::App&);
-[[nodiscard]] Verb plan_verb(CLI::App&);
-[[nodiscard]] Verb accuracy_verb(CLI::App&);
-[[nodiscard]] Verb paper_verb(CLI::App&);
-[[nodiscard]] Verb navigate_verb(CLI::App&);
-[[nodiscard]] Verb budget_verb(CLI::App&);
-[[nodiscard]] Verb fly_verb(CLI::App&);
+[[nodiscard]] Verb simulate_verb(App&);
+[[nodiscard]] Verb allan_verb(App&);
+[[nodiscard]] Verb calibrate_verb(App&);
+[[nodiscard]] Verb plan_verb(App&);
+[[nodiscard]] Verb accuracy_verb(App&);
+[[nodiscard]] Verb paper_verb(App&);
+[[nodiscard]] Verb navigate_verb(App&);
+[[nodiscard]] Verb budget_verb(App&);
+[[nodiscard]] Verb fly_verb(App&);
 
 // Options that verbs share.
-void add_common(CLI::App&, Common&, bool has_json = true);
-void add_pictures(CLI::App&, Pictures&);
-void add_format(CLI::App&, Texts&, const std::string& help);
-void add_log(CLI::App&, CurveArguments&, Texts&);
-void add_curve(CLI::App&, Texts&, const std::string& default_taus);
+void add_common(App&, Common&, bool has_json = true);
+void add_pictures(App&, Pictures&);
+void add_format(App&, Texts&, const std::string& help);
+void add_log(App&, CurveArguments&, Texts&);
+void add_curve(App&, Texts&, const std::string& default_taus);
 void finish_log(CurveArguments&, const Texts&);
 
 }  // namespace gyrobudget::inline v0::cli

@@ -14,7 +14,7 @@
 namespace gyrobudget::inline v0::cli {
 namespace {
 
-CLI::App* add_navigate(CLI::App& app, NavigateArguments& a, Texts&) {
+App* add_navigate(App& app, NavigateArguments& a, Texts&) {
   auto* verb = app.add_subcommand(
       "navigate",
       "From a recorded IMU log, with GNSS, barometer or a reference, to position, velocity and attitude.\n\n"
@@ -36,7 +36,7 @@ CLI::App* add_navigate(CLI::App& app, NavigateArguments& a, Texts&) {
   return verb;
 }
 
-CLI::App* add_budget(CLI::App& app, BudgetArguments& a, Texts& texts) {
+App* add_budget(App& app, BudgetArguments& a, Texts& texts) {
   auto* verb = app.add_subcommand(
       "budget",
       "What each error source costs along a planned scene, in metres and degrees, by linear covariance.\n\n"
@@ -55,7 +55,7 @@ CLI::App* add_budget(CLI::App& app, BudgetArguments& a, Texts& texts) {
   auto* how = verb->add_option_group("Method");
   how->add_option("--tolerance", a.tolerance,
                   "sources that together change no total by more than this fraction are left out and listed")
-      ->check(CLI::Range(0.0, 0.5))
+      ->check(Range{0.0, 0.5})
       ->capture_default_str();
   how->add_flag("--keep-all", a.keep_all, "leave nothing out");
   how->add_option("--step", texts.step, "of the covariance [1/200 of the scene, at most 1 s below an hour]")
@@ -65,7 +65,7 @@ CLI::App* add_budget(CLI::App& app, BudgetArguments& a, Texts& texts) {
   how->add_flag("--exact", a.exact,
                 "each source again by integrals over its structure function, without states for 1/f");
   how->add_option("--runs", a.runs, "Monte Carlo of the whole chain, not linearised; 0: none")
-      ->check(CLI::Range(0, 1000000))
+      ->check(Range{0, 1000000})
       ->capture_default_str();
   how->add_flag("--each-source", a.each_source, "as many runs of each source of the table alone")->needs("--runs");
   how->add_option("--seed", texts.seed, "of its random numbers")->capture_default_str();
@@ -83,7 +83,7 @@ void finish(BudgetArguments& a, const Texts& texts) {
   a.seed = seed(texts.seed);
 }
 
-CLI::App* add_fly(CLI::App& app, FlyArguments& a, Texts& texts) {
+App* add_fly(App& app, FlyArguments& a, Texts& texts) {
   auto* verb = app.add_subcommand(
       "fly",
       "A launch vehicle in closed loop, steered by what its sensors tell.\n\n"
@@ -96,7 +96,7 @@ CLI::App* add_fly(CLI::App& app, FlyArguments& a, Texts& texts) {
       ->type_name("FILE")
       ->allow_extra_args(false);
   verb->add_option("--runs", a.runs, "Monte Carlo flights of each kind: sensors alone, vehicle alone, both; 0: none")
-      ->check(CLI::Range(0, 1000000))
+      ->check(Range{0, 1000000})
       ->capture_default_str();
   verb->add_option("--seed", texts.seed, "of the random numbers; printed into every output")->capture_default_str();
   auto* out = verb->add_option_group("Output");
@@ -119,8 +119,8 @@ void finish(NavigateArguments&, const Texts&) {}
 
 }  // namespace
 
-Verb navigate_verb(CLI::App& app) { return make_verb<NavigateArguments>(app, add_navigate, finish); }
-Verb budget_verb(CLI::App& app) { return make_verb<BudgetArguments>(app, add_budget, finish); }
-Verb fly_verb(CLI::App& app) { return make_verb<FlyArguments>(app, add_fly, finish); }
+Verb navigate_verb(App& app) { return make_verb<NavigateArguments>(app, add_navigate, finish); }
+Verb budget_verb(App& app) { return make_verb<BudgetArguments>(app, add_budget, finish); }
+Verb fly_verb(App& app) { return make_verb<FlyArguments>(app, add_fly, finish); }
 
 }  // namespace gyrobudget::inline v0::cli

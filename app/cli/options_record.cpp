@@ -18,7 +18,7 @@ namespace {
 
 using noise::Term;
 
-void add_estimators(CLI::App& app, Texts& texts) {
+void add_estimators(App& app, Texts& texts) {
   auto* group = app.add_option_group("Estimator");
   group
       ->add_option(
@@ -34,20 +34,20 @@ void add_estimators(CLI::App& app, Texts& texts) {
       ->capture_default_str();
 }
 
-void add_segments(CLI::App& app, Texts& texts, std::string_view use) {
+void add_segments(App& app, Texts& texts, std::string_view use) {
   app.add_option_group("Segments")
       ->add_option("--segments", texts.gap,
                    fmt::format("cut each log where more than this is missing, or time goes back, and {}", use))
       ->type_name("GAP");
 }
 
-void add_views(CLI::App& app, Texts& texts) {
+void add_views(App& app, Texts& texts) {
   auto* group = app.add_option_group("Other views, for --report and --json");
   group
       ->add_option(
           "--psd", texts.psd,
           "root of the two-sided power spectral density, deg/h/sqrt(Hz) for a gyro, by welch or multitaper (sine tapers)")
-      ->check(CLI::IsMember({"welch", "multitaper"}))
+      ->check(IsMember{{"welch", "multitaper"}})
       ->type_name("METHOD");
   group->add_option("--dynamic", texts.window, "Allan deviation over time, of windows of this length")
       ->type_name("WINDOW");
@@ -67,7 +67,7 @@ void finish_views(AllanArguments& a, const Texts& texts) {
     throw std::invalid_argument(fmt::format("{} needs the whole log; leave out --stream and --follow", option));
 }
 
-void add_streaming(CLI::App& app, AllanArguments& a) {
+void add_streaming(App& app, AllanArguments& a) {
   auto* group = app.add_option_group("Endless logs");
   group->add_flag("--stream", a.stream, "read in constant memory: oadev at octaves, terms every m/16 samples");
   group->add_flag(
@@ -108,7 +108,7 @@ void finish(AllanArguments& a, const Texts& texts) {
   }
 }
 
-CLI::App* add_allan(CLI::App& app, AllanArguments& a, Texts& texts) {
+App* add_allan(App& app, AllanArguments& a, Texts& texts) {
   auto* verb = app.add_subcommand(
       "allan",
       "Allan deviation of a log, with degrees of freedom and 95 % intervals.\n\n"
@@ -129,7 +129,7 @@ CLI::App* add_allan(CLI::App& app, AllanArguments& a, Texts& texts) {
   return verb;
 }
 
-CLI::App* add_calibrate(CLI::App& app, CalibrateArguments& a, Texts& texts) {
+App* add_calibrate(App& app, CalibrateArguments& a, Texts& texts) {
   auto* verb = app.add_subcommand(
       "calibrate",
       "From a static log to the datasheet: ARW, bias instability and RRW with intervals and a verdict.\n\n"
@@ -154,7 +154,7 @@ CLI::App* add_calibrate(CLI::App& app, CalibrateArguments& a, Texts& texts) {
   fit->add_option(
          "--method", texts.method,
          "gls: least squares with the exact covariance; edf: each tau's own variance; loglog: no weights; slope, visual: read off the plot, to compare; whittle: likelihood of the record")
-      ->check(CLI::IsMember({"gls", "edf", "loglog", "slope", "visual", "whittle"}))
+      ->check(IsMember{{"gls", "edf", "loglog", "slope", "visual", "whittle"}})
       ->capture_default_str();
   fit->add_flag("--cross-check", a.options.cross_check,
                 "fit the likelihood of the record too, and say whether the two agree");
@@ -162,7 +162,7 @@ CLI::App* add_calibrate(CLI::App& app, CalibrateArguments& a, Texts& texts) {
          "--mask", texts.mask,
          "leave out of the fit what is found in the record: outliers, steps (all but the longest part without one), warm-up")
       ->delimiter(',')
-      ->check(CLI::IsMember({"outliers", "steps", "warm-up"}))
+      ->check(IsMember{{"outliers", "steps", "warm-up"}})
       ->type_name("outliers,steps,warm-up");
   fit->add_option("--tau-min", texts.tau_min, "shortest tau to fit [start of the longest run the model describes]")
       ->type_name("TIME");
@@ -252,7 +252,7 @@ void finish(CalibrateArguments& a, const Texts& texts) {
 
 }  // namespace
 
-Verb allan_verb(CLI::App& app) { return make_verb<AllanArguments>(app, add_allan, finish); }
-Verb calibrate_verb(CLI::App& app) { return make_verb<CalibrateArguments>(app, add_calibrate, finish); }
+Verb allan_verb(App& app) { return make_verb<AllanArguments>(app, add_allan, finish); }
+Verb calibrate_verb(App& app) { return make_verb<CalibrateArguments>(app, add_calibrate, finish); }
 
 }  // namespace gyrobudget::inline v0::cli

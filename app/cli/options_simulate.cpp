@@ -45,13 +45,13 @@ std::vector<std::string> names(const std::map<std::string, Value>& map) {
   return list;
 }
 
-void add_model(CLI::App& app, SimulateArguments& a, Texts& texts) {
+void add_model(App& app, SimulateArguments& a, Texts& texts) {
   auto* group = app.add_option_group("Model");
   group
       ->add_option(
           "--model", a.model_name,
           "spectral: exact, the whole record in memory; gauss-markov: 1/f as a sum of Gauss-Markov processes; 1: Jerath's filter; 2: MATLAB's imuSensor; 3: Bielas. All but spectral stream in constant memory")
-      ->check(CLI::IsMember(names(kModels)))
+      ->check(IsMember{names(kModels)})
       ->capture_default_str();
   group
       ->add_option(
@@ -61,20 +61,20 @@ void add_model(CLI::App& app, SimulateArguments& a, Texts& texts) {
   group
       ->add_option("--noise-type", texts.noise_type,
                    "model 2: double-sided makes N smaller and K larger by 1.414, as imuSensor does [double-sided]")
-      ->check(CLI::IsMember({"double-sided", "single-sided"}));
+      ->check(IsMember{{"double-sided", "single-sided"}});
   group
       ->add_option(
           "--variant", texts.variant,
           "model 3: what bias instability is; integrated_legacy is what the paper did, a random walk of 60 B sqrt(dt) deg/h/sqrt(h) [integrated_legacy]")
-      ->check(CLI::IsMember(names(kVariants)));
+      ->check(IsMember{names(kVariants)});
   group
       ->add_option("--rrw", texts.rrw,
                    "model 3: the sensor's rate random walk besides [off for integrated_legacy, else on]")
-      ->check(CLI::IsMember({"on", "off"}));
+      ->check(IsMember{{"on", "off"}});
   group->add_option("--correlation-time", texts.correlation_time, "model 3, gauss_markov [100 s]")->type_name("TIME");
 }
 
-void add_flight(CLI::App& app, Texts& texts) {
+void add_flight(App& app, Texts& texts) {
   auto* group = app.add_option_group("A whole IMU in motion");
   group
       ->add_option(
@@ -85,18 +85,18 @@ void add_flight(CLI::App& app, Texts& texts) {
   group->add_option("--fixes", texts.fixes, "write what the scene's aids measure, with their errors: DEVICE.csv there")
       ->type_name("FOLDER");
   group->add_option("--attitude", texts.attitude, "form of the attitude in --truth [quaternion]")
-      ->check(CLI::IsMember({"quaternion", "euler"}));
+      ->check(IsMember{{"quaternion", "euler"}});
   group
       ->add_option("--input", texts.flight_input,
                    "what the log is to hold: rate (and specific force), or increment (angle and velocity) [rate]")
-      ->check(CLI::IsMember({"rate", "increment"}));
+      ->check(IsMember{{"rate", "increment"}});
   group->add_option("--vibration", texts.vibration, "level for vibration rectification, rms, e.g. \"2 g\" [0]")
       ->type_name("LEVEL");
   group->add_option("--run", texts.run, "another turn-on of the IMU: all that is drawn is drawn anew [0]")
       ->type_name("N");
 }
 
-CLI::App* add_simulate(CLI::App& app, SimulateArguments& a, Texts& texts) {
+App* add_simulate(App& app, SimulateArguments& a, Texts& texts) {
   auto* verb = app.add_subcommand(
       "simulate",
       "Simulates the log of a sensor at rest, or of a whole IMU along a trajectory.\n\n"
@@ -254,6 +254,6 @@ void finish(SimulateArguments& a, const Texts& texts) {
 
 }  // namespace
 
-Verb simulate_verb(CLI::App& app) { return make_verb<SimulateArguments>(app, add_simulate, finish); }
+Verb simulate_verb(App& app) { return make_verb<SimulateArguments>(app, add_simulate, finish); }
 
 }  // namespace gyrobudget::inline v0::cli

@@ -17,7 +17,7 @@
 namespace gyrobudget::inline v0::cli {
 namespace {
 
-CLI::App* add_plan(CLI::App& app, PlanArguments& a, Texts& texts) {
+App* add_plan(App& app, PlanArguments& a, Texts& texts) {
   auto* verb = app.add_subcommand("plan",
                                   "How long to record for a wanted accuracy, or what accuracy a recording buys.\n\n"
                                   "  gyrobudget plan examples/sensors/mems.yaml --want B=10%\n"
@@ -39,7 +39,7 @@ void finish(PlanArguments& a, const Texts& texts) {
   for (const auto& text : texts.wishes) a.wishes.push_back(wish(text));
 }
 
-CLI::App* add_accuracy(CLI::App& app, AccuracyArguments& a, Texts& texts) {
+App* add_accuracy(App& app, AccuracyArguments& a, Texts& texts) {
   auto* verb = app.add_subcommand(
       "accuracy",
       "How wrong the fits are: simulates records of known truth and compares.\n\n"
@@ -57,8 +57,8 @@ CLI::App* add_accuracy(CLI::App& app, AccuracyArguments& a, Texts& texts) {
   verb->add_option("--terms", texts.terms, "terms to fit, of Q,N,B,K,R [N,B,K, and Q and R where the sensor has them]")
       ->type_name("LIST");
   verb->add_option("--axis", texts.axis, "which of the sensor's two; gyro_x and so on where its axes differ")
-      ->check(CLI::IsMember({"gyro", "gyro_x", "gyro_y", "gyro_z", "accelerometer", "accelerometer_x",
-                             "accelerometer_y", "accelerometer_z"}))
+      ->check(IsMember{{"gyro", "gyro_x", "gyro_y", "gyro_z", "accelerometer", "accelerometer_x", "accelerometer_y",
+                        "accelerometer_z"}})
       ->type_name("NAME")
       ->capture_default_str();
   verb->add_option("--seed", texts.seed, "of the random numbers; printed into every output")->capture_default_str();
@@ -70,7 +70,7 @@ CLI::App* add_accuracy(CLI::App& app, AccuracyArguments& a, Texts& texts) {
   verb->add_flag("--sweep", a.sweep,
                  "error against run time instead: over methods, taus an octave, strides and record lengths");
   verb->add_option("--longest", a.longest, "longest record of the sweep, samples from 1e4 to 1e8 [1e7]")
-      ->check(CLI::Range(1e4, 1e8))
+      ->check(Range{1e4, 1e8})
       ->type_name("N");
   add_common(*verb, a.common);
   return verb;
@@ -115,7 +115,7 @@ void finish(AccuracyArguments& a, const Texts& texts) {
   finish_sweep(a, texts);
 }
 
-CLI::App* add_paper(CLI::App& app, PaperArguments& a, Texts& texts) {
+App* add_paper(App& app, PaperArguments& a, Texts& texts) {
   auto* verb =
       app.add_subcommand("paper",
                          "The tables and figures of Nunes et al. beside ours, and why they differ: gyro noise,\n"
@@ -133,8 +133,8 @@ void finish(PaperArguments& a, const Texts& texts) { a.seed = seed(texts.seed); 
 
 }  // namespace
 
-Verb plan_verb(CLI::App& app) { return make_verb<PlanArguments>(app, add_plan, finish); }
-Verb accuracy_verb(CLI::App& app) { return make_verb<AccuracyArguments>(app, add_accuracy, finish); }
-Verb paper_verb(CLI::App& app) { return make_verb<PaperArguments>(app, add_paper, finish); }
+Verb plan_verb(App& app) { return make_verb<PlanArguments>(app, add_plan, finish); }
+Verb accuracy_verb(App& app) { return make_verb<AccuracyArguments>(app, add_accuracy, finish); }
+Verb paper_verb(App& app) { return make_verb<PaperArguments>(app, add_paper, finish); }
 
 }  // namespace gyrobudget::inline v0::cli

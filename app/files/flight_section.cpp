@@ -13,7 +13,6 @@
 namespace gyrobudget::inline v0::files {
 namespace {
 
-using flight::LookupTable;
 using noise::Dimension;
 using YAML::Node;
 namespace dimension = noise::dimension;

@@ -24,7 +24,6 @@ namespace {
 using Eigen::Vector3d;
 using navigation::Aid;
 using navigation::FromAid;
-using noise::Dimension;
 using YAML::Node;
 namespace dimension = noise::dimension;
 

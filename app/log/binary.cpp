@@ -179,7 +179,7 @@ std::size_t npy_header_bytes(std::string_view name, std::string_view head) {
                            head.size()));
   };
   if (head.size() < kShortPrefix) cut();
-  const int version = head[kMagic.size()];
+  const int version = static_cast<unsigned char>(head[kMagic.size()]);
   if (version < 1 || version > 3) {
     text::fail(name, fmt::format("is a .npy of version {}, expected 1 to 3; save it again with numpy.save", version));
   }

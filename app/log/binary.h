@@ -34,7 +34,7 @@ struct BinaryLayout {
 /// What the whole header says.
 /// @throws InputError for a header that ends early or is not as NumPy writes it, numbers that are not little-endian f4
 /// or f8, Fortran order, or an array of other than one or two dimensions.
-[[nodiscard]] BinaryLayout read_npy_header(std::string_view name, std::string_view header);
+[[nodiscard]] BinaryLayout read_npy_header(std::string_view name, std::string_view bytes);
 
 /// The header of an array of `rows` x `columns` (1-D for one column), of a length that NumPy's own have.
 [[nodiscard]] std::string npy_header(std::uint64_t rows, std::size_t columns, bool is_double);

@@ -31,10 +31,9 @@ using report::PaperHypothesis;
 using report::PaperPath;
 using report::PaperRow;
 
-constexpr std::array kIds{"ideal", "ifog", "mems"}, kNames{"ideal gyro", "IFOG", "MEMS"};
+constexpr std::array kIds{"ideal", "ifog", "mems"}, kGyroNames{"ideal gyro", "IFOG", "MEMS"};
 constexpr double kPublishedYaw = 0.4;  // [deg], "less than"
-constexpr int kRuns = 48;              // flights with one gyro
-constexpr double kKm = 1000;
+constexpr int kFlights = 48;           // flights with one gyro
 
 // --- Paths -------------------------------------------------------------------------------------------------
 
@@ -86,7 +85,7 @@ struct Flown {
 
 Flown fly_gyro(const PaperSetting& setting, const TiltResponse& response, const noise::ErrorModel& gyro,
                std::uint64_t seed) {
-  Flown result{.study = fly_many(setting, gyro, noisy(gyro) ? kRuns : 0, seed)};
+  Flown result{.study = fly_many(setting, gyro, noisy(gyro) ? kFlights : 0, seed)};
   result.covariance = response.covariance(gyro);
   const auto& s = result.study;
   if (!noisy(gyro)) {
@@ -143,7 +142,7 @@ std::vector<PaperRow> distance_rows(const std::array<Flown, kPaperGyros>& flown,
        .unit = "m",
        .ours = flown[2].rms_crossrange,
        .theory = std::sqrt(C.col(1).dot(flown[2].covariance * C.col(1))),
-       .scatter = around(std::sqrt(C.col(1).dot(flown[2].covariance * C.col(1))), 1.96 / std::sqrt(2.0 * kRuns)),
+       .scatter = around(std::sqrt(C.col(1).dot(flown[2].covariance * C.col(1))), 1.96 / std::sqrt(2.0 * kFlights)),
        .why = "The figure's trajectories lie in one plane. They do: noise takes them out of it by metres."});
   rows.push_back(
       {.id = "fig9.reference.reach_km",
@@ -158,7 +157,7 @@ std::vector<PaperRow> distance_rows(const std::array<Flown, kPaperGyros>& flown,
     const double trace = flown[i].covariance.trace();
     const double theory = std::sqrt(expected.squaredNorm() + trace);
     PaperRow row{.id = fmt::format("fig9.{}.distance_km", kIds[i]),
-                 .group = kNames[i],
+                 .group = kGyroNames[i],
                  .what = "distance from the reference",
                  .unit = "km",
                  .published = kPublishedKm[i],
@@ -172,22 +171,22 @@ std::vector<PaperRow> distance_rows(const std::array<Flown, kPaperGyros>& flown,
     if (i == 0) continue;
     rows.push_back(
         {.id = fmt::format("fig9.{}.from_ideal_m", kIds[i]),
-         .group = kNames[i],
+         .group = kGyroNames[i],
          .what = "distance from the ideal gyro's flight, rms",
          .unit = "m",
          .ours = flown[i].rms_from_ideal,
          .theory = std::sqrt(trace),
-         .scatter = around(std::sqrt(trace), spread(flown[i].covariance, kRuns)),
+         .scatter = around(std::sqrt(trace), spread(flown[i].covariance, kFlights)),
          .why = "What the gyro does to the flight: its angle random walk turns the nose, and thrust does the rest."});
     const auto& total = flown[i].study.budget->total.back();
     const Matrix3d navigation = total.topLeftCorner<3, 3>();
     rows.push_back({.id = fmt::format("fig9.{}.navigation_m", kIds[i]),
-                    .group = kNames[i],
+                    .group = kGyroNames[i],
                     .what = "navigation's error of position, rms",
                     .unit = "m",
                     .ours = flown[i].rms_navigation,
                     .theory = std::sqrt(navigation.trace()),
-                    .scatter = around(std::sqrt(navigation.trace()), spread(navigation, kRuns)),
+                    .scatter = around(std::sqrt(navigation.trace()), spread(navigation, kFlights)),
                     .why = "Against truth, with perfect accelerometers. Theory: linear covariance in open loop."});
   }
   return rows;
@@ -247,7 +246,7 @@ PaperRow yaw_row(std::size_t i, const FlightRecord& flown, const FlightRecord& i
   const double sigma = angle_sigma(gyro, flown.end.t);
   return {
       .id = i == 2 ? "fig10.yaw.max_error_deg" : "fig10.yaw.ifog.max_error_deg",
-      .group = kNames[i],
+      .group = kGyroNames[i],
       .what = "largest error of yaw in a flight (published: less than)",
       .unit = "deg",
       .published = kPublishedYaw,
@@ -262,7 +261,7 @@ PaperRow roll_row(std::size_t i, const FlightRecord& flown, const FlightRecord& 
                   const Plan& plan) {
   return {
       .id = fmt::format("fig10.roll.{}.measured_rms_deg", kIds[i]),
-      .group = kNames[i],
+      .group = kGyroNames[i],
       .what = "measured roll against the program, rms",
       .unit = "deg",
       .ours = degrees(rms(turns(flown, ideal, kRoll, kMeasured))),
@@ -350,7 +349,7 @@ report::PaperFlight figures(const std::array<Flown, kPaperGyros>& flown, const T
     result.paths.push_back(path_of(std::move(id), std::move(name), record, reference, ideal, plan));
   };
   add("reference", "reference", reference);
-  for (std::size_t i = 0; i < kPaperGyros; ++i) add(kIds[i], kNames[i], *flown[i].study.flown);
+  for (std::size_t i = 0; i < kPaperGyros; ++i) add(kIds[i], kGyroNames[i], *flown[i].study.flown);
   const PaperSetting prompt{prompt_plan(), prompt_plan(), {}};
   for (const std::size_t i : {1U, 2U}) {
     const double offset = named(hypotheses, "offset").gyros[i].takes.value_or(0);

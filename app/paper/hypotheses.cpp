@@ -21,7 +21,7 @@ using flight::FlightRecord;
 using flight::Plan;
 using report::PaperHypothesis;
 
-constexpr double kKm = 1000, kHour = 3600;
+constexpr double kHour = 3600;
 constexpr int kNoiseRuns = 10,
               kOtherRuns = 3;  // where noise makes the distance, and where it hardly adds to it
 

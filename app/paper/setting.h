@@ -18,6 +18,7 @@
 namespace gyrobudget::inline v0::paper {
 
 inline constexpr std::size_t kPaperGyros = 3;  ///< ideal, IFOG, MEMS
+inline constexpr double kKm = 1000;
 inline constexpr std::array kPublishedKm{0.20, 4.66, 5.92};
 /// Errors of each; of the ideal gyro none.
 using PaperGyroErrors = std::array<noise::ErrorModel, kPaperGyros>;

@@ -32,7 +32,7 @@ constexpr auto kSamples = static_cast<std::int64_t>(kRate * kDuration);
 constexpr std::int64_t kTausRead = 65;  // ten a decade
 constexpr std::array kTerms{Term::white, Term::flicker, Term::rate_random_walk};
 constexpr std::array kKeys{"arw", "bias_instability", "rrw"};
-constexpr std::array kNames{"ARW", "bias instability", "RRW"};  // as the paper heads its columns
+constexpr std::array kCoefficientNames{"ARW", "bias instability", "RRW"};  // as the paper heads its columns
 
 // Streams of random numbers, one block for each part of the study.
 constexpr std::uint64_t kRecordStreams = 0, kScatterStreams = 1000, kDriftStreams = 100'000;
@@ -226,7 +226,7 @@ PaperRow table1_row(const Simulation& s, const report::PaperRecord& record, cons
   const fit::Coefficient& fitted = (*record.axis.fit)[kTerms[i]];
   return {.id = fmt::format("table1.{}.{}", s.id, kKeys[i]),
           .group = s.name,
-          .what = kNames[i],
+          .what = kCoefficientNames[i],
           .unit = unit,
           .published = s.published[i],
           .ours = out(values(record.reading)[i]),

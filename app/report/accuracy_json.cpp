@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "accuracy.h"
+#include "json_text.h"
 #include "page_parts.h"
 #include "words.h"
 
@@ -18,8 +19,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using noise::Term;
-
-Json finite(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 
 std::string key_of(noise::Signal signal, Term term) {
   if (term == Term::gauss_markov || term == Term::sinusoid) return {static_cast<char>(term)};

@@ -12,6 +12,7 @@
 
 #include "budget.h"
 #include "budget_words.h"
+#include "json_text.h"
 #include "page_parts.h"
 #include "sensor_words.h"
 
@@ -22,13 +23,7 @@ using Json = nlohmann::ordered_json;
 using budget::Component;
 using navigation::CoreMatrix;
 
-constexpr double kDegree = earth::kDegree;
-
-Json finite(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
-
-double position_rss(const BudgetResult& r, const CoreMatrix& P) {
-  return r.study.axes.position_sigma(P, Component::rss);
-}
+using earth::kDegree;
 
 Json position_json(const BudgetResult& r, const CoreMatrix& P) {
   Json out;

@@ -24,7 +24,7 @@ using budget::Component;
 using budget::kBandOfOne;
 using navigation::CoreMatrix;
 
-constexpr double kDegree = earth::kDegree;
+using earth::kDegree;
 
 std::string title(const BudgetResult& r) {
   const std::string name = r.name.empty() ? r.scene : r.name;
@@ -44,10 +44,6 @@ std::vector<std::size_t> order(const BudgetResult& r, const std::vector<double>&
   std::iota(by_share.begin(), by_share.end(), std::size_t{0});
   std::stable_sort(by_share.begin(), by_share.end(), [&](std::size_t a, std::size_t b) { return share[a] > share[b]; });
   return by_share;
-}
-
-double position_rss(const BudgetResult& r, const CoreMatrix& P) {
-  return r.study.axes.position_sigma(P, Component::rss);
 }
 
 // Position columns. In a launch to the east downrange and crossrange are east and north: they are not said twice.

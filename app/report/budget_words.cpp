@@ -35,6 +35,10 @@ void note_runs(std::vector<std::string>& notes, const budget::Study& s) {
 
 }  // namespace
 
+double position_rss(const BudgetResult& result, const navigation::CoreMatrix& P) {
+  return result.study.axes.position_sigma(P, budget::Component::rss);
+}
+
 std::vector<std::string> far_words(const budget::Study& study, const budget::AllRatios& ratios) {
   std::vector<std::string> list;
   for (const auto& far : ratios.far)

@@ -15,6 +15,9 @@ namespace gyrobudget::inline v0::report {
 inline constexpr std::array kQuantities{"position", "velocity", "attitude"};
 inline constexpr std::array kAxisNames{"east", "north", "up"};
 
+/// Root sum square of the position's sigmas [m].
+[[nodiscard]] double position_rss(const BudgetResult& result, const navigation::CoreMatrix& P);
+
 /// "gyro.arw, attitude up 1.31": ratios that lie outside of the band of all.
 [[nodiscard]] std::vector<std::string> far_words(const budget::Study& study, const budget::AllRatios& ratios);
 

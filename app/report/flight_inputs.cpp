@@ -11,7 +11,7 @@
 namespace gyrobudget::inline v0::report {
 namespace {
 
-constexpr double kDegree = earth::kDegree;
+using earth::kDegree;
 constexpr int kDigits = 6;
 
 // As short as six digits allow: these numbers were typed, not computed.

@@ -33,10 +33,9 @@ using flight::FlightPoint;
 using flight::FlightRecord;
 using navigation::CoreMatrix;
 
-constexpr double kDegree = earth::kDegree;
+using earth::kDegree;
 
 Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
-Json finite(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 Json list_of(const Vector3d& v) { return Json::array({finite(v[0]), finite(v[1]), finite(v[2])}); }
 
 // Three components by name, and their root sum square.

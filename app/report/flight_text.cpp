@@ -26,7 +26,7 @@ using closed_loop::Study;
 using Eigen::Vector3d;
 using navigation::CoreMatrix;
 
-constexpr double kDegree = earth::kDegree;
+using earth::kDegree;
 constexpr double kKilo = 1000;
 
 // A table whose first columns are text and all others numbers.

@@ -4,13 +4,14 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cmath>
 
 namespace gyrobudget::inline v0::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kLineWidth = 200;
+constexpr std::size_t kJsonWidth = 200;
 
 void write(const Json& value, std::size_t indent, std::string& out) {
   const bool nested = std::any_of(value.begin(), value.end(), [](const Json& v) { return v.is_structured(); });
@@ -20,7 +21,7 @@ void write(const Json& value, std::size_t indent, std::string& out) {
   }
   if (!nested) {
     const std::string line = compact_json(value);
-    if (indent + line.size() <= kLineWidth || (value.is_array() && value.front().is_number())) {
+    if (indent + line.size() <= kJsonWidth || (value.is_array() && value.front().is_number())) {
       out += line;
       return;
     }
@@ -40,6 +41,8 @@ void write(const Json& value, std::size_t indent, std::string& out) {
 }
 
 }  // namespace
+
+Json finite(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 std::string compact_json(const Json& value) { return value.dump(-1, ' ', false, Json::error_handler_t::replace); }
 

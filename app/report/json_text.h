@@ -7,6 +7,9 @@
 
 namespace gyrobudget::inline v0::report {
 
+/// The number, or null where it is none that JSON has.
+[[nodiscard]] nlohmann::ordered_json finite(double value);
+
 /// On one line. Invalid UTF-8 in names of columns and files is replaced, never an error.
 [[nodiscard]] std::string compact_json(const nlohmann::ordered_json&);
 /// Readable and still dense: a list or object without lists or objects inside stands on one line where it fits, numbers

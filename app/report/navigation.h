@@ -4,6 +4,7 @@
 #include "gyrobudget/estimation/navigation/navigate.h"
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 // A navigation run as people and programs want it. Local axes are east, north, up; attitude errors are rotation
@@ -28,6 +29,9 @@ struct StateText {
   double to_si = 1;  ///< SI of one unit
 };
 [[nodiscard]] StateText state_text(const navigation::Scenario&, const navigation::ErrorTerm&);
+
+/// Unit of what an aid measures.
+[[nodiscard]] std::string_view unit_of(navigation::Aid::Kind);
 
 /// Summary for the terminal.
 [[nodiscard]] std::string navigation_text(const NavigationResult&);

@@ -13,6 +13,7 @@
 #include <functional>
 #include <string_view>
 
+#include "json_text.h"
 #include "navigation.h"
 #include "page_parts.h"
 #include "sensor_words.h"
@@ -25,9 +26,8 @@ using Json = nlohmann::ordered_json;
 using navigation::Aid;
 using navigation::Navigation;
 
-constexpr double kDegree = earth::kDegree;
+using earth::kDegree;
 
-Json finite(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 Json local(const Vector3d& v) { return {{"east", finite(v[0])}, {"north", finite(v[1])}, {"up", finite(v[2])}}; }
 Json list(const Vector3d& v, int rows = 3) {
   Json out = Json::array();
@@ -49,10 +49,6 @@ std::string_view status_text(Navigation::Status status) {
       return "failed";
   }
   return "failed";
-}
-
-std::string_view unit_of(Aid::Kind kind) {
-  return kind == Aid::Kind::attitude ? "deg" : kind == Aid::Kind::position || kind == Aid::Kind::height ? "m" : "m/s";
 }
 
 Json final_json(const navigation::Solution& s) {

@@ -29,18 +29,6 @@ using navigation::Navigation;
 
 std::string_view letter(int axis) { return std::string_view("xyz").substr(static_cast<std::size_t>(axis), 1); }
 
-std::string_view unit_of(Aid::Kind kind) {
-  switch (kind) {
-    case Aid::Kind::position:
-    case Aid::Kind::height:
-      return "m";
-    case Aid::Kind::attitude:
-      return "deg";
-    default:
-      return "m/s";
-  }
-}
-
 StateText aid_state_text(const Aid& aid, const navigation::ErrorTerm& term) {
   constexpr std::array<std::string_view, 3> kLocal{"east", "north", "up"};
   if (term.effect == Effect::time_tag) return {aid.name + " time tag", "ms", 1e-3};
@@ -205,6 +193,18 @@ std::string_view status_word(navigation::Innovation::Status status) {
 }
 
 }  // namespace
+
+std::string_view unit_of(Aid::Kind kind) {
+  switch (kind) {
+    case Aid::Kind::position:
+    case Aid::Kind::height:
+      return "m";
+    case Aid::Kind::attitude:
+      return "deg";
+    default:
+      return "m/s";
+  }
+}
 
 StateText state_text(const navigation::Scenario& scenario, const navigation::ErrorTerm& term) {
   if (term.carrier == Carrier::aid) return aid_state_text(scenario.aids.at(static_cast<std::size_t>(term.aid)), term);

@@ -23,13 +23,9 @@ std::string length(double seconds) {
   return std::isfinite(seconds) ? text::duration_text(seconds, text::DurationForm::planned) : "never";
 }
 
-std::string percent(double relative) {
+std::string accuracy_text(double relative) {
   if (!std::isfinite(relative) || relative > 10) return "> 1000 %";
   return fmt::format("{}{:.3g} %", relative > fit::kBoundReached ? ">= " : "", 100 * relative);
-}
-
-nlohmann::ordered_json number(double x) {
-  return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(nullptr);
 }
 
 std::string rows_text(const fit::Plan& plan) {
@@ -43,7 +39,7 @@ std::string rows_text(const fit::Plan& plan) {
   text += "\n";
   for (const auto& row : plan.rows) {
     text += fmt::format("  {:>10}", length(row.duration_s));
-    for (const double x : row.relative_std) text += fmt::format("  {:>18}", percent(x));
+    for (const double x : row.relative_std) text += fmt::format("  {:>18}", accuracy_text(x));
     text += "\n";
   }
   return text + "\n";
@@ -74,7 +70,7 @@ nlohmann::ordered_json durations_json(const fit::Plan& plan) {
   for (const auto& row : plan.rows) {
     nlohmann::ordered_json entry{{"duration_s", row.duration_s}};
     for (std::size_t i = 0; i < plan.terms.size(); ++i) {
-      entry["relative_std"][std::string(noise::key(kGyro, plan.terms[i].term))] = number(row.relative_std[i]);
+      entry["relative_std"][std::string(noise::key(kGyro, plan.terms[i].term))] = finite(row.relative_std[i]);
     }
     list.push_back(entry);
   }
@@ -86,7 +82,7 @@ nlohmann::ordered_json answers_json(const fit::Plan& plan) {
   for (const auto& answer : plan.answers) {
     list.push_back({{"parameter", noise::key(kGyro, answer.term)},
                     {"relative_std", answer.relative_std},
-                    {"duration_s", number(answer.duration_s)},
+                    {"duration_s", finite(answer.duration_s)},
                     {"lower_bound", answer.relative_std > fit::kBoundReached}});
   }
   return list;

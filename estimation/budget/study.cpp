@@ -74,9 +74,9 @@ class Flights {
   std::int64_t all_, before_ = 0;
 };
 
-class Builder {
+class StudyBuilder {
  public:
-  Builder(const navigation::Scenario& scenario, const earth::Trajectory& trajectory, const Options& options)
+  StudyBuilder(const navigation::Scenario& scenario, const earth::Trajectory& trajectory, const Options& options)
       : scenario_(scenario),
         trajectory_(trajectory),
         options_(options),
@@ -183,7 +183,7 @@ class Builder {
 }  // namespace
 
 Study study(const navigation::Scenario& scenario, const earth::Trajectory& trajectory, const Options& options) {
-  return Builder(scenario, trajectory, options)();
+  return StudyBuilder(scenario, trajectory, options)();
 }
 
 }  // namespace gyrobudget::inline v0::budget

@@ -6,6 +6,7 @@
 #include "gyrobudget/vehicle/flight/detail/actuator.h"
 #include "gyrobudget/vehicle/flight/detail/dynamics.h"
 #include "gyrobudget/vehicle/flight/detail/rosenbrock.h"
+#include "gyrobudget/vehicle/flight/detail/square.h"
 
 #include <boost/numeric/odeint/algebra/vector_space_algebra.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta4.hpp>
@@ -359,17 +360,7 @@ struct Body::Impl {
   template <class D>
   [[nodiscard]] double stiffness_of(const D& system) const {
     Rosenbrock<D::kSize> tool;
-    Eigen::Matrix<double, D::kSize, D::kSize> power =
-        tool.jacobian(system, D::pack(state, increment), state.t, pace.longest, system.scale());
-    double log_norm = 0, weight = 1;
-    for (int k = 0; k < 12; ++k) {  // J^4096, whose norm's root is the spectral radius to 1 %
-      const double norm = power.norm();
-      if (norm == 0) return 0;
-      log_norm += weight * std::log(norm);
-      power = (power / norm).eval() * (power / norm);
-      weight /= 2;
-    }
-    return std::exp(log_norm);
+    return spectral_radius(tool.jacobian(system, D::pack(state, increment), state.t, pace.longest, system.scale()));
   }
   [[nodiscard]] double stiffness(bool with_actuator) const {
     const bool bends = plant.vehicle.bending.has_value();

@@ -8,8 +8,8 @@
 #include <array>
 #include <cmath>
 
+#include "square.h"
 #include <Eigen/Core>
-#include <Eigen/LU>
 
 namespace gyrobudget::inline v0::flight::detail {
 
@@ -18,6 +18,7 @@ namespace gyrobudget::inline v0::flight::detail {
 template <int N>
 class Rosenbrock {
  public:
+  static_assert(N <= kMostStates);
   using X = Eigen::Matrix<double, N, 1>;
 
   /// System is called as system(y, dydt, t).
@@ -25,9 +26,9 @@ class Rosenbrock {
   void step(const System& system, const X& y, double t, double h, const X& scale, X& out, X& error) {
     X f0, ft;
     linearise(system, y, t, h, scale, f0, ft);
-    Eigen::Matrix<double, N, N> w = -jacobian_;
+    Square w = -jacobian_;
     w.diagonal().array() += 1 / (kGamma * h);
-    const Eigen::PartialPivLU<Eigen::Matrix<double, N, N>> lu(w);
+    const Factors factors(w);
     std::array<X, kStages> k;
     X at, f;
     for (std::size_t i = 0; i < kStages; ++i) {
@@ -40,14 +41,14 @@ class Rosenbrock {
       }
       for (std::size_t j = 0; j < i; ++j) f += (kK[i][j] / h) * k[j];
       if (kD[i] != 0) f += (kD[i] * h) * ft;
-      k[i] = lu.solve(f);
+      factors.solve(f.data(), k[i].data());
     }
     out = at + k[5];
     error = k[5];
   }
 
   template <class System>
-  const Eigen::Matrix<double, N, N>& jacobian(const System& system, const X& y, double t, double h, const X& scale) {
+  const Square& jacobian(const System& system, const X& y, double t, double h, const X& scale) {
     X f0, ft;
     linearise(system, y, t, h, scale, f0, ft);
     return jacobian_;
@@ -90,7 +91,7 @@ class Rosenbrock {
     ft = (f - f0) / (later - t);
   }
 
-  Eigen::Matrix<double, N, N> jacobian_;
+  Square jacobian_{N, N};
 };
 
 }  // namespace gyrobudget::inline v0::flight::detail
