@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "json_text.h"
 #include "layout.h"
 
 namespace gyrobudget::inline v0::report {
