@@ -68,6 +68,11 @@ void keep_what_is_there(const std::string& path, const sensor_file::Update& upda
       path, text::listing(held)));
 }
 
+bool has_text(const std::string& path) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error) && std::filesystem::file_size(path, error) > 0;
+}
+
 struct Made {
   std::string text;
   std::vector<std::string> taken;
@@ -84,7 +89,7 @@ Made sensor_text(const Sheet& sheet, const calibration::SensorSummary& summary, 
   const auto comment = [&](const noise::SensorModel& written) {
     return report::provenance(sheet, {summary, a.common.command_line, written});
   };
-  if (!a.update || !std::filesystem::exists(a.output)) {
+  if (!a.update || !has_text(a.output)) {
     keep_what_is_there(a.output, update);
     return {sensor_file::sensor_yaml(summary.sensor, comment(summary.sensor), update.warnings), {}};
   }

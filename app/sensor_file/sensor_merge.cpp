@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "yaml_reader.h"
@@ -27,6 +28,7 @@ using noise::Term;
 constexpr std::size_t kLargest = std::size_t{1} << 20;
 constexpr std::array kTerms{Term::white,     Term::flicker,      Term::rate_random_walk, Term::quantization,
                             Term::rate_ramp, Term::gauss_markov, Term::sinusoid};
+constexpr std::array<std::string_view, 2> kFirstOfComment{"# WARNING: ", "# Fitted by: "};
 constexpr std::array kSignals{Signal::angular_rate, Signal::specific_force};
 
 std::string section_name(Signal signal) { return signal == Signal::angular_rate ? "gyro" : "accelerometer"; }
@@ -73,10 +75,15 @@ std::vector<std::string> lines_of(std::string_view text) {
   return lines;
 }
 
-/// Lines of the comment that a program put at the head: [first, last); empty where there is none.
+/// Lines of the comment that a program put at the head: [first, last); empty where there is none. What stands above its
+/// first line is of somebody else.
 std::pair<std::size_t, std::size_t> head_comment(const std::vector<std::string>& lines) {
-  for (std::size_t i = 0; i < lines.size() && is_filling(lines[i]); ++i)
-    if (lines[i].find(kEndOfComment) != std::string::npos) return {0, i + 1};
+  std::optional<std::size_t> first;
+  for (std::size_t i = 0; i < lines.size() && is_filling(lines[i]); ++i) {
+    const bool begins = std::ranges::any_of(kFirstOfComment, [&](auto word) { return lines[i].starts_with(word); });
+    if (begins && !first) first = i;
+    if (lines[i].find(kEndOfComment) != std::string::npos) return {first.value_or(0), i + 1};
+  }
   return {0, 0};
 }
 

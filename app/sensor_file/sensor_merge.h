@@ -12,8 +12,8 @@
 
 namespace gyrobudget::inline v0::sensor_file {
 
-/// The last line of a comment that a program puts at the head of a sensor file: the comment up to it is replaced with
-/// the numbers it is about; what stands below is its owner's.
+/// The last line of a comment that a program puts at the head of a sensor file, which begins with "WARNING: " or
+/// "Fitted by: ". It is replaced with the numbers it is about; what stands above and below is its owner's.
 inline constexpr std::string_view kEndOfComment = "(written by gyrobudget calibrate up to here; --update replaces it)";
 
 /// New noise coefficients, and what goes to the head of the file.

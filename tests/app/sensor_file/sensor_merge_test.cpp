@@ -105,6 +105,8 @@ TEST_F(SensorMerge, ReplacesLinesOfCoefficientsAndLeavesTheOthers) {
   EXPECT_EQ(file_now.lever_arm, before.lever_arm);
   // A second time nothing but the numbers changes: the comment takes the place of the first.
   EXPECT_EQ(merged(path("merged.yaml"), fitted()).text, result.text);
+  // So does what its owner writes above it.
+  EXPECT_EQ(merged(file("above.yaml", "# mine\n\n" + result.text), fitted()).text, "# mine\n\n" + result.text);
 }
 
 TEST_F(SensorMerge, PutsWarningsANameAndANewTriadIn) {
