@@ -192,7 +192,7 @@ App* add_calibrate(App& app, CalibrateArguments& a, Texts& texts) {
          "over how long that walk stands for bias instability: as long as the estimator relies on a bias [100 s]")
       ->needs(kalibr)
       ->type_name("TIME");
-  out->add_option("--name", a.name, "the sensor's name in these files [name of the log]");
+  out->add_option("--name", a.name, "the sensor's name in these files [of the log; with --update the file's stays]");
   add_pictures(*verb, a.pictures);
   add_common(*verb, a.common);
   return verb;

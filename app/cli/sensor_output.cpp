@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <initializer_list>
 #include <stdexcept>
 #include <utility>
 
@@ -53,8 +54,10 @@ sensor_file::Update everything() {
 }
 
 // A file that says more than the new one would is not overwritten.
-void keep_what_is_there(const std::string& path, const sensor_file::Update& update) {
-  const auto held = [&] {
+// @param perhaps  keys of a triad that the new one may have too
+void keep_what_is_there(const std::string& path, const sensor_file::Update& update,
+                        std::initializer_list<std::string_view> perhaps = {}) {
+  auto held = [&] {
     try {
       return sensor_file::held_beyond(path, update);
     } catch (const text::InputError& error) {
@@ -62,10 +65,18 @@ void keep_what_is_there(const std::string& path, const sensor_file::Update& upda
           "{}: it exists and is no sensor file, so it is not overwritten ({}); give another name", path, error.what()));
     }
   }();
+  std::erase_if(held, [&](const std::string& key) {
+    return std::ranges::find(perhaps, std::string_view(key).substr(key.find('.') + 1)) != perhaps.end();
+  });
   if (held.empty()) return;
   throw text::OutputError(fmt::format(
       "{}: it holds {}, which this record does not tell and a new file would lose; --update puts the new coefficients into it and keeps the rest",
       path, text::listing(held)));
+}
+
+bool has_text(const std::string& path) {
+  std::error_code error;
+  return std::filesystem::is_regular_file(path, error) && std::filesystem::file_size(path, error) > 0;
 }
 
 struct Made {
@@ -84,7 +95,7 @@ Made sensor_text(const Sheet& sheet, const calibration::SensorSummary& summary, 
   const auto comment = [&](const noise::SensorModel& written) {
     return report::provenance(sheet, {summary, a.common.command_line, written});
   };
-  if (!a.update || !std::filesystem::exists(a.output)) {
+  if (!a.update || !has_text(a.output)) {
     keep_what_is_there(a.output, update);
     return {sensor_file::sensor_yaml(summary.sensor, comment(summary.sensor), update.warnings), {}};
   }
@@ -132,7 +143,7 @@ int conclude(const Sheet& sheet, const CalibrateArguments& a) {
 }  // namespace
 
 void check_sensor_output(const CalibrateArguments& a) {
-  if (!a.output.empty() && !a.update) keep_what_is_there(a.output, everything());
+  if (!a.output.empty() && !a.update) keep_what_is_there(a.output, everything(), {"filter", "temperature"});
 }
 
 int tell(const calibration::Datasheet& sheet, std::vector<std::string> notes, const CalibrateArguments& a) {

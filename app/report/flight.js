@@ -178,7 +178,7 @@
   function fillNavigation() {
     const error = chosen.navigation_error;
     byId("navigation-text").textContent = !error ? "None: the flight is too short to navigate."
-      : error.sources.length === 0 ? `${chosen.label}: nothing errs.`
+      : error.sources.length === 0 ? `${chosen.label}: nothing errs. ${chosen.not_stated_text}`
       : `${chosen.label}: at the end the position is within ${number(error.position_m.rss, 3)} m, the velocity within ${number(error.velocity_m_s.rss, 3)} m/s and the attitude within ${number(error.attitude_deg.total, 3)} deg, one sigma (root sum square of three axes), by linear covariance along the nominal flight.`;
     byId("sources").replaceChildren();
     byId("check").replaceChildren();

@@ -185,7 +185,8 @@ std::string navigation_error(const FlightResult& r, const std::string& name) {
   std::string out =
       fmt::format("\nNavigation error at the end of the nominal flight, one sigma by linear covariance: {}\n", name);
   if (!s.budget) return out + "  none: the flight is too short to navigate\n";
-  if (s.budget->lines.empty()) return out + "  none: nothing errs\n";
+  const std::string not_in_it = wrapped(not_stated_text(r.not_stated, kThisTotal), "  ", "  ");
+  if (s.budget->lines.empty()) return out + "  none: nothing errs\n" + not_in_it;
   const std::size_t last = s.budget->times.size() - 1;
   const std::vector<double> share = budget::shares(*s.budget, last);
   std::vector<std::size_t> order(share.size());
@@ -202,7 +203,7 @@ std::string navigation_error(const FlightResult& r, const std::string& name) {
   if (s.sensors.complete() > 1)
     table.row(error_row(fmt::format("found in {} flights", count_text(s.sensors.complete())), s,
                         s.sensors.navigation_error(), ""));
-  out += table.text() + wrapped(not_stated_text(r.not_stated, kThisTotal), "  ", "  ") + check_text(s);
+  out += table.text() + not_in_it + check_text(s);
   for (const auto& l : s.left_out) out += wrapped(fmt::format("not in it: {}: {}", l.what, l.why), "  - ", "    ");
   return out;
 }

@@ -11,7 +11,7 @@
 #include <array>
 #include <cstddef>
 #include <filesystem>
-#include <map>
+#include <optional>
 #include <utility>
 
 #include "yaml_reader.h"
@@ -27,6 +27,7 @@ using noise::Term;
 constexpr std::size_t kLargest = std::size_t{1} << 20;
 constexpr std::array kTerms{Term::white,     Term::flicker,      Term::rate_random_walk, Term::quantization,
                             Term::rate_ramp, Term::gauss_markov, Term::sinusoid};
+constexpr std::array<std::string_view, 2> kFirstOfComment{"# WARNING: ", "# Fitted by: "};
 constexpr std::array kSignals{Signal::angular_rate, Signal::specific_force};
 
 std::string section_name(Signal signal) { return signal == Signal::angular_rate ? "gyro" : "accelerometer"; }
@@ -51,15 +52,6 @@ bool decides(const Update& update, Signal signal, Term term) {
          (is_fitted(update, signal, Term::flicker) || is_fitted(update, signal, Term::rate_random_walk));
 }
 
-void copy(const ErrorModel& from, Term term, ErrorModel& to) {
-  if (term == Term::gauss_markov)
-    to.gauss_markov = from.gauss_markov;
-  else if (term == Term::sinusoid)
-    to.sinusoids = from.sinusoids;
-  else
-    to[term] = from[term];
-}
-
 bool is_comment(std::string_view line) { return text::trim(line).starts_with('#'); }
 bool is_filling(std::string_view line) { return text::trim(line).empty() || is_comment(line); }
 
@@ -73,10 +65,15 @@ std::vector<std::string> lines_of(std::string_view text) {
   return lines;
 }
 
-/// Lines of the comment that a program put at the head: [first, last); empty where there is none.
+/// Lines of the comment that a program put at the head: [first, last); empty where there is none. What stands above its
+/// first line is of somebody else.
 std::pair<std::size_t, std::size_t> head_comment(const std::vector<std::string>& lines) {
-  for (std::size_t i = 0; i < lines.size() && is_filling(lines[i]); ++i)
-    if (lines[i].find(kEndOfComment) != std::string::npos) return {0, i + 1};
+  std::optional<std::size_t> first;
+  for (std::size_t i = 0; i < lines.size() && is_filling(lines[i]); ++i) {
+    const bool begins = std::ranges::any_of(kFirstOfComment, [&](auto word) { return lines[i].starts_with(word); });
+    if (begins && !first) first = i;
+    if (lines[i].find(kEndOfComment) != std::string::npos) return {first.value_or(0), i + 1};
+  }
   return {0, 0};
 }
 
@@ -136,19 +133,30 @@ std::vector<Entry> entries_of(const YAML::Node& map, std::size_t end, const std:
   return entries;
 }
 
-/// The lines of a term in a section of the project's own writing.
-std::map<std::string, std::vector<std::string>> written_terms(const ErrorModel& model, Signal signal) {
-  ErrorModel noise;
-  for (const Term term : kTerms) copy(model, term, noise);
-  std::map<std::string, std::vector<std::string>> terms;
+/// The keys of a section of the project's own writing, in their order, with the lines of each.
+struct Written {
   std::string key;
-  for (const std::string& line : lines_of(detail::triad_yaml(noise, signal))) {
-    constexpr std::size_t kIndent = 2;
+  std::vector<std::string> lines;
+};
+std::vector<Written> written(const ErrorModel& model, Signal signal) {
+  constexpr std::size_t kIndent = 2;
+  std::vector<Written> keys;
+  for (const std::string& line : lines_of(detail::triad_yaml(model, signal))) {
     if (!line.starts_with("  ")) continue;
-    if (line[kIndent] != ' ') key = line.substr(kIndent, line.find(':') - kIndent);
-    terms[key].push_back(line.substr(kIndent));
+    if (line[kIndent] != ' ') keys.push_back({line.substr(kIndent, line.find(':') - kIndent), {}});
+    keys.back().lines.push_back(line.substr(kIndent));
   }
-  return terms;
+  return keys;
+}
+
+const Written* find(const std::vector<Written>& keys, std::string_view key) {
+  const auto at = std::ranges::find(keys, key, &Written::key);
+  return at == keys.end() ? nullptr : &*at;
+}
+
+std::optional<Term> term_of(std::string_view key, Signal signal) {
+  const auto at = std::ranges::find(kTerms, key, [&](Term t) { return noise::key(signal, t); });
+  return at == kTerms.end() ? std::nullopt : std::optional(*at);
 }
 
 class Merger {
@@ -159,7 +167,8 @@ class Merger {
     root_ = reader.root();
     if (!root_["gyro"] && !root_["accelerometer"])
       reader.fail_here(root_, "found no \"gyro:\", expected a sensor file of gyrobudget's own form to update");
-    result_.model = detail::read_sensor_text(name_, text_).model;
+    file_ = detail::read_sensor_text(name_, text_).model;
+    result_.model = file_;
     lines_ = lines_of(text_);
     entries_ = entries_of(root_, lines_.size(), lines_);
   }
@@ -179,17 +188,43 @@ class Merger {
     return is_fitted(update_, signal) ? section(update_.model, signal) : nullptr;
   }
 
-  void merge_model(Signal signal) {
-    const ErrorModel* update = updated(signal);
-    if (!update) return;
-    if (signal == Signal::specific_force && !result_.model.accelerometer) result_.model.accelerometer.emplace();
-    ErrorModel& model = signal == Signal::angular_rate ? result_.model.gyro : *result_.model.accelerometer;
-    for (const Term term : kTerms) {
-      if (!decides(update_, signal, term)) continue;
-      if (has(model, term) && !has(*update, term))
-        result_.taken.push_back(fmt::format("{}.{}", section_name(signal), noise::key(signal, term)));
-      copy(*update, term, model);
+  /// Whether the update has its own say on a key: on the noise that was fitted, and on all else that it has.
+  [[nodiscard]] bool decides_on(const std::string& key, Signal signal) const {
+    if (const auto term = term_of(key, signal)) return decides(update_, signal, *term);
+    return find(written(*updated(signal), signal), key) != nullptr;
+  }
+
+  /// The keys of the section as it is to be.
+  [[nodiscard]] std::vector<Written> merged_keys(Signal signal) const {
+    const ErrorModel* held = section(file_, signal);
+    const std::vector<Written> ours = written(*updated(signal), signal);
+    std::vector<Written> keys;
+    if (held) {
+      for (Written& key : written(*held, signal)) {
+        const Written* own = decides_on(key.key, signal) ? find(ours, key.key) : &key;
+        if (own) keys.push_back(*own);
+      }
     }
+    for (const Written& key : ours)
+      if (decides_on(key.key, signal) && !find(keys, key.key)) keys.push_back(key);
+    return keys;
+  }
+
+  void merge_model(Signal signal) {
+    if (!updated(signal)) return;
+    const bool gyro = signal == Signal::angular_rate;
+    std::string text = gyro ? "gyro:\n" : "gyro: {}\naccelerometer:\n";
+    for (const Written& key : merged_keys(signal))
+      for (const std::string& line : indented(key.lines, "  ")) text += line + '\n';
+    const SensorModel merged = detail::read_sensor_text(name_, text).model;
+    if (gyro)
+      result_.model.gyro = merged.gyro;
+    else
+      result_.model.accelerometer = merged.accelerometer;
+    const ErrorModel* held = section(file_, signal);
+    for (const Term term : kTerms)
+      if (held && has(*held, term) && !has(*section(result_.model, signal), term))
+        result_.taken.push_back(fmt::format("{}.{}", section_name(signal), noise::key(signal, term)));
   }
 
   [[nodiscard]] bool holds(const std::string& text) const {
@@ -241,23 +276,17 @@ class Merger {
       return edits.replace(old->first, old->last, lines_of(detail::triad_yaml(model, signal)));
     const std::vector<Entry> entries = entries_of(below, old->last, lines_);
     const std::string indent(entries.front().indent, ' ');
-    auto terms = written_terms(model, signal);
-    std::size_t behind = entries.front().first;  // where coefficients go that the file has not
+    const std::vector<Written> keys = merged_keys(signal);
+    std::size_t behind = entries.front().first;  // where what the file has not goes
     for (const Entry& e : entries) {
-      const auto term = std::ranges::find(kTerms, e.key, [&](Term t) { return noise::key(signal, t); });
-      if (term == kTerms.end()) continue;
-      behind = e.last;
-      if (!decides(update_, signal, *term)) {
-        terms.erase(e.key);
-        continue;
-      }
-      edits.replace(e.first, e.last, indented(terms[e.key], indent));
-      terms.erase(e.key);
+      if (term_of(e.key, signal)) behind = e.last;
+      if (!decides_on(e.key, signal)) continue;
+      const Written* own = find(keys, e.key);
+      edits.replace(e.first, e.last, own ? indented(own->lines, indent) : std::vector<std::string>{});
     }
-    for (const Term term : kTerms) {
-      const auto added = terms.find(std::string(noise::key(signal, term)));
-      if (added != terms.end()) edits.insert(behind, indented(added->second, indent));
-    }
+    for (const Written& key : keys)
+      if (decides_on(key.key, signal) && std::ranges::find(entries, key.key, &Entry::key) == entries.end())
+        edits.insert(behind, indented(key.lines, indent));
   }
 
   static std::vector<std::string> indented(const std::vector<std::string>& lines, const std::string& by) {
@@ -271,6 +300,7 @@ class Merger {
   YAML::Node root_;
   std::vector<std::string> lines_;
   std::vector<Entry> entries_;
+  SensorModel file_;  ///< as it was
   Merged result_;
 };
 
@@ -300,11 +330,10 @@ std::vector<std::string> held_beyond(const std::string& path, const Update& upda
       continue;
     }
     if (!one.second.IsMap()) continue;
-    const auto written = written_terms(*own, *signal);
+    const auto ours = written(*own, *signal);
     for (const auto& entry : one.second) {
       const std::string name = entry.first.Scalar();
-      const bool noise = std::ranges::any_of(kTerms, [&](Term t) { return name == noise::key(*signal, t); });
-      if (noise && (written_by_program || written.contains(name))) continue;
+      if (find(ours, name) || (written_by_program && term_of(name, *signal))) continue;
       held.push_back(fmt::format("{}.{}", key, name));
     }
   }

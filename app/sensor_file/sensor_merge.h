@@ -12,18 +12,18 @@
 
 namespace gyrobudget::inline v0::sensor_file {
 
-/// The last line of a comment that a program puts at the head of a sensor file: the comment up to it is replaced with
-/// the numbers it is about; what stands below is its owner's.
+/// The last line of a comment that a program puts at the head of a sensor file, which begins with "WARNING: " or
+/// "Fitted by: ". It is replaced with the numbers it is about; what stands above and below is its owner's.
 inline constexpr std::string_view kEndOfComment = "(written by gyrobudget calibrate up to here; --update replaces it)";
 
 /// New noise coefficients, and what goes to the head of the file.
 struct Update {
-  noise::SensorModel model;
+  noise::SensorModel model;  ///< its noise, and what else it has
   struct Fitted {
     noise::Signal signal;
     noise::Term term;
   };
-  std::vector<Fitted> fitted;         ///< which coefficients of `model` are known; the others are not looked at
+  std::vector<Fitted> fitted;         ///< which coefficients are known; the others are not looked at
   bool rename = false;                ///< the model's name takes the place of the file's
   std::string comment;                ///< in place of the last one (kEndOfComment is its last line)
   std::vector<std::string> warnings;  ///< in place of the file's
@@ -41,10 +41,10 @@ struct Merged {
   std::vector<std::string> taken;  ///< what was in the file and is not any more: "gyro.gauss_markov"
 };
 
-/// The file with the fitted coefficients in place of its own, and all else as it was, comments and order too: lines of
-/// coefficients are replaced, and where a triad stands in braces it is written anew. Coefficients that were not fitted
-/// stay, as a record says nothing of them; but Gauss-Markov processes go where flicker or a walk was fitted and they
-/// were not, as these then hold what they stood for.
+/// The file with the fitted coefficients, and what else the model has, in place of its own, and all else as it was,
+/// comments and order too: lines are replaced, and where a triad stands in braces it is written anew. Coefficients that
+/// were not fitted stay, as a record says nothing of them; but Gauss-Markov processes go where flicker or a walk was
+/// fitted and they were not, as these then hold what they stood for.
 /// @throws InputError where the file cannot be read as a sensor file of this project's form.
 [[nodiscard]] Merged merged(const std::string& path, const Update& update);
 

@@ -105,6 +105,8 @@ TEST_F(SensorMerge, ReplacesLinesOfCoefficientsAndLeavesTheOthers) {
   EXPECT_EQ(file_now.lever_arm, before.lever_arm);
   // A second time nothing but the numbers changes: the comment takes the place of the first.
   EXPECT_EQ(merged(path("merged.yaml"), fitted()).text, result.text);
+  // So does what its owner writes above it.
+  EXPECT_EQ(merged(file("above.yaml", "# mine\n\n" + result.text), fitted()).text, "# mine\n\n" + result.text);
 }
 
 TEST_F(SensorMerge, PutsWarningsANameAndANewTriadIn) {
@@ -137,6 +139,20 @@ TEST_F(SensorMerge, TakesOutWhatTheNewFitHoldsAlready) {
   white.fitted = {{Signal::angular_rate, Term::white}};
   EXPECT_EQ(merged(path("s.yaml"), white).model.gyro.gauss_markov.size(), 1U);
   EXPECT_EQ(merged(path("s.yaml"), white).model.gyro.rate_random_walk, noise::PerAxis(0));
+}
+
+// What a model has beside noise goes in too: in place of the file's, or behind the coefficients.
+TEST_F(SensorMerge, PutsInWhatElseTheModelHas) {
+  Update update = fitted();
+  update.model.gyro.delay = 2e-3;
+  for (const std::string_view text :
+       {"gyro:\n  delay: 1 ms  # guessed\n  range: 400 deg/s\n", "gyro: {range: 400 deg/s}\n"}) {
+    EXPECT_EQ(held_beyond(file("s.yaml", text), update), (List{"gyro.range"}));
+    const auto now = read_sensor_file(file("merged.yaml", merged(path("s.yaml"), update).text)).model.gyro;
+    EXPECT_EQ(now.delay, 2e-3);
+    EXPECT_TRUE(now.range);
+    EXPECT_EQ(now.white, update.model.gyro.white);
+  }
 }
 
 // However a file is written, what it must hold it holds.

@@ -14,6 +14,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
@@ -107,6 +108,38 @@ TEST(Alignment, SigmasAreTheClosedForms) {
   // 0.01 deg/h at 34 degrees are 2.8 arc minutes of heading, 50 ug are 10 arc seconds of level.
   EXPECT_NEAR(a.parts.bias.z() / kDegree * 60, 2.76, 0.02);
   EXPECT_NEAR(a.parts.bias.x() / kDegree * 3600, 10.3, 0.05);
+}
+
+// Nose to the north and level, y points to the east: it finds the heading, and x and z do not.
+TEST(Alignment, EachAxisHasItsOwnNoise) {
+  constexpr double T = 600;
+  const auto heading = [](const noise::ErrorModel& gyro) {
+    const noise::SensorModel sensor{.name = "one axis", .gyro = gyro, .accelerometer = {}};
+    const Alignment a = align(standing(attitude(0, 0, 0), kLatitude, T), {.sensor = sensor, .latitude = kLatitude});
+    return std::hypot(a.parts.bias.z(), a.parts.noise.z());
+  };
+  const auto each = [&](noise::ErrorModel whole, const std::function<noise::PerAxis&(noise::ErrorModel&)>& size) {
+    const double all = heading(whole);
+    EXPECT_GT(all, 0);
+    for (const std::size_t axis : {0U, 1U, 2U}) {
+      noise::ErrorModel one = whole;
+      size(one) = 0;
+      size(one)[axis] = size(whole)[axis];
+      // A rotation to rounding mixes axes by 1e-16.
+      if (axis == 1)
+        EXPECT_NEAR(heading(one) / all, 1, 1e-12);
+      else
+        EXPECT_LT(heading(one), 1e-12 * all);
+    }
+  };
+  for (const auto term : {noise::Term::white, noise::Term::flicker, noise::Term::rate_random_walk,
+                          noise::Term::quantization, noise::Term::rate_ramp}) {
+    noise::ErrorModel gyro{.turn_on_bias = 0.0};
+    gyro[term] = 1e-9;
+    each(gyro, [term](noise::ErrorModel& m) -> noise::PerAxis& { return m[term]; });
+  }
+  each({.gauss_markov = {{1e-9, 100}}, .turn_on_bias = 0.0},
+       [](noise::ErrorModel& m) -> noise::PerAxis& { return m.gauss_markov[0].sigma; });
 }
 
 TEST(Alignment, CorrelationWithEachBiasIsItsDerivative) {
@@ -349,8 +382,8 @@ TEST(Alignment, MeansOfASimulatedImuScatterAsAssumed) {
         sum += (angle / T).squaredNorm() + (velocity / T).squaredNorm();
       }
       EXPECT_NEAR(sum / (kRuns * kAxes) / assumed_variance(sensor.gyro, T, dt), 1, tolerance)
-          << "flicker " << process.bias_instability << ", walk " << process.rate_random_walk << ", on for " << before
-          << " s, calibrated over " << calibrated << " s";
+          << "flicker " << process.bias_instability[0] << ", walk " << process.rate_random_walk[0] << ", on for "
+          << before << " s, calibrated over " << calibrated << " s";
     }
 }
 
