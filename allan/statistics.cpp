@@ -326,8 +326,10 @@ std::vector<Identified> identify_noise(const Series& record, const Curve& curve)
   auto noises = held_noise(identify_noise(record, factors), record.samples());
   tbb::parallel_for(std::size_t{0}, noises.size(), [&](std::size_t i) {
     const std::int64_t m = factors[i];
-    if (m < 2 || (m * kFewestClusters <= record.samples() && noises[i].term != noise::Term::quantization)) return;
-    detail::tell_by_ratio(noises[i], detail::octave_ratio(record.phase(), record.samples(), m));
+    const bool few = m * kFewestClusters > record.samples(), angle = noises[i].term == noise::Term::quantization;
+    if (m < 2 || !(few || angle)) return;
+    const std::int64_t per_cluster = !angle ? 64 : few ? 1024 : 256;
+    detail::tell_by_ratio(noises[i], detail::octave_ratio(record.phase(), record.samples(), m, per_cluster));
   });
   return noises;
 }

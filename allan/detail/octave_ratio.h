@@ -17,10 +17,12 @@ struct OctaveRatio {
   double terms = 0, half_terms = 0;  ///< second differences averaged at m and at m/2
 };
 
-/// From second differences of cluster means that begin every m/1024 samples, and every m/2048 at m/2, at least at every
-/// sample: up to 1024 a cluster. Those of clusters without half of their samples do not count.
-/// @param samples of the record. @param m from 2 to samples/2.
-[[nodiscard]] OctaveRatio octave_ratio(const Phase& phase, std::int64_t samples, std::int64_t m);
+/// From second differences of cluster means that begin as many times a cluster as is asked for, at m and at m/2, and at
+/// no more samples than that makes in 30 clusters. Those of clusters without half of their samples do not count.
+/// @param samples of the record. @param m from 2 to samples/2. @param per_cluster 64 tell all that white and slower
+/// noise has to say; the degrees of freedom of angle noise grow with it.
+[[nodiscard]] OctaveRatio octave_ratio(const Phase& phase, std::int64_t samples, std::int64_t m,
+                                       std::int64_t per_cluster);
 
 /// What the ratio says of a noise that was identified from shorter factors: `term` where the ratio denies the one that
 /// is there, `widest` and `share`.

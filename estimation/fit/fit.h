@@ -163,6 +163,8 @@ struct Result {
   std::vector<SpectralResidual> spectrum;
   std::int64_t first_sample = 0;  ///< of the first stretch that the likelihood is of
   std::int64_t samples = 0;       ///< of all stretches, each trimmed to a length of a fast transform
+  std::int64_t stretches = 0;     ///< that the likelihood is of
+  double filled_share = 0;        ///< of these samples: missing ones that were filled in
   double log_likelihood = 0;      ///< up to a constant of the record: differences between models count
 
   /// @throws std::invalid_argument for G or S where it was not asked for.

@@ -75,7 +75,7 @@ struct CrossCheck {
 /// from the 99.9 % points over 1000 records of each of seven cases (both gyros of the paper over 1, 10 and 20 h,
 /// without flicker, white noise alone, flicker alone): 0.35 for N, 0.6 for B, 0.8 for others, times the relative
 /// standard deviation of K over 13 % within 1 to 4: with few independent long periods the two methods weigh them less
-/// alike.
+/// alike. Gaps add to them, as the two lose differently by these (measured in whittle.cpp).
 [[nodiscard]] CrossCheck cross_check(const Result& gls, const Result& whittle);
 
 }  // namespace gyrobudget::inline v0::fit
