@@ -10,6 +10,8 @@
 
 #include <cmath>
 
+#include "json_text.h"
+
 namespace gyrobudget::inline v0::report {
 namespace {
 
@@ -71,7 +73,7 @@ std::string plan_json(const PlanStudy& study) {
   for (const auto& row : plan.rows) {
     nlohmann::ordered_json entry{{"duration_s", row.duration_s}};
     for (std::size_t i = 0; i < plan.terms.size(); ++i) {
-      entry["relative_std"][std::string(noise::key(kGyro, plan.terms[i].term))] = finite(row.relative_std[i]);
+      entry["relative_std"][std::string(noise::key(kGyro, plan.terms[i].term))] = number_or_null(row.relative_std[i]);
     }
     json["durations"].push_back(entry);
   }
@@ -79,7 +81,7 @@ std::string plan_json(const PlanStudy& study) {
   for (const auto& answer : plan.answers) {
     json["answers"].push_back({{"parameter", noise::key(kGyro, answer.term)},
                                {"relative_std", answer.relative_std},
-                               {"duration_s", finite(answer.duration_s)},
+                               {"duration_s", number_or_null(answer.duration_s)},
                                {"lower_bound", answer.relative_std > fit::kBoundReached}});
   }
   return json.dump(2) + "\n";
