@@ -117,7 +117,7 @@ std::vector<double> turns(const FlightRecord& record, const FlightRecord& agains
 }
 const auto kTruth = [](const flight::FlightPoint& p) { return p.truth.q_eb; };
 const auto kMeasured = [](const flight::FlightPoint& p) { return p.seen.q_eb; };
-enum Axis { kRoll, kPitch, kYaw };
+enum Axis { roll, pitch, yaw };
 
 double largest(const std::vector<double>& values) {
   double result = 0;
@@ -250,7 +250,7 @@ PaperRow yaw_row(std::size_t i, const FlightRecord& flown, const FlightRecord& i
       .what = "largest error of yaw in a flight (published: less than)",
       .unit = "deg",
       .published = kPublishedYaw,
-      .ours = degrees(largest(turns(flown, ideal, kYaw, kTruth))),
+      .ours = degrees(largest(turns(flown, ideal, Axis::yaw, kTruth))),
       .theory = degrees(mean * sigma),
       .scatter = PaperRow::Scatter{degrees(kLow * sigma), degrees(kHigh * sigma)},
       .why =
@@ -264,19 +264,19 @@ PaperRow roll_row(std::size_t i, const FlightRecord& flown, const FlightRecord& 
       .group = kGyroNames[i],
       .what = "measured roll against the program, rms",
       .unit = "deg",
-      .ours = degrees(rms(turns(flown, ideal, kRoll, kMeasured))),
-      .theory = degrees(gyro.white[kRoll] / std::sqrt(4 * plan.control.damping * plan.control.frequency)),
+      .ours = degrees(rms(turns(flown, ideal, Axis::roll, kMeasured))),
+      .theory = degrees(gyro.white[static_cast<std::size_t>(Axis::roll)] / std::sqrt(4 * plan.control.damping * plan.control.frequency)),
       .why =
           "What such a figure shows: the loop holds what is measured to the program, all but the noise above its bandwidth, N/sqrt(4 damping frequency). The drift of the gyro does not show in it."};
 }
 
 PaperRow lag_row(const FlightRecord& ideal, const FlightRecord& prompt, const Plan& plan) {
   constexpr double kSettled = 14, kFading = 75;  // [s]
-  const auto pitch = turns(ideal, prompt, kPitch, kTruth);
+  const auto turned = turns(ideal, prompt, Axis::pitch, kTruth);
   double sum = 0, count = 0;
-  for (std::size_t i = 0; i < pitch.size(); ++i) {
+  for (std::size_t i = 0; i < turned.size(); ++i) {
     if (ideal.points[i].t < kSettled || ideal.points[i].t > kFading) continue;
-    sum += pitch[i];
+    sum += turned[i];
     ++count;
   }
   return {

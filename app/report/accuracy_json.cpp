@@ -37,16 +37,16 @@ Json coefficient_json(const AccuracyStudy& study, const fit::CoefficientAccuracy
   return {{"term", std::string(1, static_cast<char>(c.term))},
           {"truth", noise::from_si(c.truth, unit)},
           {"unit", unit},
-          {"bias", finite(c.bias)},
-          {"rmse", finite(c.rmse)},
-          {"bound", finite(c.bound)},
-          {"over_bound", finite(c.rmse / c.bound)},
-          {"over_likelihood", finite(c.over_likelihood)},
+          {"bias", number_or_null(c.bias)},
+          {"rmse", number_or_null(c.rmse)},
+          {"bound", number_or_null(c.bound)},
+          {"over_bound", number_or_null(c.rmse / c.bound)},
+          {"over_likelihood", number_or_null(c.over_likelihood)},
           {"coverage", c.coverage},
           {"coverage_std", binomial_std(c.coverage, records)},
           {"coverage_by_status", c.coverage_by_status},
-          {"coverage_identified", finite(c.coverage_identified)},
-          {"coverage_identified_std", finite(binomial_std(c.coverage_identified, records * c.identified))},
+          {"coverage_identified", number_or_null(c.coverage_identified)},
+          {"coverage_identified_std", number_or_null(binomial_std(c.coverage_identified, records * c.identified))},
           {"identified", c.identified},
           {"missed", c.missed}};
 }
@@ -54,10 +54,14 @@ Json coefficient_json(const AccuracyStudy& study, const fit::CoefficientAccuracy
 Json method_json(const AccuracyStudy& study, const fit::MethodAccuracy& m) {
   Json coefficients = Json::object();
   for (const auto& c : m.coefficients) coefficients[key_of(study.signal, c.term)] = coefficient_json(study, c);
-  return {{"method", fit::name(m.method)},       {"coefficients", coefficients},
-          {"false_terms", m.false_terms},        {"p05", finite(m.p_below_5_percent)},
-          {"p01", finite(m.p_below_1_percent)},  {"cut", m.cut},
-          {"not_described", m.not_described},    {"unconverged", m.unconverged},
+  return {{"method", fit::name(m.method)},
+          {"coefficients", coefficients},
+          {"false_terms", m.false_terms},
+          {"p05", number_or_null(m.p_below_5_percent)},
+          {"p01", number_or_null(m.p_below_1_percent)},
+          {"cut", m.cut},
+          {"not_described", m.not_described},
+          {"unconverged", m.unconverged},
           {"seconds_per_fit", m.seconds_per_fit}};
 }
 
@@ -65,9 +69,9 @@ Json check_json(noise::Signal signal, const fit::Check& c) {
   return {{"text", c.text},
           {"method", fit::name(c.method)},
           {"coefficient", c.term ? Json(key_of(signal, *c.term)) : Json(nullptr)},
-          {"value", finite(c.value)},
-          {"low", finite(c.low)},
-          {"high", finite(c.high)},
+          {"value", number_or_null(c.value)},
+          {"low", number_or_null(c.low)},
+          {"high", number_or_null(c.high)},
           {"met", c.met}};
 }
 
@@ -98,10 +102,10 @@ Json sweep_row_json(noise::Signal signal, const fit::SweepRow& row) {
   Json coefficients = Json::object();
   for (const auto& c : row.coefficients) {
     coefficients[key_of(signal, c.term)] = {{"term", std::string(1, static_cast<char>(c.term))},
-                                            {"rmse", finite(c.rmse)},
-                                            {"over_default", finite(c.over_default)},
-                                            {"over_bound", finite(c.over_bound)},
-                                            {"coverage", finite(c.coverage)}};
+                                            {"rmse", number_or_null(c.rmse)},
+                                            {"over_default", number_or_null(c.over_default)},
+                                            {"over_bound", number_or_null(c.over_bound)},
+                                            {"coverage", number_or_null(c.coverage)}};
   }
   return {{"group", group_of(row)},           {"setting", setting_of(row)},
           {"default", row.way == fit::Way{}}, {"samples", row.samples},
@@ -183,7 +187,7 @@ Json estimates(const AccuracyStudy& study, std::size_t coefficient_index) {
           {"letter", std::string(1, static_cast<char>(first.term))},
           {"low", low},
           {"high", high},
-          {"bound", finite(first.bound)},
+          {"bound", number_or_null(first.bound)},
           {"series", series}};
 }
 

@@ -29,7 +29,7 @@ Json position_json(const BudgetResult& r, const CoreMatrix& P) {
   Json out;
   for (const Component component : budget::kComponents)
     if (component != Component::horizontal)
-      out[std::string(to_string(component))] = finite(r.study.axes.position_sigma(P, component));
+      out[std::string(to_string(component))] = number_or_null(r.study.axes.position_sigma(P, component));
   return out;
 }
 
@@ -49,7 +49,7 @@ Json sources_json(const BudgetResult& r) {
     const auto& line = r.study.budget.lines[i];
     Json one{{"name", line.name}, {"share", share[i]}};
     one.update(errors_json(r, r.study.line(i)));
-    one["exact_position_rss_m"] = r.study.exact ? finite(position_rss(r, (*r.study.exact)[i])) : Json(nullptr);
+    one["exact_position_rss_m"] = r.study.exact ? number_or_null(position_rss(r, (*r.study.exact)[i])) : Json(nullptr);
     list.push_back(std::move(one));
   }
   return list;
@@ -57,10 +57,10 @@ Json sources_json(const BudgetResult& r) {
 
 Json growth_json(const BudgetResult& r) {
   Json total = Json::array(), sources = Json::object();
-  for (const CoreMatrix& P : r.study.budget.total) total.push_back(finite(position_rss(r, P)));
+  for (const CoreMatrix& P : r.study.budget.total) total.push_back(number_or_null(position_rss(r, P)));
   for (const auto& line : r.study.budget.lines) {
     Json& list = sources[line.name] = Json::array();
-    for (const CoreMatrix& P : line.covariance) list.push_back(finite(position_rss(r, P)));
+    for (const CoreMatrix& P : line.covariance) list.push_back(number_or_null(position_rss(r, P)));
   }
   return {{"t_s", r.study.budget.times}, {"total_position_rss_m", total}, {"sources", sources}};
 }
@@ -68,7 +68,7 @@ Json growth_json(const BudgetResult& r) {
 Json left_out_json(const BudgetResult& r) {
   Json list = Json::array();
   for (const auto& l : r.study.left_out)
-    list.push_back({{"name", l.name}, {"bound_position_m", finite(l.position)}, {"why", why_left_out(l)}});
+    list.push_back({{"name", l.name}, {"bound_position_m", number_or_null(l.position)}, {"why", why_left_out(l)}});
   return list;
 }
 
@@ -83,7 +83,7 @@ Json ratio_json(const budget::Agreement& one, std::size_t quantity) {
   Json out;
   for (std::size_t k = 0; k < 3; ++k) {
     const budget::Agreement::Axis& axis = one.axes[3 * quantity + k];
-    out[kAxisNames[k]] = axis.matters && axis.first_order ? finite(axis.ratio()) : Json(nullptr);
+    out[kAxisNames[k]] = axis.matters && axis.first_order ? number_or_null(axis.ratio()) : Json(nullptr);
   }
   return out;
 }
@@ -130,18 +130,18 @@ Json monte_carlo_json(const BudgetResult& r) {
   const budget::Agreement total = total_agreement(r.study);
   Json ratio = ratio_json(total, 0);
   for (const Component component : {Component::downrange, Component::crossrange})
-    ratio[std::string(to_string(component))] =
-        finite(r.study.axes.position_sigma(mc.covariance, component) / r.study.axes.position_sigma(linear, component));
+    ratio[std::string(to_string(component))] = number_or_null(r.study.axes.position_sigma(mc.covariance, component) /
+                                                              r.study.axes.position_sigma(linear, component));
   const navigation::Band band = budget::ratio_band(r.study), nees = budget::nees_band(r.study);
   return {{"runs", mc.runs},
           {"seed", mc.seed},
-          {"position_rss_ratio", finite(position_rss(r, mc.covariance) / position_rss(r, linear))},
+          {"position_rss_ratio", number_or_null(position_rss(r, mc.covariance) / position_rss(r, linear))},
           {"position_ratio", ratio},
           {"velocity_ratio", ratio_json(total, 1)},
           {"attitude_ratio", ratio_json(total, 2)},
           {"ratio_low", band.lower},
           {"ratio_high", band.upper},
-          {"nees", finite(mc.nees.mean)},
+          {"nees", number_or_null(mc.nees.mean)},
           {"nees_dof", mc.nees.dof},
           {"nees_low", nees.lower},
           {"nees_high", nees.upper},
@@ -155,18 +155,18 @@ Json monte_carlo_json(const BudgetResult& r) {
 
 Json alignment_json(const std::optional<budget::AlignmentTime>& alignment) {
   if (!alignment) return nullptr;
-  return {{"met", alignment->met}, {"duration_s", alignment->duration}, {"found_m", finite(alignment->sigma)}};
+  return {{"met", alignment->met}, {"duration_s", alignment->duration}, {"found_m", number_or_null(alignment->sigma)}};
 }
 
 Json limit_json(const BudgetResult& r) {
   if (!r.study.limit) return nullptr;
   Json factors = Json::object();  // of a budget without sources too
   for (std::size_t i = 0; i < r.study.budget.lines.size(); ++i)
-    factors[r.study.budget.lines[i].name] = finite(r.study.limit->factors[i]);
+    factors[r.study.budget.lines[i].name] = number_or_null(r.study.limit->factors[i]);
   return {{"text", r.limit},
           {"component", to_string(r.study.limit->component)},
           {"limit_m", r.study.limit->limit},
-          {"found_m", finite(r.study.limit->found)},
+          {"found_m", number_or_null(r.study.limit->found)},
           {"met", r.study.limit->met()},
           {"allowed_factor", factors},
           {"alignment", alignment_json(r.study.limit->alignment)}};
@@ -222,7 +222,7 @@ Json drawing(const BudgetResult& r) {
     for (const auto& p : r.study.monte_carlo->points) cloud.push_back({p[0], p[1], p[2]});
   out["cloud"] = cloud;
   Json claimed = Json::array();
-  for (const CoreMatrix& P : r.study.budget.claimed) claimed.push_back(finite(position_rss(r, P)));
+  for (const CoreMatrix& P : r.study.budget.claimed) claimed.push_back(number_or_null(position_rss(r, P)));
   out["claimed_growth"] = claimed;
   return out;
 }

@@ -36,13 +36,15 @@ using navigation::CoreMatrix;
 using earth::kDegree;
 
 Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
-Json list_of(const Vector3d& v) { return Json::array({finite(v[0]), finite(v[1]), finite(v[2])}); }
+Json list_of(const Vector3d& v) {
+  return Json::array({number_or_null(v[0]), number_or_null(v[1]), number_or_null(v[2])});
+}
 
 // Three components by name, and their root sum square.
 Json components(const std::array<const char*, 3>& axes, const Vector3d& v, const char* sum) {
   Json out;
-  for (std::size_t i = 0; i < axes.size(); ++i) out[axes[i]] = finite(v[static_cast<int>(i)]);
-  out[sum] = finite(v.norm());
+  for (std::size_t i = 0; i < axes.size(); ++i) out[axes[i]] = number_or_null(v[static_cast<int>(i)]);
+  out[sum] = number_or_null(v.norm());
   return out;
 }
 constexpr std::array kLaunchAxes{"downrange", "crossrange", "up"};
@@ -109,8 +111,8 @@ Json errors_json(const Study& s, const CoreMatrix& P) {
   const auto enu = navigation::local_sigmas(P, s.C_enu);
   const auto plane = navigation::local_sigmas(P, s.C_launch);
   Json position = components(kLocalAxes, enu.position, "rss");
-  position["downrange"] = finite(plane.position[0]);
-  position["crossrange"] = finite(plane.position[1]);
+  position["downrange"] = number_or_null(plane.position[0]);
+  position["crossrange"] = number_or_null(plane.position[1]);
   return {{"position_m", position},
           {"velocity_m_s", components(kLocalAxes, enu.velocity, "rss")},
           {"attitude_deg", components(kLocalAxes, enu.attitude / kDegree, "total")}};
@@ -120,11 +122,12 @@ Json check_json(const Study& s) {
   const auto check = navigation_check(s);
   if (!check) return nullptr;
   Json ratio;
-  for (int i = 0; i < 3; ++i) ratio[kLaunchAxes[static_cast<std::size_t>(i)]] = finite(check->position_ratio[i]);
+  for (int i = 0; i < 3; ++i)
+    ratio[kLaunchAxes[static_cast<std::size_t>(i)]] = number_or_null(check->position_ratio[i]);
   Json out{{"runs", check->runs},
-           {"position_rss_ratio", finite(check->position)},
-           {"velocity_rss_ratio", finite(check->velocity)},
-           {"attitude_rss_ratio", finite(check->attitude)},
+           {"position_rss_ratio", number_or_null(check->position)},
+           {"velocity_rss_ratio", number_or_null(check->velocity)},
+           {"attitude_rss_ratio", number_or_null(check->attitude)},
            {"position_ratio", ratio},
            {"ratio_low", check->low},
            {"ratio_high", check->high}};
@@ -157,9 +160,9 @@ Json margins_json(const closed_loop::MarginsAt& margins) {
   Json least = Json::array();
   for (const closed_loop::LeastMargins& m : closed_loop::least_margins(margins)) {
     least.push_back({{"mode_factor", m.mode_factor},
-                     {"gain_up_db", finite(m.gain_up_db)},
-                     {"gain_down_db", finite(m.gain_down_db)},
-                     {"phase_deg", finite(m.phase_deg)},
+                     {"gain_up_db", number_or_null(m.gain_up_db)},
+                     {"gain_down_db", number_or_null(m.gain_down_db)},
+                     {"phase_deg", number_or_null(m.phase_deg)},
                      {"stable", m.stable}});
   }
   Json points;
@@ -168,9 +171,9 @@ Json margins_json(const closed_loop::MarginsAt& margins) {
   for (const flight::Margins& m : margins.points) {
     points["t_s"].push_back(m.t);
     points["mode_factor"].push_back(m.mode_factor);
-    points["gain_up_db"].push_back(finite(closed_loop::decibel(m.gain_up)));
-    points["gain_down_db"].push_back(finite(-closed_loop::decibel(m.gain_down)));
-    points["phase_deg"].push_back(finite(m.phase / kDegree));
+    points["gain_up_db"].push_back(number_or_null(closed_loop::decibel(m.gain_up)));
+    points["gain_down_db"].push_back(number_or_null(-closed_loop::decibel(m.gain_down)));
+    points["phase_deg"].push_back(number_or_null(m.phase / kDegree));
     points["stable"].push_back(m.stable);
   }
   return {{"until_s", margins.until},
@@ -272,7 +275,7 @@ Json trajectory_json(const FlightFrame& frame, const FlightRecord& record, std::
     if (i % every != 0 && i + 1 != points.size()) continue;
     const Instant instant{points[i], frame.from_pad(points[i]), frame.navigation_error(points[i]),
                           frame.departure(points[i])};
-    for (const Column& column : columns()) out[column.name].push_back(finite(column.value(instant)));
+    for (const Column& column : columns()) out[column.name].push_back(number_or_null(column.value(instant)));
   }
   return out;
 }
@@ -346,9 +349,9 @@ Json growth_json(const Study& s) {
     const auto sigma = navigation::local_sigmas(P, s.C_launch);
     for (std::size_t i = 0; i < 3; ++i) {
       const auto k = static_cast<int>(i);
-      position[i].push_back(finite(sigma.position[k]));
-      velocity[i].push_back(finite(sigma.velocity[k]));
-      attitude[i].push_back(finite(sigma.attitude[k] / kDegree));
+      position[i].push_back(number_or_null(sigma.position[k]));
+      velocity[i].push_back(number_or_null(sigma.velocity[k]));
+      attitude[i].push_back(number_or_null(sigma.attitude[k] / kDegree));
     }
   }
   return {{"t_s", s.budget->times}, {"position", position}, {"velocity", velocity}, {"attitude", attitude}};
@@ -371,7 +374,7 @@ Json clouds_json(const Study& s) {
 Json nominal_trajectory_json(const FlightResult& r, const FlightFrame& frame, std::size_t most) {
   Json out = trajectory_json(frame, r.study.nominal, most);
   Json& program = out["program_deg"] = Json::array();
-  for (const double t : out["t_s"]) program.push_back(finite(r.plan.control.pitch(t) / kDegree));
+  for (const double t : out["t_s"]) program.push_back(number_or_null(r.plan.control.pitch(t) / kDegree));
   return out;
 }
 

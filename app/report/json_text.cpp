@@ -42,7 +42,7 @@ void write(const Json& value, std::size_t indent, std::string& out) {
 
 }  // namespace
 
-Json finite(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 std::string compact_json(const Json& value) { return value.dump(-1, ' ', false, Json::error_handler_t::replace); }
 

@@ -8,7 +8,7 @@
 namespace gyrobudget::inline v0::report {
 
 /// The number, or null where it is none that JSON has.
-[[nodiscard]] nlohmann::ordered_json finite(double value);
+[[nodiscard]] nlohmann::ordered_json number_or_null(double value);
 
 /// On one line. Invalid UTF-8 in names of columns and files is replaced, never an error.
 [[nodiscard]] std::string compact_json(const nlohmann::ordered_json&);

@@ -28,10 +28,12 @@ using navigation::Navigation;
 
 using earth::kDegree;
 
-Json local(const Vector3d& v) { return {{"east", finite(v[0])}, {"north", finite(v[1])}, {"up", finite(v[2])}}; }
+Json local(const Vector3d& v) {
+  return {{"east", number_or_null(v[0])}, {"north", number_or_null(v[1])}, {"up", number_or_null(v[2])}};
+}
 Json list(const Vector3d& v, int rows = 3) {
   Json out = Json::array();
-  for (int i = 0; i < rows; ++i) out.push_back(finite(v[i]));
+  for (int i = 0; i < rows; ++i) out.push_back(number_or_null(v[i]));
   return out;
 }
 
@@ -87,16 +89,16 @@ Json nis_json(const NavigationResult& r) {
                     {"gated", a.gated},
                     {"not_finite", a.not_finite},
                     {"left_out", a.left_out},
-                    {"mean", any ? finite(a.nis_mean) : Json(nullptr)},
-                    {"low", any ? finite(a.nis_low) : Json(nullptr)},
-                    {"high", any ? finite(a.nis_high) : Json(nullptr)},
-                    {"inside_95", a.used + a.gated > 0 ? finite(a.inside_95) : Json(nullptr)},
+                    {"mean", any ? number_or_null(a.nis_mean) : Json(nullptr)},
+                    {"low", any ? number_or_null(a.nis_low) : Json(nullptr)},
+                    {"high", any ? number_or_null(a.nis_high) : Json(nullptr)},
+                    {"inside_95", a.used + a.gated > 0 ? number_or_null(a.inside_95) : Json(nullptr)},
                     {"unit", unit_of(aid.kind)},
                     {"residual_mean", any ? list(a.residual_mean / unit, a.rows) : Json(nullptr)},
                     {"residual_rms", any ? list(a.residual_rms / unit, a.rows) : Json(nullptr)}});
   }
   const navigation::NisSummary nis = r.run.nis();
-  return {{"mean", finite(nis.mean)}, {"inside_95", finite(nis.inside_95)}, {"aids", aids}};
+  return {{"mean", number_or_null(nis.mean)}, {"inside_95", number_or_null(nis.inside_95)}, {"aids", aids}};
 }
 
 Json states_json(const NavigationResult& r) {
@@ -107,9 +109,9 @@ Json states_json(const NavigationResult& r) {
     const StateText t = state_text(r.scenario, r.run.model.terms[k]);
     out.push_back({{"name", t.name},
                    {"unit", t.unit},
-                   {"initial_sigma", finite(r.run.initial[k] / t.to_si)},
-                   {"value", finite(last.terms[k] / t.to_si)},
-                   {"sigma", finite(last.term_sigmas[k] / t.to_si)}});
+                   {"initial_sigma", number_or_null(r.run.initial[k] / t.to_si)},
+                   {"value", number_or_null(last.terms[k] / t.to_si)},
+                   {"sigma", number_or_null(last.term_sigmas[k] / t.to_si)}});
   }
   return out;
 }
@@ -119,14 +121,14 @@ Json reference_json(const Navigation& run) {
   const auto& ref = *run.reference;
   const auto& last = ref.errors.back();
   const auto if_there = [](bool there, Json value) { return there ? std::move(value) : Json(nullptr); };
-  return {{"position_rms_m", if_there(ref.has_position, finite(ref.position_rms))},
-          {"velocity_rms_m_s", if_there(ref.has_velocity, finite(ref.velocity_rms))},
-          {"attitude_rms_deg", if_there(ref.has_attitude, finite(ref.attitude_rms / kDegree))},
-          {"nees", finite(ref.nees_mean)},
+  return {{"position_rms_m", if_there(ref.has_position, number_or_null(ref.position_rms))},
+          {"velocity_rms_m_s", if_there(ref.has_velocity, number_or_null(ref.velocity_rms))},
+          {"attitude_rms_deg", if_there(ref.has_attitude, number_or_null(ref.attitude_rms / kDegree))},
+          {"nees", number_or_null(ref.nees_mean)},
           {"nees_dof", ref.dof},
-          {"nees_low", finite(ref.nees_low)},
-          {"nees_high", finite(ref.nees_high)},
-          {"nees_inside_95", finite(ref.nees_inside_95)},
+          {"nees_low", number_or_null(ref.nees_low)},
+          {"nees_high", number_or_null(ref.nees_high)},
+          {"nees_inside_95", number_or_null(ref.nees_inside_95)},
           {"epochs", ref.errors.size()},
           {"final",
            {{"t_s", last.time},
@@ -197,8 +199,8 @@ Json series(const std::vector<Item>& items, double unit,
     t.push_back(items[i].time);
     const auto [v, s] = of(items[i]);
     for (std::size_t k = 0; k < 3; ++k) {
-      value[k].push_back(finite(v[static_cast<Eigen::Index>(k)] / unit));
-      sigma[k].push_back(finite(s[static_cast<Eigen::Index>(k)] / unit));
+      value[k].push_back(number_or_null(v[static_cast<Eigen::Index>(k)] / unit));
+      sigma[k].push_back(number_or_null(s[static_cast<Eigen::Index>(k)] / unit));
     }
   }
   return {{"t", t}, {"value", value}, {"sigma", sigma}};
@@ -256,7 +258,7 @@ Json nis_points(const NavigationResult& r) {
     Json t = Json::array(), nis = Json::array(), gated = Json::array();
     for (const std::size_t k : thinned(mine.size(), kMostPoints)) {
       t.push_back(mine[k]->time);
-      nis.push_back(finite(mine[k]->innovation.nis));
+      nis.push_back(number_or_null(mine[k]->innovation.nis));
       gated.push_back(mine[k]->innovation.status != navigation::Innovation::Status::used);
     }
     out.push_back({{"name", r.scenario.aids[a.aid].name}, {"t", t}, {"nis", nis}, {"gated", gated}});

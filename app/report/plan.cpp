@@ -71,7 +71,7 @@ nlohmann::ordered_json durations_json(const fit::Plan& plan) {
   for (const auto& row : plan.rows) {
     nlohmann::ordered_json entry{{"duration_s", row.duration_s}};
     for (std::size_t i = 0; i < plan.terms.size(); ++i) {
-      entry["relative_std"][std::string(noise::key(kGyro, plan.terms[i].term))] = finite(row.relative_std[i]);
+      entry["relative_std"][std::string(noise::key(kGyro, plan.terms[i].term))] = number_or_null(row.relative_std[i]);
     }
     list.push_back(entry);
   }
@@ -83,7 +83,7 @@ nlohmann::ordered_json answers_json(const fit::Plan& plan) {
   for (const auto& answer : plan.answers) {
     list.push_back({{"parameter", noise::key(kGyro, answer.term)},
                     {"relative_std", answer.relative_std},
-                    {"duration_s", finite(answer.duration_s)},
+                    {"duration_s", number_or_null(answer.duration_s)},
                     {"lower_bound", answer.relative_std > fit::kBoundReached}});
   }
   return list;

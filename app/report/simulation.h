@@ -26,7 +26,7 @@ namespace gyrobudget::inline v0::report {
 
 /// Which terms of the sensor the model leaves out.
 [[nodiscard]] std::vector<std::string> left_out_notes(const noise::SimulationModel&, const noise::SensorModel&,
-                                                      const std::string& model);
+                                                      const std::string& name);
 
 /// What is special of an IMU's log: readings out of range, a lever arm, an accelerometer that is ideal.
 [[nodiscard]] std::vector<std::string> imu_notes(const noise::SensorModel&, const noise::Imu&);

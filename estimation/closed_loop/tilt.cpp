@@ -99,7 +99,7 @@ Matrix3d TiltResponse::covariance(const noise::ErrorModel& gyro) const {
     Vector3d of_rate = Vector3d::Zero();
     for (std::size_t i = points_.size() / kNoise; i-- > 0;) {
       const std::size_t middle = i * kNoise + kNoise / 2;
-      const Vector3d u = points_[middle].C.col(static_cast<Eigen::Index>(axis));
+      Vector3d u = points_[middle].C.col(static_cast<Eigen::Index>(axis));
       const Vector3d of_angle = answer([&](double) { return u; }, middle);
       of_rate += of_angle * dt;
       add(gyro.white[axis] * std::sqrt(dt), of_angle);

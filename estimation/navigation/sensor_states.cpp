@@ -36,10 +36,10 @@ double allan_variance(const noise::GaussMarkov& process, double tau) {
 template <typename Function>
 double logarithmic_integral(Function f, double from, double to) {
   if (!(to > from)) return 0;
-  constexpr int points = 256;
-  const double step = std::log(to / from) / points;
+  constexpr int kPoints = 256;
+  const double step = std::log(to / from) / kPoints;
   double sum = 0;
-  for (int i = 0; i < points; ++i) {
+  for (int i = 0; i < kPoints; ++i) {
     const double u = from * std::exp((i + 0.5) * step);
     sum += f(u) * u * step;
   }

@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <stdexcept>
 
 namespace gyrobudget::inline v0::flight {
@@ -163,7 +164,7 @@ class Queue {
   }
   void clear() { count_ = 0; }
   Vector2d pop() {
-    const Vector2d command = items_[first_].second;
+    Vector2d command = items_[first_].second;
     first_ = (first_ + 1) % kSize;
     --count_;
     return command;
@@ -326,7 +327,7 @@ struct Body::Impl {
     const double h = equal_step(to - state.t, pace.longest, steps);
     for (int k = 0; k < steps; ++k) stepper.do_step(system, x, state.t + k * h, h);
     work.steps += steps;
-    work.evaluations += 4 * steps;
+    work.evaluations += std::int64_t{4} * steps;
     return x.allFinite();
   }
 
@@ -352,7 +353,7 @@ struct Body::Impl {
       stepper.do_step(system, x, segment.start, h);
     }
     work.steps += steps;
-    work.evaluations += 4 * steps;
+    work.evaluations += std::int64_t{4} * steps;
     D::unpack(x, state, increment);
     return x.allFinite();
   }

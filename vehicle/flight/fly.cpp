@@ -35,7 +35,7 @@ bool sound(const Seen& s) {
 bool sound(const Command& c) { return std::isfinite(c.pitch) && std::isfinite(c.yaw) && std::isfinite(c.roll_moment); }
 
 std::string account(Ended ended, const FlightPoint& at, const Flight& flight) {
-  const std::string where =
+  std::string where =
       fmt::format("at {:.2f} s, {:.1f} m high, {:.1f} m/s against the air", at.t, at.flow.height, at.flow.speed);
   switch (ended) {
     case Ended::complete:

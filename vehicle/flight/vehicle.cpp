@@ -89,7 +89,7 @@ BurnState burn_state(const Vehicle& vehicle, double t) {
 }
 
 Vehicle vlm1() {
-  constexpr double diameter = 1.45;
+  constexpr double kDiameter = 1.45;
   Vehicle v;
   v.name = "VLM-1, first stage";
   v.lift_off_mass = 28000;
@@ -99,7 +99,7 @@ Vehicle vlm1() {
   v.thrust_shape =
       LookupTable::linear({{0, 1.05}, {0.02, 1.10}, {0.25, 1.22}, {0.5, 1.12}, {0.75, 0.92}, {0.93, 0.75}, {1, 0}});
   v.exit_area = 0.35;
-  v.reference_area = std::numbers::pi / 4 * diameter * diameter;
+  v.reference_area = std::numbers::pi / 4 * kDiameter * kDiameter;
   v.axial_drag = LookupTable::smooth(
       {{0, 0.30}, {0.8, 0.33}, {0.95, 0.42}, {1.05, 0.55}, {1.2, 0.55}, {1.5, 0.48}, {2, 0.40}, {3, 0.32}, {5, 0.25}});
   v.normal_force_slope = 2.8;

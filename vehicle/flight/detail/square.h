@@ -22,7 +22,7 @@ class Factors {
   Eigen::PartialPivLU<Square> lu_;
 };
 
-/// Largest magnitude of an eigenvalue, to 1 %.
-[[nodiscard]] double spectral_radius(Square matrix);
+/// Largest magnitude of an eigenvalue, to 1 %, by powers of the matrix that is given.
+[[nodiscard]] double spectral_radius(Square power);
 
 }  // namespace gyrobudget::inline v0::flight::detail
