@@ -66,6 +66,11 @@ std::string_view name(FrontEnd::Kind kind) {
   throw std::invalid_argument("a value that is no kind of front end");
 }
 
+double in_range(double bandwidth, double dt) {
+  constexpr double kRounding = 1e-12;
+  return std::clamp(bandwidth, kLowest * (1 + kRounding) / dt, kHighest * (1 - kRounding) / dt);
+}
+
 SampledFrontEnd::SampledFrontEnd(const FrontEnd& front_end, double dt) {
   detail::require_interval(dt);
   const double corner = front_end.bandwidth * dt;
@@ -152,19 +157,15 @@ void SampledFrontEnd::set_second_order(const FrontEnd& front_end, double dt) {
 }
 
 // r(h) for h >= 1 by residues of H(z) H(1/z) z^(h-1): with poles p, q it is the sum of B(p)/(p - q) H(1/p) p^(h-1) and
-// the same of q; a sum over h then gives the memory.
+// the same of q, B(p)/p being b0 p + b1 where there is one pole only; a sum over h then gives the memory.
 void SampledFrontEnd::set_memory() {
+  const bool first_order = a_[1] == 0;  // the others have conjugate poles
   const Complex root = std::sqrt(Complex(square(a_[0]) / 4 - a_[1]));
-  const Complex p = -a_[0] / 2 + root, q = -a_[0] / 2 - root;
-  const auto outside = [&](Complex z) {  // H(1/z)
-    return (b_[0] + z * (b_[1] + z * b_[2])) / (1. + z * (a_[0] + z * a_[1]));
-  };
-  const auto weight = [&](Complex at, Complex other) {
-    return (b_[0] * at * at + b_[1] * at + b_[2]) / (at - other) * outside(at) / ((1. - at) * (1. - at));
-  };
-  // Conjugate poles, or one real pole beside one at 0, which only r(1) feels: none of the kinds has another pair.
+  const Complex p = first_order ? Complex(-a_[0]) : -a_[0] / 2 + root, q = -a_[0] / 2 - root;
+  const Complex inside = first_order ? b_[0] * p + b_[1] : (b_[0] * p * p + b_[1] * p + b_[2]) / (p - q);
+  const Complex outside = (b_[0] + p * (b_[1] + p * b_[2])) / (1. + p * (a_[0] + p * a_[1]));  // H(1/p)
   pole_ = p;
-  residue_ = a_[1] == 0 ? weight(p, q) : 2. * weight(p, q);
+  residue_ = (first_order ? 1. : 2.) * inside * outside / ((1. - p) * (1. - p));
 }
 
 double SampledFrontEnd::power_gain(double cycles) const { return floor_ + (1 - floor_) * passed(cycles); }
@@ -175,9 +176,13 @@ double SampledFrontEnd::passed(double cycles) const {
   return std::norm((b_[0] + z * (b_[1] + z * b_[2])) / (1. + z * (a_[0] + z * a_[1])));
 }
 
+Complex SampledFrontEnd::decayed(double lag) const {
+  return lag == 0 ? 1 : std::pow(pole_, lag);  // of a pole at 0 too
+}
+
 double SampledFrontEnd::memory(double lag) const {
   const double filtered = average_ ? Mixture(length_).mean([&](double count) { return summing_memory(count, lag); })
-                                   : (residue_ * std::pow(pole_, lag)).real();
+                                   : (residue_ * decayed(lag)).real();
   return -(1 - floor_) * filtered;
 }
 

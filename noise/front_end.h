@@ -40,6 +40,9 @@ struct FrontEnd {
 /// "first_order", "second_order", "moving_average".
 [[nodiscard]] std::string_view name(FrontEnd::Kind kind);
 
+/// The nearest bandwidth that samples every dt [s] can show: from 1e-4/dt to 100/dt.
+[[nodiscard]] double in_range(double bandwidth, double dt);
+
 /// fc dt of a moving average over one sample, and so its bandwidth times its length.
 inline constexpr double kMovingAverageWidth = 0.442946470689452;
 
@@ -73,6 +76,7 @@ class SampledFrontEnd {
   void set_second_order(const FrontEnd& front_end, double dt);
   void set_memory();
   [[nodiscard]] double passed(double cycles) const;
+  [[nodiscard]] std::complex<double> decayed(double lag) const;  ///< pole^lag
   friend class FrontEndFilter;
 
   bool average_ = false;

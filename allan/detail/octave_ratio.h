@@ -19,7 +19,7 @@ struct OctaveRatio {
 
 /// From second differences of cluster means that begin as many times a cluster as is asked for, at m and at m/2, and at
 /// no more samples than that makes in 30 clusters. Those of clusters without half of their samples do not count.
-/// @param samples of the record. @param m from 2 to samples/2. @param per_cluster 64 tell all that white and slower
+/// @param samples of the record. @param m from 2 to samples/2. @param per_cluster 128 tell all that white and slower
 /// noise has to say; the degrees of freedom of angle noise grow with it.
 [[nodiscard]] OctaveRatio octave_ratio(const Phase& phase, std::int64_t samples, std::int64_t m,
                                        std::int64_t per_cluster);

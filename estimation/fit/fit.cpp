@@ -467,11 +467,13 @@ void add_front_end(Result& result, const Prepared& p, const TestedFit& run, cons
   const double deviation = 1 / whiten(turned, run.solution.S).A.norm() / theta, value = run.gamma(0) / theta;
   if (run.free == Free::bandwidth) {
     FittedFrontEnd& f = *result.front_end;
-    f.bandwidth *= std::exp(value);
+    f.bandwidth = noise::in_range(f.bandwidth * std::exp(value), p.dt);
     f.lower = f.bandwidth * std::exp(-kScatter95 * deviation);
     f.upper = f.bandwidth * std::exp(kScatter95 * deviation);
   } else if (value > kScatter95 * deviation) {
     const double shortest = (value - kScatter95 * deviation) * p.dt, longest = (value + kScatter95 * deviation) * p.dt;
+    // A memory beyond the first tau of the run is none that the term could stand for.
+    if (!(value < static_cast<double>(p.m[static_cast<std::size_t>(run.first)]))) return;
     result.front_end = {{}, kUsual / (value * p.dt), kLeast / longest, kMost / shortest, {}, 0, true};
   }
 }
@@ -677,14 +679,18 @@ bool looks_for_front_end(const Data& record, const Options& options) {
          (options.find_front_end || options.front_end_kind) && (!options.front_end || options.fit_bandwidth);
 }
 
-// The bandwidth enters the curve's model by its slope: fitted again from where that led, until it leads nowhere.
-Result fit_bandwidth(const allan::Curve& curve, Options options) {
+// The bandwidth enters the curve's model by its slope: fitted again from where that led, until it leads nowhere. No
+// result where it leads far away: then the curve is not that of such a filter.
+std::optional<Result> fit_bandwidth(const allan::Curve& curve, Options options) {
   constexpr int kMostRounds = 6;
   constexpr double kSettled = 0.1;  // of a standard deviation of its logarithm
+  constexpr double kFar = 0.7;      // change of its logarithm in all
+  const double start = options.front_end->bandwidth;
   Result result = fit(curve, options);
   for (int i = 0; i < kMostRounds && result.front_end && result.front_end->kind; ++i) {
     const FittedFrontEnd& f = *result.front_end;
     const double deviation = std::log(f.upper / f.lower) / (2 * kScatter95);
+    if (!(std::abs(std::log(f.bandwidth / start)) < kFar) || !std::isfinite(deviation)) return {};
     if (!(std::abs(std::log(f.bandwidth / options.front_end->bandwidth)) > kSettled * deviation)) break;
     options.front_end->bandwidth = f.bandwidth;
     result = fit(curve, options);
@@ -703,8 +709,9 @@ std::optional<Result> behind_front_end(const Data& record, const allan::Curve& c
     if (!options.front_end) return {};
     options.fit_bandwidth = true;
   }
-  Result result = fit_bandwidth(curve, options);
-  return result.front_end && result.p_value >= kCutBelow ? std::optional(std::move(result)) : std::nullopt;
+  std::optional<Result> result = fit_bandwidth(curve, options);
+  if (!result || !result->front_end || result->p_value < kCutBelow) return {};
+  return result;
 }
 
 }  // namespace

@@ -284,7 +284,8 @@ Fitted fit_band(const Transformed& t, const Band& band, const Options& options, 
 // The front end that describes the upper end of the spectrum, if one of the kinds asked for does; slow processes and
 // drifts of any kind have nothing to do with it.
 std::optional<noise::FrontEnd> seen_front_end(const Transformed& t, const Options& asked) {
-  constexpr std::int64_t kReach = 2000;
+  constexpr std::int64_t kReach = 2000, kFewest = 1000;
+  if (t.used.count < kFewest) return {};  // kinds and samplings cannot be told
   const std::int64_t last = t.used.count - 1;
   Options options;
   options.front_end_kind = asked.front_end_kind;
@@ -293,6 +294,10 @@ std::optional<noise::FrontEnd> seen_front_end(const Transformed& t, const Option
   if (!found.point.converged || found.p_value < std::min(kAccepted, asked.p_value_limit)) return {};
   noise::FrontEnd front_end = *found.model.front_end;
   front_end.bandwidth *= std::exp(found.tilt->x);
+  // Slower, or known to no better than a factor of 2, it is the noise's own colour; faster, it is none.
+  constexpr double kSlowest = 1e-3, kFastest = 2, kVague = 0.35;
+  const double corner = front_end.bandwidth * t.dt;
+  if (!(corner > kSlowest && corner < kFastest && found.tilt_deviation < kVague)) return {};
   return front_end;
 }
 
@@ -328,7 +333,11 @@ Fitted choose_band(const Transformed& t, const Options& options) {
     Options behind = options;
     behind.front_end = seen_front_end(t, options);
     behind.fit_bandwidth = true;
-    if (behind.front_end) return fit_band(t, band, behind, Filter::fitted, true);
+    if (behind.front_end) {
+      Fitted found = fit_band(t, band, behind, Filter::fitted, true);
+      constexpr double kVague = 0.35;  // of the bandwidth's logarithm
+      if (found.point.converged && found.tilt_deviation < kVague) return found;
+    }
   }
   return cut_band(t, band, options).value_or(std::move(whole));
 }
@@ -472,7 +481,8 @@ void add_front_end(Result& result, const Fitted& f) {
   const noise::FrontEnd& front_end = *f.model.front_end;
   FittedFrontEnd found{
       .kind = front_end.kind, .sampling = front_end.sampling, .floor = front_end.floor, .fitted = f.tilt.has_value()};
-  found.bandwidth = front_end.bandwidth * (f.tilt ? std::exp(f.tilt->x) : 1);
+  found.bandwidth = front_end.bandwidth;
+  if (f.tilt) found.bandwidth = noise::in_range(found.bandwidth * std::exp(f.tilt->x), f.flat->bins().dt);
   found.lower = found.bandwidth * std::exp(-kScatter95 * f.tilt_deviation);
   found.upper = found.bandwidth * std::exp(kScatter95 * f.tilt_deviation);
   result.front_end = found;

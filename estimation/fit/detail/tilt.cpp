@@ -66,27 +66,25 @@ std::vector<double> log_corners(FrontEnd::Kind kind) {
 // ended.
 class FilteredCost {
  public:
-  explicit FilteredCost(const SineLikelihood& flat) : flat_(flat) {}
+  FilteredCost(const SineLikelihood& flat, bool has_floor) : flat_(flat), has_floor_(has_floor) {}
   double operator()(const FrontEnd& front_end) {
     const bool again = point_.converged;
     const auto start = point_;
-    point_ = flat_.before_floor(gain_of(flat_.bins(), front_end)).maximise({}, {}, again ? &start : nullptr);
+    const Eigen::ArrayXd gain = gain_of(flat_.bins(), front_end);
+    const SineLikelihood filtered = has_floor_ ? flat_.before_floor(gain) : flat_.behind(gain);
+    point_ = filtered.maximise({}, {}, again ? &start : nullptr);
     return point_.cost;
-  }
-  [[nodiscard]] double floor() const {  // of the last
-    const double white = point_.theta(0), behind = point_.theta(point_.theta.size() - 1);
-    return white > 0 ? std::min(1., behind / white) : 0;
   }
 
  private:
   const SineLikelihood& flat_;
+  bool has_floor_;
   SineLikelihood::Point point_;
 };
 
 // The least cost of one kind and sampling between two bandwidths, logarithms of bandwidth times dt.
-Candidate best_between(const SineLikelihood& flat, FrontEnd front_end, double low, double high) {
-  front_end.floor = 0;  // it is fitted
-  FilteredCost cost(flat);
+Candidate best_between(const SineLikelihood& flat, bool has_floor, FrontEnd front_end, double low, double high) {
+  FilteredCost cost(flat, has_floor);
   const auto at = [&](double log_corner) {
     front_end.bandwidth = std::exp(log_corner) / flat.bins().dt;
     return cost(front_end);
@@ -94,15 +92,14 @@ Candidate best_between(const SineLikelihood& flat, FrontEnd front_end, double lo
   constexpr int kBits = 16;
   std::uintmax_t budget = 40;
   const auto found = boost::math::tools::brent_find_minima(at, low, high, kBits, budget);
-  const double least = at(found.first);
-  front_end.floor = cost.floor();
-  return {front_end, least};
+  front_end.bandwidth = std::exp(found.first) / flat.bins().dt;
+  return {front_end, found.second};
 }
 
 // The same over all bandwidths.
 Candidate best_bandwidth(const SineLikelihood& flat, FrontEnd front_end) {
   const std::vector<double> grid = log_corners(front_end.kind);
-  FilteredCost cost(flat);
+  FilteredCost cost(flat, true);
   std::size_t best = 1;
   double least = kInfinity;
   for (std::size_t i = 0; i < grid.size(); ++i) {
@@ -110,7 +107,7 @@ Candidate best_bandwidth(const SineLikelihood& flat, FrontEnd front_end) {
     const double c = cost(front_end);
     if (c < least) least = c, best = std::clamp<std::size_t>(i, 1, grid.size() - 2);
   }
-  return best_between(flat, front_end, grid[best + 1], grid[best - 1]);
+  return best_between(flat, true, front_end, grid[best + 1], grid[best - 1]);
 }
 
 std::vector<FrontEnd> kinds_to_try(std::optional<FrontEnd::Kind> kind) {
@@ -225,11 +222,11 @@ FrontEnd search_front_end(SineBins bins, std::span<const noise::Process> process
   const SineLikelihood all(bins, with_floor, false);
   for (const FrontEnd& tried : kinds_to_try(kind)) found.push_back(best_bandwidth(all, tried));
   leave_out_stop_band(bins, cheapest());
-  const SineLikelihood seen(std::move(bins), with_floor, false);
+  const SineLikelihood seen(std::move(bins), processes, false);
   constexpr double kReach = 0.1;
   for (Candidate& c : found) {
     const double middle = std::log(c.front_end.bandwidth * seen.bins().dt);
-    c = best_between(seen, c.front_end, middle - kReach, middle + kReach);
+    c = best_between(seen, false, c.front_end, middle - kReach, middle + kReach);
   }
   return cheapest();
 }

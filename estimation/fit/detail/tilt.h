@@ -48,8 +48,9 @@ struct TiltedPoint {
 /// neither independent nor of the modelled variance.
 void leave_out_stop_band(SineBins&, const noise::FrontEnd&);
 
-/// The front end of one of the kinds (any where empty) that explains the spectrum best, whichever way it was sampled,
-/// with its floor.
+/// The front end of one of the kinds (any where empty) that explains the spectrum best, whichever way it was sampled.
+/// Looked for twice: with a floor of white noise behind it, that the stop band may hold what it will; then without a
+/// floor, which would take sides with one sampling or another, and without the stop band.
 [[nodiscard]] noise::FrontEnd search_front_end(SineBins bins, std::span<const noise::Process> processes,
                                                std::optional<noise::FrontEnd::Kind> kind);
 

@@ -164,11 +164,11 @@ TEST(Faults, WhiteNoiseIsIdentifiedBesideALineOrARamp) {
 
 // A hump in the spectrum that only the short taus know: the terms describe the rest.
 TEST(LaterStart, IsOfferedWhereItHelps) {
-  // Each second reading repeats the one before with a part of its own noise: correlated from sample to sample, white
-  // beyond. Strong enough to fail the test and too weak for the whole curve's p-value to fall below the fit's own cut
-  // is what no cut is made for.
+  // Each reading takes back a part of the one before: correlated from sample to sample, white beyond, and no low pass.
+  // Strong enough to fail the test and too weak for the whole curve's p-value to fall below the fit's own cut is what
+  // no cut is made for.
   auto rate = mems_rates(36000, 12);
-  for (std::size_t i = 1; i < rate.size(); ++i) rate[i] += 0.03 * rate[i - 1];
+  for (std::size_t i = 1; i < rate.size(); ++i) rate[i] -= 0.03 * rate[i - 1];
   const auto record = allan::make_record({gyro_axis(std::move(rate))}, kRecordRate);
   const auto sheet = calibration::calibrate(record);
   const auto& axis = sheet.axes[0];
