@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "process.h"
+#include "temperature.h"
 #include "units.h"
 
 namespace gyrobudget::inline v0::noise {
@@ -28,19 +29,6 @@ enum class Signal { angular_rate, specific_force, dimensionless };
 [[nodiscard]] std::string_view key(Signal signal, Term term);
 /// Name for people: "angle random walk", "bias instability".
 [[nodiscard]] std::string_view label(Signal signal, Term term);
-
-/// What a datasheet gives once for all three axes, or once for each.
-class PerAxis {
- public:
-  constexpr PerAxis(double all = 0) : axis_{all, all, all} {}  // one number is a value for all
-  constexpr PerAxis(double x, double y, double z) : axis_{x, y, z} {}
-  [[nodiscard]] constexpr double operator[](std::size_t axis) const { return axis_[axis]; }
-  [[nodiscard]] constexpr bool is_uniform() const { return axis_[0] == axis_[1] && axis_[1] == axis_[2]; }
-  friend constexpr bool operator==(const PerAxis&, const PerAxis&) = default;
-
- private:
-  std::array<double, 3> axis_;
-};
 
 /// One sensor triad's errors, SI, one sigma each. Zero or empty means the sensor has none of it. What each of
 /// them does to a reading stands in imu.h.
@@ -63,6 +51,7 @@ struct ErrorModel {
   int filter_order = 1;                            ///< of the low pass that `bandwidth` means, 1 or 2
   std::optional<double> delay;                     ///< [s]
   std::optional<double> range;                     ///< [signal]
+  std::optional<TemperatureModel> temperature;     ///< bias by temperature; nothing where none is known
   // Epoch of the noise: what it is at the start of a scene depends on when it was known last.
   std::optional<double> powered_on_before;  ///< [s] before the scene; empty: at its start
   std::optional<double> calibrated_over;    ///< [s] up to the scene; empty: not calibrated

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "detail/axis_fit.h"
+#include "detail/held.h"
 #include "detail/screened.h"
 
 namespace gyrobudget::inline v0::calibration {
@@ -31,6 +32,9 @@ void check_length(const allan::Record& record) {
     throw std::invalid_argument(
         fmt::format("axis '{}' has {} samples, expected the record's {}", axis.name, axis.rate.size(), record.samples));
   }
+  if (!record.temperature.empty() && std::ssize(record.temperature) != record.samples)
+    throw std::invalid_argument(fmt::format("the temperature has {} samples, expected the record's {}",
+                                            record.temperature.size(), record.samples));
   if (record.samples < kFewestSamples)
     throw Unusable(Unusable::Reason::too_short, fmt::format("{}: found {} samples, expected at least {}", record.source,
                                                             record.samples, kFewestSamples));
@@ -67,22 +71,85 @@ CrossChecked cross_check(const fit::Result& fit, const allan::Series& series) {
   return checked;
 }
 
-AxisDatasheet calibrate_axis(const allan::Axis& axis, double rate_hz, Job& job) {
+// What the findings mean for the fit: a record that is not of one sensor at rest is described by nothing, and rounding
+// above the noise leaves no white noise, nor the others where the mean stays within a few steps.
+void apply(const Findings& found, fit::Result& fit, Facts& facts) {
+  if (found.not_at_rest() || found.not_of_one_sensor()) {
+    fit.verdict = fit::Verdict::not_described;
+    facts = Facts{.all_equal = facts.all_equal};
+  }
+  if (!found.rounded_above_noise()) return;
+  for (auto& c : fit.coefficients) {
+    const bool short_term = c.term == Term::white || c.term == Term::quantization;
+    if (c.fitted && (short_term || !found.rounding->is_dithered_by_wander())) c.status = fit::Status::not_quotable;
+  }
+  facts.no_answer = facts.only_quantization = false;  // the finding says why
+  if (found.rounding->is_dithered_by_wander()) return;
+  facts.walk_unresolved = false;
+  facts.longer.clear();
+}
+
+// Screens an axis and fits it.
+Fitted look_at(std::optional<Screened>& screened, std::span<const double> rate, double dt, const std::string& name,
+               Job& job) {
+  screened.emplace(rate, dt, job.options.minimum_fill, job.options.mask);
+  Fitted fitted = fit_axis(screened->series(), name, job);
+  if (screened->look_for_departure(fitted.fit.processes())) fitted = fit_axis(screened->series(), name, job);
+  return fitted;
+}
+
+// What depends on temperature, over the whole axis, where it is seen; `rate` is without it then.
+std::optional<Temperature> take_off_temperature(std::vector<double>& rate, std::span<const double> temperature,
+                                                double dt, const Fitted& fitted) {
+  constexpr std::size_t kFewest = 1024;
+  if (rate.size() < kFewest || fit::is_reading(fitted.fit.method)) return std::nullopt;
+  const SmoothTemperature smooth(temperature, dt);
+  if (!smooth.is_usable()) return std::nullopt;
+  Temperature found = fit_temperature(rate, smooth, dt, fitted.fit);
+  found.before = fitted.fit;
+  found.removed = found.p_value < kTemperatureSeen;
+  if (!found.removed) return found;
+  for (std::size_t i = 0; i < rate.size(); ++i) {
+    const double t = (static_cast<double>(i) + 0.5) * dt;
+    rate[i] -= found.shift(smooth.at(t), smooth.slope(t));
+  }
+  return found;
+}
+
+AxisDatasheet calibrate_axis(const allan::Axis& axis, const allan::Record& record, const detail::HeldSensor* held,
+                             Job& job) {
   check_scale(axis);
   const Options& options = job.options;
-  Screened screened(axis.rate, 1 / rate_hz, options.minimum_fill, options.mask);
-  Fitted fitted = fit_axis(screened.series(), axis.name, job);
-  if (screened.look_for_departure(fitted.fit.processes())) fitted = fit_axis(screened.series(), axis.name, job);
+  const bool has_temperature = options.temperature && !record.temperature.empty();
+  // Samples of its own, where they are not those of the record.
+  std::vector<double> own = held != nullptr   ? held->readings.of(axis.rate)
+                            : has_temperature ? axis.rate
+                                              : std::vector<double>{};
+  const std::span<const double> rate = own.empty() ? std::span<const double>(axis.rate) : own;
+  const double dt = (held != nullptr ? held->readings.rows_each : 1) / record.rate_hz;
+  std::optional<Screened> screened;
+  Fitted fitted = look_at(screened, rate, dt, axis.name, job);
+  AxisDatasheet sheet{.name = axis.name, .signal = axis.signal, .mean = fitted.curves.octaves.mean};
+  if (has_temperature) {
+    const auto of_readings = held != nullptr ? held->readings.of(record.temperature) : std::vector<double>{};
+    sheet.temperature = take_off_temperature(
+        own, held != nullptr ? std::span<const double>(of_readings) : record.temperature, dt, fitted);
+    if (sheet.temperature && sheet.temperature->removed) fitted = look_at(screened, own, dt, axis.name, job);
+  }
   auto& [curves, fit, chosen] = fitted;
-  screened.look_for_lines(fit);
-  AxisDatasheet sheet{.name = axis.name, .signal = axis.signal, .mean = curves.octaves.mean};
+  screened->look_for_lines(fit);
   const auto mix = fit.verdict == fit::Verdict::not_described ? std::vector<noise::Process>{} : fit.processes();
   sheet.points = allan::deviation_points(curves.display, curves.identified, mix);
-  if (options.cross_check && !fit.fitted_terms.empty()) sheet.cross_checked = cross_check(fit, screened.series());
+  if (options.cross_check && !fit.fitted_terms.empty()) sheet.cross_checked = cross_check(fit, screened->series());
+  sheet.findings = screened->findings();
   sheet.facts = facts_of(fit, curves.octaves);
-  sheet.findings = screened.findings();
+  apply(*sheet.findings, fit, sheet.facts);
   sheet.chosen = std::move(chosen);
   sheet.fit = std::move(fit);
+  if (held != nullptr) {
+    const double raised = raise_white_noise(sheet, rate, *held, dt);
+    sheet.findings->held = Held{held->repeats, 1 / dt, std::ssize(rate), raised};
+  }
   return sheet;
 }
 
@@ -139,8 +206,9 @@ Datasheet calibrate(const allan::Record& record, const Options& options) {
                   .missing_samples = record.missing_samples,
                   .axes = std::vector<AxisDatasheet>(record.axes.size())};
   Job job{options};
+  const auto held = detail::held_sensors(record);
   tbb::parallel_for(std::size_t{0}, record.axes.size(),
-                    [&](std::size_t i) { sheet.axes[i] = calibrate_axis(record.axes[i], record.rate_hz, job); });
+                    [&](std::size_t i) { sheet.axes[i] = calibrate_axis(record.axes[i], record, held[i].get(), job); });
   return sheet;
 }
 

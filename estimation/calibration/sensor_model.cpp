@@ -6,6 +6,7 @@
 #include <cmath>
 #include <optional>
 #include <utility>
+#include <vector>
 
 namespace gyrobudget::inline v0::calibration {
 namespace {
@@ -50,6 +51,32 @@ void scale_down(noise::ErrorModel& model, int count, noise::Signal signal) {
   }
 }
 
+// Of the axes whose temperature was taken off: each its own, where there are three in all; else that of the one.
+std::optional<noise::TemperatureModel> temperature_model(const Datasheet& sheet, noise::Signal signal) {
+  constexpr std::size_t kAxes = 3;
+  std::vector<const Temperature*> axes;
+  bool any = false;
+  for (const AxisDatasheet& axis : sheet.axes) {
+    if (axis.signal != signal) continue;
+    const bool removed = axis.temperature && axis.temperature->removed;
+    axes.push_back(removed ? &*axis.temperature : nullptr);
+    any = any || removed;
+  }
+  if (!any || (axes.size() != 1 && axes.size() != kAxes)) return std::nullopt;
+  axes.resize(kAxes, axes.front());  // one axis stands for all
+  noise::TemperatureModel model;
+  for (const Temperature* t : axes)
+    if (t != nullptr) model.reference = to_digits(t->reference);
+  const auto each = [&](TemperatureCoefficient Temperature::*member) {
+    const auto of = [&](std::size_t i) { return axes[i] != nullptr ? to_digits((axes[i]->*member).value) : 0; };
+    return noise::PerAxis(of(0), of(1), of(2));
+  };
+  model.linear = each(&Temperature::linear);
+  model.quadratic = each(&Temperature::quadratic);
+  model.rate = each(&Temperature::rate);
+  return model;
+}
+
 std::optional<noise::ErrorModel> triad(const Datasheet& sheet, noise::Signal signal) {
   noise::ErrorModel model;
   int count = 0;
@@ -57,10 +84,11 @@ std::optional<noise::ErrorModel> triad(const Datasheet& sheet, noise::Signal sig
     if (axis.signal != signal || !axis.has_answer()) continue;
     ++count;
     for (const auto& c : axis.fit.coefficients)
-      if (c.fitted) add(model, c);
+      if (c.fitted && c.status != fit::Status::not_quotable) add(model, c);
   }
   if (count == 0) return std::nullopt;
   scale_down(model, count, signal);
+  model.temperature = temperature_model(sheet, signal);
   return model;
 }
 

@@ -26,7 +26,9 @@ CombinedAxis combined(const std::vector<Datasheet>& records, std::size_t axis) {
   std::vector<fit::Result> fits;
   for (const Datasheet& record : records) {
     const fit::Result& fit = record.axes[axis].fit;
-    if (fit::is_quotable(fit))
+    const bool rounded = std::ranges::find(fit.coefficients, fit::Status::not_quotable, &fit::Coefficient::status) !=
+                         fit.coefficients.end();
+    if (fit::is_quotable(fit) && !rounded)
       fits.push_back(fit);
     else
       result.left_out.push_back(record.source);

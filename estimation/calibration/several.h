@@ -18,7 +18,8 @@ struct CombinedAxis {
   std::string name;
   noise::Signal signal = noise::Signal::angular_rate;
   std::vector<fit::Combined> coefficients;  ///< of Q, N, B, K and R; empty where no record is quotable
-  std::vector<std::string> left_out;        ///< sources of the records that were not taken: not described
+  std::vector<std::string>
+      left_out;  ///< sources of the records that were not taken: not described, or rounded above their noise
 };
 
 struct TypeDatasheet {
