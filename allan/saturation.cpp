@@ -34,6 +34,21 @@ std::array<Value, kNear> largest(std::span<const double> rate, double sign) {
   return top;
 }
 
+// Whether an extreme value is frequent enough to be looked at; a loop plain enough to become vectors.
+bool repeats_an_extreme(std::span<const double> rate) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const double y : rate) {
+    low = y < low ? y : low;
+    high = y > high ? y : high;
+  }
+  std::int64_t at_low = 0, at_high = 0;
+  for (const double y : rate) {
+    at_low += y == low ? 1 : 0;
+    at_high += y == high ? 1 : 0;
+  }
+  return static_cast<double>(std::max(at_low, at_high)) >= kMore;
+}
+
 Saturation described(std::span<const double> rate, double value) {
   Saturation found{.value = value, .count = 0, .first = -1, .longest = 0};
   std::int64_t run = 0;
@@ -51,6 +66,7 @@ Saturation described(std::span<const double> rate, double value) {
 
 std::vector<Saturation> find_saturation(std::span<const double> rate) {
   std::vector<Saturation> ends;
+  if (!repeats_an_extreme(rate)) return ends;
   const auto low = largest(rate, -1), high = largest(rate, 1);
   if (low.back().count == 0 || high.back().count == 0 || !(-low.back().value < high.back().value)) return ends;
   for (const auto& [top, sign] : {std::pair{low, -1.0}, std::pair{high, 1.0}}) {

@@ -97,7 +97,10 @@ void Screened::look_for_outliers() {
 }
 
 void Screened::look_for_turns_and_motion() {
-  findings_.turns = allan::find_turns(clean());
+  // A level that is rounded to steps above its noise, or an angle that is, has patterns of its own.
+  constexpr double kFine = 0.5;  // of the scatter
+  const auto& rounding = findings_.rounding;
+  if (!rounding || rounding->step < kFine * rounding->scatter) findings_.turns = allan::find_turns(clean());
   const double quiet = findings_.rounding ? findings_.rounding->step / 2 : 0;
   findings_.motion = allan::find_motion(clean(), dt_, quiet);
   if (findings_.motion.empty()) return;

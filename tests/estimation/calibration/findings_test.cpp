@@ -85,6 +85,22 @@ TEST(HeldReadings, AreNamedWithTheRateOfTheSensor) {
   }
 }
 
+// White noise alone, with flicker and walk, walk above all, and written with four decimals. All searches together are
+// to show something in some 2 of 1000 records; more than 3 of 120 has a probability of 1e-4.
+TEST(NoiseAlone, ShowsNoFinding) {
+  constexpr int kRecords = 120;
+  std::atomic<int> found = 0;
+  tbb::parallel_for(1, kRecords + 1, [&](int seed) {
+    const double k = seed % 4 == 3 ? 2e-5 : 2e-7, b = seed % 4 == 0 ? 0 : 3e-6;
+    const std::vector<noise::Process> processes{noise::White{kWhite}, noise::Flicker{b}, noise::RateRandomWalk{k}};
+    auto y = noise::generate_record(processes, kRows, 1 / kRate, {.seed = std::uint64_t(seed) + 500, .stream = 0});
+    if (seed % 4 == 2)
+      for (double& v : y) v = std::round(v * 1e4) / 1e4;
+    found += calibrate(allan::make_record({gyro_axis(std::move(y))}, kRate)).axes[0].findings->any();
+  });
+  EXPECT_LE(found, 3);
+}
+
 allan::Record rounded_record(double step, double mean) {
   const double sigma = kWhite * std::sqrt(kRate);
   auto y = white(kRows, kRate, 7);
