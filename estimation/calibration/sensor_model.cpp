@@ -67,13 +67,16 @@ std::optional<noise::TemperatureModel> temperature_model(const Datasheet& sheet,
   noise::TemperatureModel model;
   for (const Temperature* t : axes)
     if (t != nullptr) model.reference = to_digits(t->reference);
-  const auto each = [&](TemperatureCoefficient Temperature::*member) {
-    const auto of = [&](std::size_t i) { return axes[i] != nullptr ? to_digits((axes[i]->*member).value) : 0; };
+  const auto each = [&](TemperatureCoefficient Temperature::*member, const char* over) {
+    const double unit = noise::parse_unit(std::string(noise::datasheet_unit(signal)) + over).to_si;
+    const auto of = [&](std::size_t i) {
+      return axes[i] != nullptr ? to_digits((axes[i]->*member).value / unit) * unit : 0;
+    };
     return noise::PerAxis(of(0), of(1), of(2));
   };
-  model.linear = each(&Temperature::linear);
-  model.quadratic = each(&Temperature::quadratic);
-  model.rate = each(&Temperature::rate);
+  model.linear = each(&Temperature::linear, "/K");
+  model.quadratic = each(&Temperature::quadratic, "/K^2");
+  model.rate = each(&Temperature::rate, "/(K/min)");
   return model;
 }
 

@@ -68,6 +68,7 @@ TEST(TemperatureOfALog, IsFittedWrittenAndLeavesTheNoise) {
   const json& after = sheet["axes"][1]["parameters"]["rrw"];
   EXPECT_LT(after["value"].get<double>(), before / 3);
   EXPECT_NE(text_of(written).find("temperature:"), std::string::npos) << text_of(written);
+  EXPECT_EQ(text_of(written).find("rad^1"), std::string::npos) << "few digits need no SI: " << text_of(written);
   EXPECT_NE(text_of(page).find("bias over temperature"), std::string::npos);
   EXPECT_EQ(gyrobudget_run("simulate " + written + " --duration 1min -o " + scratch.path("again.csv")).exit_code, 0);
 }

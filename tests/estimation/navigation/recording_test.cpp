@@ -109,9 +109,10 @@ TEST(ImuLog, BiasOverTemperatureIsTakenOff) {
   }
   auto other = samples;
   ASSERT_TRUE(navigation::take_off_temperature(samples, sensor));
-  constexpr double kRounding = 1e-15;
-  for (std::size_t k = 100; k < 900; ++k)
-    for (const double y : samples.values[k].angle) EXPECT_NEAR(y, 0, kRounding) << k;
+  constexpr double kZero = 1e-15;
+  for (std::size_t k = 100; k < 900; ++k) {
+    for (const double y : samples.values[k].angle) EXPECT_NEAR(y, 0, kZero) << k;
+  }
   EXPECT_FALSE(navigation::take_off_temperature(other, noise::SensorModel()));
   other.temperature.pop_back();
   EXPECT_THROW((void)navigation::take_off_temperature(other, sensor), navigation::RecordingError);
