@@ -265,7 +265,8 @@ PaperRow roll_row(std::size_t i, const FlightRecord& flown, const FlightRecord& 
       .what = "measured roll against the program, rms",
       .unit = "deg",
       .ours = degrees(rms(turns(flown, ideal, Axis::roll, kMeasured))),
-      .theory = degrees(gyro.white[static_cast<std::size_t>(Axis::roll)] / std::sqrt(4 * plan.control.damping * plan.control.frequency)),
+      .theory = degrees(gyro.white[static_cast<std::size_t>(Axis::roll)] /
+                        std::sqrt(4 * plan.control.damping * plan.control.frequency)),
       .why =
           "What such a figure shows: the loop holds what is measured to the program, all but the noise above its bandwidth, N/sqrt(4 damping frequency). The drift of the gyro does not show in it."};
 }

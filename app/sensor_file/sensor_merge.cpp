@@ -24,7 +24,6 @@ using noise::SensorModel;
 using noise::Signal;
 using noise::Term;
 
-constexpr std::size_t kLargest = std::size_t{1} << 20;
 constexpr std::array kTerms{Term::white,     Term::flicker,      Term::rate_random_walk, Term::quantization,
                             Term::rate_ramp, Term::gauss_markov, Term::sinusoid};
 constexpr std::array<std::string_view, 2> kFirstOfComment{"# WARNING: ", "# Fitted by: "};
@@ -162,7 +161,7 @@ std::optional<Term> term_of(std::string_view key, Signal signal) {
 class Merger {
  public:
   Merger(const std::string& path, const Update& update)
-      : update_(update), name_(text::input_name(path)), text_(text::read_text(path, kLargest, "a sensor file")) {
+      : update_(update), name_(text::input_name(path)), text_(text::read_text(path, kLargestFile, "a sensor file")) {
     const YamlReader reader({name_, text_}, "arw: 0.15 deg/sqrt(h)", "gyro:");
     root_ = reader.root();
     if (!root_["gyro"] && !root_["accelerometer"])
@@ -309,7 +308,7 @@ class Merger {
 std::vector<std::string> held_beyond(const std::string& path, const Update& update) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error) || std::filesystem::file_size(path, error) == 0) return {};
-  const std::string read = text::read_text(path, kLargest, "a sensor file");
+  const std::string read = text::read_text(path, kLargestFile, "a sensor file");
   const YamlReader reader({text::input_name(path), read}, "arw: 0.15 deg/sqrt(h)", "gyro:");
   const YAML::Node& root = reader.root();
   if (!root["gyro"] && !root["accelerometer"])

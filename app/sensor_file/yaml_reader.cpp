@@ -15,10 +15,8 @@ namespace gyrobudget::inline v0::sensor_file {
 
 using YAML::Node;
 
-constexpr std::size_t kLargest = std::size_t{1} << 20;
-
 YamlReader::YamlReader(const std::string& path, std::string_view what, std::string_view line, std::string_view key)
-    : YamlReader({text::input_name(path), text::read_text(path, kLargest, what)}, line, key) {}
+    : YamlReader({text::input_name(path), text::read_text(path, kLargestFile, what)}, line, key) {}
 
 YamlReader::YamlReader(Text read, std::string_view line, std::string_view key) : name_(std::move(read.name)) {
   std::string& text = read.text;

@@ -6,6 +6,7 @@
 
 #include <yaml-cpp/yaml.h>
 
+#include <cstddef>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -15,6 +16,9 @@ namespace gyrobudget::inline v0::sensor_file {
 
 /// What a number may be.
 enum class Sign { any, not_negative, above_zero };
+
+/// Bytes of the largest file that is read: 1 MiB.
+inline constexpr std::size_t kLargestFile = std::size_t{1} << 20;
 
 /// A key and what reads its value.
 struct YamlKey {

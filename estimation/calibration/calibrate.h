@@ -135,7 +135,8 @@ struct Datasheet {
   std::int64_t missing_samples = 0;  ///< at which any axis has no number
   std::vector<AxisDatasheet> axes;   ///< in the order of the record's
 
-  /// Every axis has an answer that may be used: not spoilt, no cross-check contradicts it, and no stage ended in a fault.
+  /// Every axis has an answer that may be used: not spoilt, no cross-check contradicts it, and no stage ended in a
+  /// fault.
   [[nodiscard]] bool is_complete() const;
 };
 

@@ -185,9 +185,13 @@ struct Data {
 /// Fits by any method: every Options::method answers with the same Result.
 ///
 /// Records of extreme scale are brought to 1 by a power of two first, so their squares stay inside double.
-/// Curve methods with term G or S need its correlation time or frequency: where Options has none, the likelihood's is
-/// taken, with its limits, and the intervals of the coefficients hold it fixed. Where the likelihood has none (a record
-/// of gaps) the term is not fitted. `slope` and `visual` read N, B and K whatever the terms.
+/// `gls` looks for a front end where the curve's short taus ask for one (p-value of the whole curve below 1e-4, or a
+/// filter's memory that explains more than chance does in one record of 10^4): the kind and sampling of a low pass that
+/// describe the record's spectrum (find_front_end); its bandwidth is then fitted to the curve with the coefficients,
+/// and intervals hold for all that is not known of it. Curve methods with term G or S need its correlation time or
+/// frequency: where Options has none, the likelihood's is taken, with its limits, and the intervals of the coefficients
+/// hold it fixed. Where the likelihood has none (a record of gaps) the term is not fitted. `slope` and `visual` read N,
+/// B and K whatever the terms.
 /// @throws std::invalid_argument for what the overloads below and fit_likelihood refuse, and for a record that has
 /// neither samples nor curve, or no samples where the method needs them.
 [[nodiscard]] Result fit(const Data& record, const Options& asked = {});
@@ -211,9 +215,14 @@ struct Data {
 /// its smallest parts.
 ///
 /// Start: every tau, unless that has a p-value below 1e-4 (a true model is cut in one record of some thousands). Then
-/// the first tau from which the p-value reaches p_value_limit and whose removal lowers chi-square by less than 6.63,
-/// among starts that leave at least half of the octaves with n/m >= 16; where there is none, every tau is used and the
-/// verdict says so. Quantization is fitted from the first tau only: it is strongest there.
+/// the sensor may be filtered: beyond a filter's memory all that it leaves in the variance is one term in 1/tau^2 of
+/// any sign, -3/2 S1/S0 N^2/(m^2 dt) with S1/S0 its memory in samples. With that term beside the others the start is
+/// one octave behind the first tau from which the p-value reaches p_value_limit and whose removal lowers chi-square by
+/// less than 6.63, among starts that leave at least half of the octaves with n/m >= 16: what a test cannot see is as
+/// large as an interval. Where there is none, every tau is used and the verdict says so. Quantization is fitted from
+/// the first tau only: it is strongest there, and behind a filter it cannot be told. Options::front_end replaces white
+/// noise by filtered white noise in model and covariance, from the first tau on; a bandwidth that is fitted enters by
+/// its slope.
 ///
 /// @param curve       variances of one axis at ascending factors, octave-spaced or sparser (denser grids make S
 ///                    singular); points without terms (NaN) are skipped.

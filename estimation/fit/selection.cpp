@@ -4,6 +4,7 @@
 #include "gyrobudget/estimation/fit/detail/judge.h"
 #include "gyrobudget/estimation/fit/detail/likelihood.h"
 #include "gyrobudget/estimation/fit/detail/sine.h"
+#include "gyrobudget/estimation/fit/detail/tilt.h"
 #include "gyrobudget/estimation/fit/detail/transformed.h"
 #include "gyrobudget/noise/normal.h"
 
@@ -157,8 +158,13 @@ class Search {
 
  private:
   [[nodiscard]] SineBins bins_of(const Transformed& t) const {
-    SineBins bins(t.coefficients, t.used.count, t.dt, last_);
+    SineBins bins(t.coefficients, t.used.count, t.dt, last_,
+                  options_.front_end ? widest_bin(t.used.count) : SineBins::kAnyWidth);
     for (const TransformedStretch& other : t.others) bins.add(other.coefficients, other.used.count);
+    if (options_.front_end) {
+      leave_out_stop_band(bins, *options_.front_end);
+      bins.gain = gain_of(bins, *options_.front_end);
+    }
     return bins;
   }
 
@@ -177,6 +183,7 @@ class Search {
   [[nodiscard]] Terms open(const Terms& terms) const {
     Terms list;
     for (const Term t : in_order(options_.candidates)) {
+      if (options_.front_end && t == Term::quantization) continue;
       const bool dropped = std::find(dropped_.begin(), dropped_.end(), t) != dropped_.end();
       if (!holds(terms, t) && !dropped) list.push_back(t);
     }

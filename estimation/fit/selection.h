@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "gyrobudget/noise/front_end.h"
 #include "gyrobudget/noise/process.h"
 
 #include <cstdint>
@@ -19,6 +20,8 @@ struct SelectionOptions {
   int replicas = 300;        ///< simulated spectra that each cut is the quantile of; at least 50
   std::uint64_t seed = 1;
   std::optional<double> tau_min_s;  ///< frequencies up to 1/(2 tau_min) only; unset: all
+  /// That all processes are behind. Quantization cannot be told there and is no candidate.
+  std::optional<noise::FrontEnd> front_end;
 };
 
 /// One candidate beside the terms that were in the model at the time.

@@ -102,8 +102,7 @@ struct Fitted {
 // With what filled samples know less of, counted as fewer coefficients.
 SineBins bins_of(const Transformed& t, const Band& band, bool narrow) {
   const std::int64_t first = band.first;
-  SineBins bins(t.coefficients, t.used.count, t.dt, band.last,
-                narrow ? widest_bin(t.used.count) : SineBins::kAnyWidth);
+  SineBins bins(t.coefficients, t.used.count, t.dt, band.last, narrow ? widest_bin(t.used.count) : SineBins::kAnyWidth);
   for (const TransformedStretch& other : t.others) bins.add(other.coefficients, other.used.count);
   bins.count *= information_left(t.missing_share);
   for (Eigen::Index b = 0; b < bins.count.size(); ++b) {

@@ -139,6 +139,27 @@ TEST(LagKernelOfGaussMarkov, GoesToARandomWalk) {
   }
 }
 
+// The nine terms in double lose what their size is over the kernel's: phases of m2 samples over variances of 1/m2.
+TEST(LagKernelOfFilteredWhite, IsTheFourthDifferenceOfThePhaseCovariance) {
+  constexpr double kDt = 0.01, kNineTerms = 1e-11;
+  const noise::FilteredWhite unit{1, {noise::FrontEnd::Kind::second_order, 4, noise::FrontEnd::Sampling::analogue}};
+  for (const auto& [m1, m2] : {std::pair{1, 1}, {1, 4}, {3, 50}, {64, 128}}) {
+    const std::vector<double> lags{0, 1, 2, 3, 5, 17, 50, 63, 64, 65, 127, 128, 200, 400};
+    std::vector<double> c(lags.size());
+    lag_kernel(unit, {m1, m2, kDt}, lags, c);
+    for (std::size_t i = 0; i < lags.size(); ++i) {
+      double sum = 0;
+      for (int a = -1; a <= 1; ++a) {
+        for (int b = -1; b <= 1; ++b)
+          sum += (a == 0 ? -2 : 1) * (b == 0 ? -2 : 1) *
+                 noise::phase_covariance(unit, std::abs(lags[i] + a * m1 + b * m2), kDt);
+      }
+      const double scale = 1 / (2. * m1 * m2 * kDt * kDt);
+      EXPECT_NEAR(c[i], scale * sum, kNineTerms / kDt) << m1 << ' ' << m2 << " lag " << lags[i];
+    }
+  }
+}
+
 TEST(LagKernelOfMeans, IsTheProductOfTheMeans) {
   const std::vector<double> u{0, 1, 17, 1000};
   std::vector<double> c(u.size());

@@ -31,6 +31,7 @@ struct Case {
 Process with_interval(Process p, double dt) {
   if (auto* g = std::get_if<GaussMarkov>(&p)) g->correlation_time *= dt;
   if (auto* s = std::get_if<Sinusoid>(&p)) s->frequency /= dt;
+  if (auto* f = std::get_if<FilteredWhite>(&p)) f->front_end.bandwidth /= dt;
   return p;
 }
 
@@ -223,7 +224,7 @@ MonteCarlo summary(const std::vector<double>& values) {
   return {mean, std::sqrt(squares / (n * (n - 1)))};
 }
 
-// Student's t with 299 degrees exceeds 6 with probability 6e-9; at 8 processes, 2 generators, 2 intervals and
+// Student's t with 299 degrees exceeds 6 with probability 6e-9; at 10 processes, 2 generators, 2 intervals and
 // 6 + 4 statistics the whole family fails by chance with probability 2e-6.
 constexpr int kRecords = 300;
 constexpr double kSigmas = 6;
@@ -315,7 +316,10 @@ const Case kCases[] = {{"Quantization", Quantization{1}},
                        {"RateRamp", RateRamp{1}},
                        {"GaussMarkovFast", GaussMarkov{1, 0.3}},
                        {"GaussMarkovSlow", GaussMarkov{1, 150}},
-                       {"Sinusoid", Sinusoid{1, 0.0137, 0.5}}};
+                       {"Sinusoid", Sinusoid{1, 0.0137, 0.5}},
+                       {"FilteredFirstOrder", FilteredWhite{1, {FrontEnd::Kind::first_order, 0.2}}},
+                       {"FilteredSecondOrderAboveAFloor",
+                        FilteredWhite{1, {FrontEnd::Kind::second_order, 0.15, FrontEnd::Sampling::held, 0.05}}}};
 
 INSTANTIATE_TEST_SUITE_P(Processes, Battery, testing::ValuesIn(kCases),
                          [](const auto& instance) { return instance.param.name; });

@@ -124,8 +124,10 @@ void fit_chosen(Fitted& f, const allan::Series& series, std::optional<double> ta
   };
   f.chosen.reset();
   stages.attempt(Stage::choice, [&] {
-    Chosen chosen{.selection = fit::choose_terms(series.rate(), series.dt(), {.tau_min_s = tau_min_s}),
-                  .alternative_fit = {}};
+    fit::SelectionOptions options{.tau_min_s = tau_min_s};
+    const fit::Result plain = fitted({Term::white, Term::flicker, Term::rate_random_walk}, {.tau_min_s = tau_min_s});
+    if (plain.front_end && plain.front_end->kind) options.front_end = plain.front_end->value();
+    Chosen chosen{.selection = fit::choose_terms(series.rate(), series.dt(), options), .alternative_fit = {}};
     if (const auto& other = chosen.selection.alternative) {
       chosen.alternative_fit =
           fitted(other->terms, {other->correlation_time_s, chosen.selection.frequency_hz, tau_min_s});

@@ -118,6 +118,7 @@ SineLikelihood::SineLikelihood(SineBins bins, std::span<const noise::Process> pr
       shape_(b, a) = mean_variance(unit, bins_.parts[static_cast<std::size_t>(b)], bins_.dt);
     }
   }
+  if (bins_.gain.size() > 0) shape_ = bins_.gain.matrix().asDiagonal() * shape_;
   unit_ = Eigen::VectorXd::Ones(shape_.cols());
   choose_units();
 }

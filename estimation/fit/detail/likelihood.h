@@ -33,6 +33,7 @@ struct SineBins {
   Eigen::ArrayXd reference;   ///< power that the cost is counted from: of the same record, whatever is taken off it
   Eigen::ArrayXd with_ramp;   ///< mean of c d, d the transform of a unit ramp
   Eigen::ArrayXd ramp_power;  ///< mean of d^2
+  Eigen::ArrayXd gain;        ///< of a front end that all spectra stand behind; empty: none
 
   /// Coefficients first <= k < end of a stretch of `samples`.
   struct Part {
