@@ -580,12 +580,12 @@ std::string temperature_text(const AxisResult& axis) {
         " The record cannot tell what the rate of the temperature does: it goes with the temperature itself, or the temperature is too coarse to have one.";
   if (!t.quadratic.fitted) text += " Nor can it tell a square.";
   if (!t.removed)
-    return text +
-           fmt::format(" No dependence is seen beside the noise ({}); nothing was taken off.", probability(t.p_value));
+    return text + fmt::format(" No dependence is seen beside the noise ({}); nothing was taken off.",
+                              probability_text(t.p_value));
   text += fmt::format(
       " It explains {} of the variance of the means of {} ({}), and was taken off: curve and fit are of what is left.",
       percent(t.explained), tau_text(t.points.size() > 1 ? t.points[1].time_s - t.points[0].time_s : 0),
-      probability(t.p_value));
+      probability_text(t.p_value));
   std::vector<std::string> moves;
   for (const Term term : {Term::white, Term::flicker, Term::rate_random_walk}) {
     const Coefficient *before = find(t.before, term), *after = axis.fit ? find(*axis.fit, term) : nullptr;
