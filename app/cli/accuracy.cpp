@@ -30,6 +30,10 @@ std::vector<noise::Process> truth_of(const noise::SensorModel& sensor, const Acc
     throw text::InputError(
         fmt::format("{}: the {} has no noise coefficient above zero; accuracy needs the truth", a.sensor, name));
   }
+  for (noise::Process& process : truth) {
+    const auto* white = std::get_if<noise::White>(&process);
+    if (white != nullptr && a.front_end) process = noise::FilteredWhite{white->n, *a.front_end};
+  }
   return truth;
 }
 

@@ -117,6 +117,7 @@ struct AccuracyArguments {
   std::string sensor;
   noise::Signal signal = noise::Signal::angular_rate;  ///< which of the sensor's two
   std::optional<std::size_t> axis;                     ///< 0, 1, 2 for x, y, z; unset: all are to be alike
+  std::optional<noise::FrontEnd> front_end;            ///< that the records are simulated behind
   double duration_s = 36'000;
   double rate_hz = 1;
   std::optional<double> sensor_rate_hz;  ///< as PlanArguments has it

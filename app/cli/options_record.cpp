@@ -165,6 +165,10 @@ App* add_calibrate(App& app, CalibrateArguments& a, Texts& texts) {
       ->delimiter(',')
       ->check(IsMember{{"outliers", "steps", "warm-up", "motion"}})
       ->type_name("outliers,steps,warm-up,motion");
+  fit->add_option(
+         "--front-end", texts.front_end,
+         "low pass between the noise and the samples: first_order, second_order or moving_average, with its bandwidth where that is known (first_order:25Hz); none [auto: found where the record shows one]")
+      ->type_name("KIND[:HZ]");
   fit->add_option("--tau-min", texts.tau_min, "shortest tau to fit [start of the longest run the model describes]")
       ->type_name("TIME");
   fit->add_option("--tau-max", texts.tau_max, "longest tau to fit [all]")->type_name("TIME");
@@ -229,6 +233,15 @@ void finish(CalibrateArguments& a, const Texts& texts) {
   if (!a.curve_file.empty() && (a.options.choose_terms || open_time || open_frequency))
     throw std::invalid_argument(
         "--terms auto, and G and S of unknown time and frequency, need the log, not a table (--curve); for a table give them: --terms N,G=120s,S=0.05Hz");
+  if (texts.front_end == "none") {
+    a.options.find_front_end = false;
+  } else if (!texts.front_end.empty() && texts.front_end != "auto") {
+    const GivenFrontEnd given = front_end(texts.front_end);
+    if (given.bandwidth)
+      a.options.front_end = noise::FrontEnd{given.kind, *given.bandwidth};
+    else
+      a.options.front_end_kind = given.kind;
+  }
   a.options.method = *std::find_if(fit::kMethods.begin(), fit::kMethods.end(),
                                    [&](fit::Method m) { return fit::name(m) == texts.method; });
   const auto masks = [&](const char* what) {

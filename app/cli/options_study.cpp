@@ -61,6 +61,10 @@ App* add_accuracy(App& app, AccuracyArguments& a, Texts& texts) {
                         "accelerometer_z"}})
       ->type_name("NAME")
       ->capture_default_str();
+  verb->add_option(
+          "--front-end", texts.front_end,
+          "low pass that the white noise of the records is behind: first_order:25Hz, second_order:25Hz, or moving_average:25Hz over the nearest whole number of samples [none]")
+      ->type_name("KIND:HZ");
   verb->add_option("--seed", texts.seed, "of the random numbers; printed into every output")->capture_default_str();
   verb->add_option(
           "--require", texts.require,
@@ -84,6 +88,23 @@ void finish_sweep(AccuracyArguments& a, const Texts& texts) {
   }
   if (a.longest && !a.sweep) throw std::invalid_argument("--longest belongs to --sweep");
 }
+
+namespace {
+
+noise::FrontEnd front_end_of_records(const std::string& text, double rate_hz) {
+  const GivenFrontEnd given = front_end(text);
+  if (!given.bandwidth)
+    throw std::invalid_argument(
+        fmt::format("--front-end {0}: simulated records need a bandwidth, as in {0}:25Hz", text));
+  noise::FrontEnd front_end{given.kind, *given.bandwidth};
+  if (given.kind == noise::FrontEnd::Kind::moving_average) {
+    const double samples = std::max(1., std::round(noise::kMovingAverageWidth * rate_hz / front_end.bandwidth));
+    front_end.bandwidth = noise::kMovingAverageWidth * rate_hz / samples;
+  }
+  return front_end;
+}
+
+}  // namespace
 
 void finish(AccuracyArguments& a, const Texts& texts) {
   if (!texts.duration.empty()) a.duration_s = duration("--duration", texts.duration);
@@ -110,6 +131,7 @@ void finish(AccuracyArguments& a, const Texts& texts) {
   if (texts.axis.starts_with("accelerometer")) a.signal = noise::Signal::specific_force;
   if (const auto at = texts.axis.find('_'); at != std::string::npos)
     a.axis = static_cast<std::size_t>(texts.axis[at + 1] - 'x');
+  if (!texts.front_end.empty()) a.front_end = front_end_of_records(texts.front_end, a.rate_hz);
   a.seed = seed(texts.seed);
   if (!texts.require.empty()) a.requirements = fit::parse_requirements(texts.require);
   finish_sweep(a, texts);

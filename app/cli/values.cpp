@@ -129,6 +129,20 @@ ShapedTerms shaped_terms(const std::string& text) {
 }
 
 // "B=10%"
+GivenFrontEnd front_end(const std::string& text) {
+  using Kind = noise::FrontEnd::Kind;
+  const auto colon = text.find(':');
+  const std::string kind = text.substr(0, colon);
+  for (const Kind k : {Kind::first_order, Kind::second_order, Kind::moving_average}) {
+    if (kind != noise::name(k)) continue;
+    if (colon == std::string::npos) return {k, {}};
+    return {k, rate("--front-end", text.substr(colon + 1))};
+  }
+  throw std::invalid_argument(fmt::format(
+      "--front-end {}: must be first_order, second_order or moving_average, with a bandwidth behind it where it is known: first_order:25Hz",
+      text));
+}
+
 fit::PlanOptions::Wish wish(const std::string& text) {
   const auto parts = split(text, '=');
   if (parts.size() != 2) throw std::invalid_argument(fmt::format("--want '{}': write TERM=ACCURACY, e.g. B=10%", text));

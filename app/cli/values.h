@@ -42,6 +42,12 @@ struct ShapedTerms {
   std::optional<double> correlation_time_s, frequency_hz;
 };
 [[nodiscard]] ShapedTerms shaped_terms(const std::string& text);
+/// "first_order" or "first_order:25Hz" of --front-end.
+struct GivenFrontEnd {
+  noise::FrontEnd::Kind kind = noise::FrontEnd::Kind::first_order;
+  std::optional<double> bandwidth;  ///< [Hz]
+};
+[[nodiscard]] GivenFrontEnd front_end(const std::string& text);
 /// "B=10%" of --want.
 [[nodiscard]] fit::PlanOptions::Wish wish(const std::string& text);
 /// One of --methods.

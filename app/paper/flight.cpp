@@ -235,7 +235,7 @@ std::vector<PaperRow> earth_rate_rows() {
 
 /// Of the integrated noise of a gyro at the end of a flight [rad].
 double angle_sigma(const noise::ErrorModel& gyro, double t) {
-  const double N = gyro.white[kYaw], K = gyro.rate_random_walk[kYaw];
+  const double N = gyro.white[Axis::yaw], K = gyro.rate_random_walk[Axis::yaw];
   return std::sqrt(N * N * t + K * K * t * t * t / 3);
 }
 

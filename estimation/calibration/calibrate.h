@@ -44,12 +44,15 @@ struct Options {
   std::optional<std::vector<noise::Term>> terms;
   bool choose_terms = false;  ///< let likelihood ratios choose the terms (fit/selection.h) in place of `terms`
   fit::Method method = fit::Method::gls;
-  std::optional<double> tau_min_s;           ///< shortest averaging time that is fitted [s]; unset: found
-  std::optional<double> tau_max_s;           ///< longest [s]; unset: found
-  std::optional<double> correlation_time_s;  ///< of the Gauss-Markov term, held [s]; unset: fitted
-  std::optional<double> frequency_hz;        ///< of the sinusoid, held [Hz]; unset: fitted
-  bool cross_check = false;                  ///< fit the likelihood of the record beside its curve
-  bool temperature = true;                   ///< take off what depends on the record's temperature, where it has one
+  std::optional<double> tau_min_s;                      ///< shortest averaging time that is fitted [s]; unset: found
+  std::optional<double> tau_max_s;                      ///< longest [s]; unset: found
+  std::optional<double> correlation_time_s;             ///< of the Gauss-Markov term, held [s]; unset: fitted
+  std::optional<double> frequency_hz;                   ///< of the sinusoid, held [Hz]; unset: fitted
+  bool cross_check = false;                             ///< fit the likelihood of the record beside its curve
+  std::optional<noise::FrontEnd> front_end;             ///< the low pass in front of the samples, where it is known
+  std::optional<noise::FrontEnd::Kind> front_end_kind;  ///< where that alone is
+  bool find_front_end = true;                           ///< false: where neither is given there is none
+  bool temperature = true;  ///< take off what depends on the record's temperature, where it has one
   Masking mask;
   /// Of the curve that is shown, and read by the methods that read; the fit has octaves.
   allan::Taus taus{.kind = allan::Taus::Kind::logarithmic, .count = 50};

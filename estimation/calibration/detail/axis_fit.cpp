@@ -100,6 +100,9 @@ fit::Result fit_curves(const Curves& curves, std::span<const double> rate, const
   options.tau_max_s = o.tau_max_s;
   options.correlation_time_s = o.correlation_time_s;
   options.frequency_hz = o.frequency_hz;
+  options.front_end = o.front_end;
+  options.front_end_kind = o.front_end_kind;
+  options.find_front_end = o.find_front_end;
   options.near_correlation_time_s = seen.correlation_time_s;
   options.near_frequency_hz = seen.frequency_hz;
   if (o.method != fit::Method::whittle) check_enough(axis, curves.octaves, options.terms.size());
