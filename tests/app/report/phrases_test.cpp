@@ -4,6 +4,7 @@
 #include "gyrobudget/app/report/calibration.h"
 #include "gyrobudget/app/report/report.h"
 #include "gyrobudget/estimation/calibration/calibrate.h"
+#include "gyrobudget/estimation/calibration/sensor_model.h"
 #include "gyrobudget/estimation/fit/judgement.h"
 #include "gyrobudget/noise/generate.h"
 
@@ -169,7 +170,9 @@ TEST_P(Phrases, SayNothingEmpty) {
       const auto sheet = calibration::calibrate(record, way.options);
       EXPECT_TRUE(sheet.axes[0].faults.empty()) << way.name << ": " << sheet.axes[0].faults[0].what;
       expect_meaning(calibration_result(sheet, {}, "gyrobudget calibrate odd.csv"), way.name);
-      expect_meaning(provenance(sheet, "gyrobudget calibrate odd.csv"), way.name + ", sensor file");
+      const auto summary = calibration::summarise(sheet, "odd");
+      expect_meaning(provenance(sheet, {summary, "gyrobudget calibrate odd.csv", summary.sensor}),
+                     way.name + ", sensor file");
     } catch (const calibration::Unusable& refused) {
       expect_meaning(refused.what(), way.name + ", refusal");
     }
