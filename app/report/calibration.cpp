@@ -258,9 +258,9 @@ std::string walk_text(const AxisDatasheet& axis) {
 
 std::string one_line_verdict(const AxisDatasheet& axis) {
   if (!axis.is_fitted()) return "no coefficients, as an error ended its fit";
-  if (axis.findings && axis.findings->not_at_rest()) return "NOT described, the sensor was moved: do not use";
+  if (axis.findings && axis.findings->not_at_rest()) return "not described, the sensor was moved: do not use";
   if (axis.findings && axis.findings->not_of_one_sensor())
-    return "NOT described, the rows are of several sensors: do not use";
+    return "not described, the rows are of several sensors: do not use";
   if (axis.findings && axis.findings->rounded_above_noise() && !axis.has_answer())
     return "not quotable, the samples are rounded to steps above their noise: do not use";
   const fit::Result& fit = axis.fit;

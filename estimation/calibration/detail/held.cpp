@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace gyrobudget::inline v0::calibration::detail {
 namespace {
@@ -16,7 +17,11 @@ Sensor held_sensor(const Axes& axes) {
   const auto repeats = allan::find_repeats(axes);
   if (!repeats) return nullptr;
   auto sensor = std::make_shared<const HeldSensor>(HeldSensor{*repeats, allan::readings_of(axes)});
-  return std::ssize(sensor->readings.rows) < kFewestSamples ? nullptr : sensor;
+  // Where most of the rows are of readings that stand far longer than the others, nothing says how often there is one.
+  constexpr double kLeastOfRows = 0.5;
+  const auto readings = std::ranges::count_if(sensor->readings.rows, [](std::int64_t row) { return row >= 0; });
+  const double rows = static_cast<double>(readings) * sensor->readings.rows_each;
+  return readings < kFewestSamples || rows < kLeastOfRows * static_cast<double>(repeats->compared) ? nullptr : sensor;
 }
 
 void raise(fit::Result& fit, double ratio, double added) {

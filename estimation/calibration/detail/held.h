@@ -20,7 +20,7 @@ struct HeldSensor {
 
 /// For each axis the sensor that it belongs to; null where its rows do not repeat. The gyro axes of a record are one
 /// sensor, the accelerometer axes another; where these do not repeat together, and for dimensionless axes, each axis is
-/// one.
+/// one. A few readings that stand for most of the record (a spike in zeros, say) are no slower sensor's.
 [[nodiscard]] std::vector<std::shared_ptr<const HeldSensor>> held_sensors(const allan::Record& record);
 
 /// The white noise of a datasheet of readings as it is where the rows of the log are summed as they stand: raised by
