@@ -34,6 +34,8 @@ struct Record {
   double start_s = 0;                ///< of a segment, since the first row of the log by its own clock
   std::int64_t first_row = 1;        ///< likewise, the line of its first row (binary: the row), from 1
   std::vector<Axis> axes = {};
+  /// Of the sensor [degC], as long as the axes, NaN where missing (a slow one may be so at most samples); empty: none.
+  std::vector<double> temperature = {};
   std::vector<std::string> notes = {};  ///< what a person should know of how it was read, one sentence each
 };
 

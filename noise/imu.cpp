@@ -81,6 +81,7 @@ class Triad {
     double vibration = 0;
     std::array<StreamKey, kAxes> axes;
     detail::FlickerBand band;
+    std::optional<TemperatureProfile> temperature = {};
   };
   Triad() = default;  // ideal
   Triad(const ErrorModel&, const Setting&);
@@ -120,6 +121,10 @@ class Triad {
   std::vector<Axis> axes_;
   std::size_t at_ = 0;  ///< in the tiles
   Vector3 bias_{};
+  std::optional<TemperatureModel> temperature_;
+  std::optional<TemperatureProfile> profile_;
+  Vector3 warm_bias_{};
+  std::uint64_t samples_ = 0;
   std::array<std::uint64_t, kAxes> saturated_{};
 };
 
@@ -132,7 +137,8 @@ Triad::Triad(const ErrorModel& model, const Setting& setting) : dt_(setting.dt) 
   const TriadConstants& c = constants_;
   deforms_ =
       any(c.g2_sensitivity) || std::ranges::any_of(deformation_, any) || std::ranges::any_of(c.g_sensitivity, any);
-  ideal_ = !(deforms_ || any(constant_bias_) || any(c.calibrated_bias) || model.range ||
+  if (model.temperature && setting.temperature) temperature_ = model.temperature, profile_ = setting.temperature;
+  ideal_ = !(temperature_ || deforms_ || any(constant_bias_) || any(c.calibrated_bias) || model.range ||
              std::ranges::any_of(axes_, [](const Axis& a) { return a.noisy || a.bit != 0 || a.low_pass || a.delay; }));
 }
 
@@ -179,6 +185,11 @@ Vector3 Triad::next(const Vector3& truth, const Vector3& v) {
     for (Axis& a : axes_) a.noise.next(a.slow, a.fast);
     at_ = 0;
   }
+  if (temperature_) {
+    const double t = (static_cast<double>(samples_++) + 0.5) * dt_, degrees = profile_->at(t),
+                 slope = profile_->slope(t);
+    for (std::size_t i = 0; i < kAxes; ++i) warm_bias_[i] = temperature_->bias(i, degrees, slope);
+  }
   Vector3 y = deforms_ ? sensed(truth, v) : truth;
   for (std::size_t i = 0; i < kAxes; ++i) y[i] = read(i, y[i]);
   ++at_;
@@ -199,7 +210,7 @@ double Triad::read(std::size_t i, double increment) {
   Axis& axis = axes_[i];
   if (axis.low_pass) increment = axis.low_pass->next(increment);
   if (axis.delay) increment = axis.delay->next(increment);
-  const double bias = constant_bias_[i] + axis.slow[at_];
+  const double bias = constant_bias_[i] + warm_bias_[i] + axis.slow[at_];
   bias_[i] = bias - constants_.calibrated_bias[i];
   const double raw = saturate(i, increment + (bias + axis.fast[at_]) * dt_);
   return quantize(axis, raw) - constants_.calibrated_bias[i] * dt_;
@@ -228,7 +239,7 @@ ErrorModel with_epoch(ErrorModel model, const Imu::Options& options) {
 
 Triad make_triad(const ErrorModel& model, const ErrorSources& sources, std::uint64_t first_stream, double dt,
                  ImuKey key, const Imu::Options& options) {
-  Triad::Setting setting{dt, options.vibration, {}, {options.duration, options.poles_per_decade}};
+  Triad::Setting setting{dt, options.vibration, {}, {options.duration, options.poles_per_decade}, options.temperature};
   for (std::size_t i = 0; i < kAxes; ++i) setting.axes[i] = {key.seed, first_stream + i};
   return {with_epoch(only(model, sources), options), setting};
 }
@@ -254,6 +265,7 @@ ErrorModel only(const ErrorModel& model, const ErrorSources& sources) {
   if (off(ErrorSource::bandwidth)) m.bandwidth.reset();
   if (off(ErrorSource::delay)) m.delay.reset();
   if (off(ErrorSource::range)) m.range.reset();
+  if (off(ErrorSource::temperature)) m.temperature.reset();
   return m;
 }
 

@@ -34,6 +34,7 @@ enum class ErrorSource : unsigned {
   bandwidth,
   delay,
   range,
+  temperature,
 };
 
 /// A set of them.
@@ -92,14 +93,16 @@ struct ImuConstants {
 ///
 ///     sensed    e_i = u_i (1 + s_i) + sum_{j != i} M_ij u_j + sum_j G_ij v_j + D_i f_i^2 dt
 ///     response  r = low pass and delay of e
-///     raw       z_i = r_i + (turn-on bias + V_i level^2 + flicker + walk + ramp + Gauss-Markov + sinusoid +
-///                            white) dt, kept within +-range dt
+///     raw       z_i = r_i + (turn-on bias + V_i level^2 + temperature + flicker + walk + ramp + Gauss-Markov +
+///                            sinusoid + white) dt, kept within +-range dt
 ///     reading   y_i = z_i to a whole number of least significant bits, less calibrated_bias_i dt
 ///
 /// - **Drawn once a run**, normal with the model's std: turn-on bias, s, the six M_ij (a non-orthogonality:
 ///   each angle is
 ///   independent, rows are axes; M_ij = -M_ji would be a rotation of the case), the nine G_ij (gyros only),
 /// D, V.
+/// - **Temperature**: TemperatureModel::bias at the middle of the interval, where Options::temperature says how
+///   it goes from the first sample on; it is of the sensor, not drawn, and a calibration leaves it.
 /// - **Response**: it acts on what is sensed, not on the noise, whose coefficients are those of the output.
 ///   First order
 ///   1/(1 + s/w) or second order Butterworth, w = 2 pi bandwidth, -3 dB at the bandwidth; for increments of
@@ -136,6 +139,7 @@ class Imu {
  public:
   struct Options {
     double vibration = 0;                              ///< level [m/s^2 rms]
+    std::optional<TemperatureProfile> temperature;     ///< from the first sample on; unset: at the reference
     std::optional<double> powered_on_before;           ///< for both triads, in place of the model's
     std::optional<double> calibrated_over;             ///< as well
     ErrorSources gyro = ErrorSources::all();           ///< what is on

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <optional>
@@ -9,7 +8,9 @@
 #include <string_view>
 #include <vector>
 
+#include "per_axis.h"
 #include "process.h"
+#include "temperature.h"
 #include "units.h"
 
 namespace gyrobudget::inline v0::noise {
@@ -29,30 +30,6 @@ enum class Signal { angular_rate, specific_force, dimensionless };
 [[nodiscard]] std::string_view key(Signal signal, Term term);
 /// Name for people: "angle random walk", "bias instability".
 [[nodiscard]] std::string_view label(Signal signal, Term term);
-
-/// What a datasheet gives once for all three axes, or once for each.
-class PerAxis {
- public:
-  constexpr PerAxis(double all = 0) : axis_{all, all, all} {}  // one number is a value for all
-  constexpr PerAxis(double x, double y, double z) : axis_{x, y, z} {}
-  [[nodiscard]] constexpr double operator[](std::size_t axis) const { return axis_[axis]; }
-  [[nodiscard]] constexpr double& operator[](std::size_t axis) { return axis_[axis]; }
-  [[nodiscard]] constexpr bool is_uniform() const { return axis_[0] == axis_[1] && axis_[1] == axis_[2]; }
-  /// The largest of the three by absolute value.
-  [[nodiscard]] constexpr double largest() const {
-    double most = 0;
-    for (const double v : axis_) most = std::max(most, v < 0 ? -v : v);
-    return most;
-  }
-  constexpr PerAxis& operator*=(double factor) {
-    for (double& v : axis_) v *= factor;
-    return *this;
-  }
-  friend constexpr bool operator==(const PerAxis&, const PerAxis&) = default;
-
- private:
-  std::array<double, 3> axis_;
-};
 
 /// A Gauss-Markov process on each axis of a triad, independent of one another; an axis of sigma 0 has none.
 struct TriadGaussMarkov {
@@ -96,6 +73,7 @@ struct ErrorModel {
   int filter_order = 1;                            ///< of the low pass that `bandwidth` means, 1 or 2
   std::optional<double> delay;                     ///< [s]
   std::optional<double> range;                     ///< [signal]
+  std::optional<TemperatureModel> temperature;     ///< bias by temperature; nothing where none is known
   // Epoch of the noise: what it is at the start of a scene depends on when it was known last.
   std::optional<double> powered_on_before;  ///< [s] before the scene; empty: at its start
   std::optional<double> calibrated_over;    ///< [s] up to the scene; empty: not calibrated

@@ -52,7 +52,8 @@ void add(std::vector<SimulatedAxis>& list, Signal signal, const ErrorModel& erro
   const std::uint64_t first = signal == Signal::angular_rate ? 0 : 3;
   for (const int axis : o.axes) {
     const auto which = static_cast<std::size_t>(axis);
-    list.push_back({signal, axis, model_of(o.model, errors, which, 1 / o.rate_hz), {o.seed, first + which}});
+    list.push_back(
+        {signal, axis, model_of(o.model, errors, which, 1 / o.rate_hz), errors.temperature, {o.seed, first + which}});
   }
 }
 
@@ -118,7 +119,28 @@ std::vector<double> Simulation::record(std::size_t index) const {
   if (streams())
     throw std::invalid_argument("only the spectral model makes whole records; the others have a generator");
   const SimulatedAxis& axis = axes_.at(index);
-  return generate_record(axis.model.processes, static_cast<std::int64_t>(samples()), 1 / options_.rate_hz, axis.key);
+  auto made =
+      generate_record(axis.model.processes, static_cast<std::int64_t>(samples()), 1 / options_.rate_hz, axis.key);
+  add_temperature(index, 0, made);
+  return made;
+}
+
+void Simulation::add_temperature(std::size_t index, std::uint64_t first, std::span<double> samples) const {
+  const SimulatedAxis& axis = axes_.at(index);
+  if (!axis.temperature || !options_.temperature) return;
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const double t = (static_cast<double>(first + k) + 0.5) / options_.rate_hz;
+    samples[k] += axis.temperature->bias(static_cast<std::size_t>(axis.axis), options_.temperature->at(t),
+                                         options_.temperature->slope(t));
+  }
+}
+
+void Simulation::temperatures(std::uint64_t first, std::span<double> values) const {
+  const double reference = axes_.empty() || !axes_.front().temperature ? 0 : axes_.front().temperature->reference;
+  for (std::size_t k = 0; k < values.size(); ++k) {
+    const double t = (static_cast<double>(first + k) + 0.5) / options_.rate_hz;
+    values[k] = options_.temperature ? options_.temperature->at(t) : reference;
+  }
 }
 
 Generator Simulation::generator(std::size_t index) const {

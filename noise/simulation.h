@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "bielas.h"
@@ -46,7 +47,8 @@ struct SimulationOptions {
   double rate_hz = 100;
   double duration_s = 0;  ///< infinite: without end
   std::uint64_t seed = 1;
-  std::vector<int> axes{0, 1, 2};  ///< which of x, y, z
+  std::vector<int> axes{0, 1, 2};                      ///< which of x, y, z
+  std::optional<TemperatureProfile> temperature = {};  ///< from the first sample on; unset: at the reference
 };
 
 /// One axis of a simulated sensor at rest.
@@ -54,6 +56,7 @@ struct SimulatedAxis {
   Signal signal = Signal::angular_rate;
   int axis = 0;  ///< 0, 1, 2 for x, y, z
   Model model;
+  std::optional<TemperatureModel> temperature;
   /// Streams of random numbers: gyro axes are 0, 1, 2 whatever subset is asked for, accelerometer axes 3, 4, 5.
   StreamKey key;
 };
@@ -83,6 +86,13 @@ class Simulation {
   /// The whole record of an axis, exact in distribution.
   /// @param index into axes(). @throws std::invalid_argument for a model that streams.
   [[nodiscard]] std::vector<double> record(std::size_t index) const;
+
+  /// The bias that the options' temperature makes of an axis; adds it to samples [signal] from sample `first` on, which
+  /// record() has done. Without one it adds nothing.
+  void add_temperature(std::size_t index, std::uint64_t first, std::span<double> samples) const;
+
+  /// The temperature of samples from `first` on [degC]; the reference of the gyro where the options have none.
+  void temperatures(std::uint64_t first, std::span<double> values) const;
 
   /// What makes the samples of an axis one by one. 1/f noise is right up to the duration; without end to the
   /// generator's own limit.

@@ -23,7 +23,7 @@ namespace {
 /// A unit while it is worked out: long double, so that the factor rounds once, at the end.
 struct Scale {
   long double factor = 1;
-  int angle = 0, length = 0, time = 0, mass = 0;  ///< doubled exponents, as in Dimension
+  int angle = 0, length = 0, time = 0, mass = 0, temperature = 0;  ///< doubled exponents, as in Dimension
 };
 
 Scale power(const Scale& base, int halves) {
@@ -36,11 +36,13 @@ Scale power(const Scale& base, int halves) {
   result.length = base.length * halves / 2;
   result.time = base.time * halves / 2;
   result.mass = base.mass * halves / 2;
+  result.temperature = base.temperature * halves / 2;
   return result;
 }
 
 Scale product(const Scale& a, const Scale& b) {
-  return {a.factor * b.factor, a.angle + b.angle, a.length + b.length, a.time + b.time, a.mass + b.mass};
+  return {a.factor * b.factor, a.angle + b.angle, a.length + b.length,
+          a.time + b.time,     a.mass + b.mass,   a.temperature + b.temperature};
 }
 
 // --- Names -------------------------------------------------------------------------------------------------
@@ -115,6 +117,11 @@ constexpr Name kNames[] = {
     {"N", {1, 0, 2, -4, 2}, true},
     {"Nm", {1, 0, 4, -4, 2}, true},
     {"Pa", {1, 0, -2, -4, 2}, true},
+    {"K", {1, 0, 0, 0, 0, 2}},
+    {"kelvin", {1, 0, 0, 0, 0, 2}},
+    {"degC", {1, 0, 0, 0, 0, 2}},
+    {"C", {1, 0, 0, 0, 0, 2}},
+    {"celsius", {1, 0, 0, 0, 0, 2}},
     {"%", {0.01L, 0, 0, 0}},
     {"percent", {0.01L, 0, 0, 0}},
     {"ppm", {1e-6L, 0, 0, 0}},
@@ -259,7 +266,8 @@ class Parser {
     if (!rest().empty()) fail(fmt::format("found '{}' behind a complete unit", excerpt(rest())));
     return {static_cast<double>(scale.factor),
             {static_cast<std::int8_t>(scale.angle), static_cast<std::int8_t>(scale.length),
-             static_cast<std::int8_t>(scale.time), static_cast<std::int8_t>(scale.mass)}};
+             static_cast<std::int8_t>(scale.time), static_cast<std::int8_t>(scale.mass),
+             static_cast<std::int8_t>(scale.temperature)}};
   }
 
  private:
@@ -271,7 +279,7 @@ class Parser {
   const Scale& bounded(const Scale& scale) const {
     const auto fits = [](int exponent) { return std::abs(exponent) <= std::numeric_limits<std::int8_t>::max(); };
     if (!std::isnormal(static_cast<double>(scale.factor)) || !fits(scale.angle) || !fits(scale.length) ||
-        !fits(scale.time) || !fits(scale.mass)) {
+        !fits(scale.time) || !fits(scale.mass) || !fits(scale.temperature)) {
       fail("its size or powers are beyond reason");
     }
     return scale;
@@ -330,7 +338,8 @@ class Parser {
     at_ -= unread;
     accept("-");
     const Scale radicand = factor();
-    if (radicand.angle % 2 != 0 || radicand.length % 2 != 0 || radicand.time % 2 != 0 || radicand.mass % 2 != 0) {
+    if (radicand.angle % 2 != 0 || radicand.length % 2 != 0 || radicand.time % 2 != 0 || radicand.mass % 2 != 0 ||
+        radicand.temperature % 2 != 0) {
       fail("a fourth root is in no unit of a sensor");
     }
     return power(radicand, 1);
@@ -341,6 +350,10 @@ class Parser {
     const std::size_t start = at_;
     if (next() == '%') return std::string_view(text_).substr(at_++, 1);
     while (is_letter(next())) ++at_;
+    if (text_.substr(start, at_ - start) == "deg" && next() == ' ' && next(1) == 'C' && !is_letter(next(2))) {
+      text_.erase(at_, 1);  // "deg C" is no product
+      ++at_;
+    }
     if (lower(text_.substr(start, at_ - start)) == "arc" && (next() == ' ' || next() == '-') && is_letter(next(1))) {
       text_.erase(at_, 1);
       while (is_letter(next())) ++at_;
@@ -367,7 +380,7 @@ class Parser {
     const int halves = exponent();
     if (parenthesis && !accept(")")) fail("a parenthesis is not closed");
     const auto whole = [&](int doubled) { return doubled * halves % 2 == 0; };
-    if (!whole(base.angle) || !whole(base.length) || !whole(base.time) || !whole(base.mass))
+    if (!whole(base.angle) || !whole(base.length) || !whole(base.time) || !whole(base.mass) || !whole(base.temperature))
       fail("a fourth root is in no unit of a sensor");
     return bounded(power(base, halves));
   }
@@ -446,6 +459,13 @@ constexpr Example kExamples[] = {
     {dimension::kForce, "N, kN"},
     {dimension::kMoment, "N m, kN m"},
     {dimension::kInertia, "kg m^2"},
+    {dimension::kTemperature, "degC, K"},
+    {{2, 0, -2, 0, -2}, "deg/h/K, rad/s/K"},
+    {{2, 0, -2, 0, -4}, "deg/h/K^2, rad/s/K^2"},
+    {{2, 0, 0, 0, -2}, "deg/h/(K/min), rad/K"},
+    {{0, 2, -4, 0, -2}, "ug/K, m/s^2/K"},
+    {{0, 2, -4, 0, -4}, "ug/K^2, m/s^2/K^2"},
+    {{0, 2, -2, 0, -2}, "ug/(K/min), m/s/K"},
     {{0, -2, -4, 2}, "Pa, kPa"},
     {{-2, 0, 0}, "1/rad, 1/deg"},
     {{2, -2, 0}, "rad/m, deg/m"},
@@ -505,8 +525,11 @@ std::string example_units(const Dimension& dimension) {
     if (example.dimension == dimension) return std::string(example.units);
   }
   std::string result;
-  for (const auto& [name, doubled] :
-       {std::pair{"rad", dimension.angle}, {"m", dimension.length}, {"s", dimension.time}, {"kg", dimension.mass}}) {
+  for (const auto& [name, doubled] : {std::pair{"rad", dimension.angle},
+                                      {"m", dimension.length},
+                                      {"s", dimension.time},
+                                      {"kg", dimension.mass},
+                                      {"K", dimension.temperature}}) {
     if (doubled == 0) continue;
     result += fmt::format("{}{}^{}", result.empty() ? "" : " ", name, doubled / 2.0);
   }

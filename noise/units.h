@@ -7,7 +7,7 @@
 
 namespace gyrobudget::inline v0::noise {
 
-/// Exponents of radian, metre, second and kilogram, doubled so that sqrt(h) and 1/sqrt(Hz) are whole numbers.
+/// Exponents of radian, metre, second, kilogram and kelvin, doubled so that sqrt(h) and 1/sqrt(Hz) are whole numbers.
 /// deg/sqrt(h) is {angle 2, length 0, time -1}. Angle counts as a dimension of its own: it tells a rate from
 /// a frequency and an angle random walk from a number.
 struct Dimension {
@@ -15,10 +15,11 @@ struct Dimension {
   std::int8_t length = 0;
   std::int8_t time = 0;
   std::int8_t mass = 0;
+  std::int8_t temperature = 0;
   friend constexpr bool operator==(const Dimension&, const Dimension&) = default;
 };
 
-/// A unit: how many SI units (rad, m, s, kg) one of it is, and its dimension. An SI value is number * to_si.
+/// A unit: how many SI units (rad, m, s, kg, K) one of it is, and its dimension. An SI value is number * to_si.
 struct Unit {
   double to_si = 1;
   Dimension dimension;
@@ -38,6 +39,7 @@ inline constexpr Dimension kMass{0, 0, 0, 2};
 inline constexpr Dimension kForce{0, 2, -4, 2};
 inline constexpr Dimension kMoment{0, 4, -4, 2};
 inline constexpr Dimension kInertia{0, 4, 0, 2};
+inline constexpr Dimension kTemperature{0, 0, 0, 0, 2};
 }  // namespace dimension
 
 /// Reads a unit as datasheets, ROS, Kalibr, MATLAB and CSV headers write it: `deg/sqrt(h)`, `°/√h`,
@@ -53,14 +55,14 @@ inline constexpr Dimension kInertia{0, 4, 0, 2};
 ///     exponent = whole or half number: 2, -1, 0.5, 1.5, 1/2, -3/2, ½
 ///
 /// Names: rad deg ° rev; arcmin ′ ', arcsec ″ " as; s sec min h hr day d; Hz; m ft in; g Gal; dps dph rpm
-/// meru; kg t N Nm Pa; % ppm ppb; 1, dimensionless; plurals and long forms. SI prefixes p n u µ m k M go
-/// before rad deg dps g s sec m Hz Gal as N Nm Pa (cm too). Prefixes and one-letter names are case-sensitive
+/// meru; kg t N Nm Pa; K °C C celsius kelvin; % ppm ppb; 1, dimensionless; plurals and long forms. SI prefixes p n u µ
+/// m k M go before rad deg dps g s sec m Hz Gal as N Nm Pa (cm too). Prefixes and one-letter names are case-sensitive
 /// (mg is not Mg, G is not g); other names are not (DEG/HR).
 ///
 /// Where a spelling has two readings: g is standard gravity 9.80665 m/s^2, never gram, but kg is kilogram;
 /// min and " are minute of time and second of arc; ms is millisecond, `m s` metre second; h is hour; `^1/2` is
-/// a square root, as no unit is halved. Counts, LSB and volts are refused: they have no size until a scale
-/// gives them one.
+/// a square root, as no unit is halved; °C is the step of a kelvin: where its zero matters stands with the value.
+/// Counts, LSB and volts are refused: they have no size until a scale gives them one.
 ///
 /// to_si is the exact factor rounded to double.
 /// @throws std::invalid_argument naming what was not understood, and the nearest known spelling; also for

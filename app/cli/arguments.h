@@ -59,6 +59,7 @@ struct SimulateArguments {
   std::uint64_t seed = 1;
   std::vector<int> axes;  ///< 0, 1, 2 for x, y, z
   std::string unit;       ///< of the gyro columns; empty: rad/s
+  std::optional<noise::TemperatureProfile> temperature;
   std::string output = "-";
   log::Format format = log::Format::csv;
   std::optional<FlightArguments> flight;

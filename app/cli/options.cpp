@@ -40,6 +40,10 @@ void add_log(App& app, CurveArguments& curve, Texts& texts) {
   group->add_option("--scale", curve.log.scale, "units per count");
   group->add_option("--column", curve.log.columns, "names or numbers (from 1) of the columns to use")
       ->type_name("NAME|N ...");
+  group
+      ->add_option("--rows", texts.rows,
+                   "read the rows that have this number in a column: those of one sensor where several wrote by turns")
+      ->type_name("COLUMN=VALUE");
   add_format(*group, texts,
              "csv, or binary: f32, f64 (raw, little-endian), npy; needs --rate and --unit [by the ending]");
   group->add_option("--columns", curve.log.file_columns, "numbers a sample has in a raw binary log [1]")
@@ -65,6 +69,7 @@ void add_curve(App& app, Texts& texts, const std::string& default_taus) {
 
 void finish_log(CurveArguments& curve, const Texts& texts) {
   if (!texts.rate.empty()) curve.log.rate_hz = rate("--rate", texts.rate);
+  if (!texts.rows.empty()) curve.log.rows = rows_of(texts.rows);
   if (!texts.resample.empty()) curve.log.resample_hz = rate("--resample", texts.resample);
   curve.log.input = texts.input == "angle"       ? log::Input::angle
                     : texts.input == "increment" ? log::Input::increment

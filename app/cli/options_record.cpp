@@ -83,6 +83,7 @@ void check_stream(const AllanArguments& a, const Texts& texts, const std::string
   refuse(!a.segments.empty(), "reads one log");
   refuse(a.gap_s.has_value(), "reads one segment; leave out --segments");
   refuse(a.curve.log.resample_hz.has_value(), "cannot resample; leave out --resample");
+  refuse(a.curve.log.rows.has_value(), "reads every row; leave out --rows");
   refuse(a.estimators != std::vector{allan::Estimator::oadev}, "knows the oadev only; leave out --estimator");
   refuse(texts.taus != "octave" && texts.taus != default_taus, "has octaves only; leave out --taus");
   refuse(texts.ieee, "counts n - 2m + 1 terms; leave out --ieee");
@@ -160,10 +161,10 @@ App* add_calibrate(App& app, CalibrateArguments& a, Texts& texts) {
                 "fit the likelihood of the record too, and say whether the two agree");
   fit->add_option(
          "--mask", texts.mask,
-         "leave out of the fit what is found in the record: outliers, steps (all but the longest part without one), warm-up")
+         "leave out of the fit what is found in the record: outliers, steps (all but the longest part without one), warm-up, motion")
       ->delimiter(',')
-      ->check(IsMember{{"outliers", "steps", "warm-up"}})
-      ->type_name("outliers,steps,warm-up");
+      ->check(IsMember{{"outliers", "steps", "warm-up", "motion"}})
+      ->type_name("outliers,steps,warm-up,motion");
   fit->add_option(
          "--front-end", texts.front_end,
          "low pass between the noise and the samples: first_order, second_order or moving_average, with its bandwidth where that is known (first_order:25Hz); none [auto: found where the record shows one]")
@@ -246,7 +247,7 @@ void finish(CalibrateArguments& a, const Texts& texts) {
   const auto masks = [&](const char* what) {
     return std::find(texts.mask.begin(), texts.mask.end(), what) != texts.mask.end();
   };
-  a.options.mask = {masks("outliers"), masks("steps"), masks("warm-up")};
+  a.options.mask = {masks("outliers"), masks("steps"), masks("warm-up"), masks("motion")};
   if (!texts.horizon.empty()) a.kalibr_horizon_s = duration("--kalibr-horizon", texts.horizon);
   if (!texts.tau_min.empty()) a.options.tau_min_s = duration("--tau-min", texts.tau_min);
   if (!texts.tau_max.empty()) a.options.tau_max_s = duration("--tau-max", texts.tau_max);

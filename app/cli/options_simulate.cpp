@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Options of simulate.
+#include "gyrobudget/app/files/temperature_profile.h"
 #include "gyrobudget/noise/units.h"
 
 #include <fmt/format.h>
@@ -118,6 +119,10 @@ App* add_simulate(App& app, SimulateArguments& a, Texts& texts) {
   verb->add_option("--seed", texts.seed, "of the random numbers; printed into the log")->capture_default_str();
   verb->add_option("--axes", texts.axes, "axes to simulate")->capture_default_str();
   verb->add_option("--unit", a.unit, "of the gyro columns [rad/s; increments: rad]");
+  verb->add_option(
+          "--temperature", texts.temperature,
+          "how the temperature goes, for the sensor file's bias over it: \"35 degC\", \"from=20 degC,to=45 degC,time_constant=10 min\", or a table of time and temperature; it becomes a column of the log [at the reference]")
+      ->type_name("PROFILE|FILE");
   verb->add_option("-o,--output", a.output, "log to write; .gz compresses; .npy, .f64 and .f32 are binary; - is stdout")
       ->type_name("FILE")
       ->capture_default_str();
@@ -242,6 +247,7 @@ void finish(SimulateArguments& a, const Texts& texts) {
   if (a.format != log::Format::csv && a.output.ends_with(".gz")) {
     throw std::invalid_argument(fmt::format("-o {}: only text is compressed; leave out .gz", a.output));
   }
+  if (!texts.temperature.empty()) a.temperature = files::temperature_profile(texts.temperature);
   a.seed = seed(texts.seed);
   for (const auto& axis : split(texts.axes, ',')) {
     if (axis != "x" && axis != "y" && axis != "z") {

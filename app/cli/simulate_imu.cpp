@@ -24,6 +24,7 @@ namespace {
 void write_log(const SimulateArguments& a, const log::LogHead& head, std::uint64_t count,
                navigation::SimulatedImu& imu) {
   const double factor = a.flight->input == log::Input::increment ? 1 : a.rate_hz;
+  std::uint64_t at = a.skipped;
   log::write_log(a.output, head, count, [&](std::span<const std::span<double>> columns) {
     const auto readings = imu.next(columns.front().size());
     for (std::size_t k = 0; k < readings.size(); ++k) {
@@ -31,6 +32,7 @@ void write_log(const SimulateArguments& a, const log::LogHead& head, std::uint64
         columns[axis][k] = factor * readings[k].angle[axis];
         columns[axis + 3][k] = factor * readings[k].velocity[axis];
       }
+      if (a.temperature) columns[6][k] = a.temperature->at((static_cast<double>(at++) + 0.5) / a.rate_hz);
     }
   });
 }
@@ -55,7 +57,7 @@ int run_flight(const SimulateArguments& a) {
   for (const auto& note : report::sensor_notes(file.warnings, file.notes, a.sensor)) say(a.common, "note: " + note);
   const earth::Trajectory trajectory = files::scene_or_trajectory(flight.trajectory);
   const Flown flown = flown_of(a, trajectory);
-  const navigation::SimulatedImuOptions options{a.rate_hz, a.seed, flight.run, flight.vibration};
+  const navigation::SimulatedImuOptions options{a.rate_hz, a.seed, flight.run, flight.vibration, a.temperature};
   navigation::SimulatedImu imu(trajectory, sensor, options);
   imu.skip(a.skipped);
   const bool increments = flight.input == log::Input::increment;

@@ -35,6 +35,19 @@ double duration(const std::string& option, const std::string& text) {
 }
 
 // "100", "100 Hz", "1 kHz"
+log::RowsOf rows_of(const std::string& text) {
+  const std::size_t equals = text.rfind('=');
+  log::RowsOf rows;
+  if (equals != std::string::npos && equals > 0) {
+    rows.column = text.substr(0, equals);
+    const char* end = text.data() + text.size();
+    const auto [at, error] = std::from_chars(text.data() + equals + 1, end, rows.value);
+    if (error == std::errc{} && at == end) return rows;
+  }
+  throw std::invalid_argument(
+      fmt::format("--rows {}: expected a column and the number that its rows have, as in --rows I=0", text));
+}
+
 double rate(const std::string& option, const std::string& text) {
   const bool bare = text.find_first_not_of("0123456789.eE+- ") == std::string::npos;
   return positive(option, quantity(option, bare ? text + " Hz" : text, noise::dimension::kFrequency), text);

@@ -24,6 +24,8 @@ namespace gyrobudget::inline v0::cli {
 [[nodiscard]] double positive(const std::string& option, double value, const std::string& text);
 /// A time above 0 [s].
 [[nodiscard]] double duration(const std::string& option, const std::string& text);
+/// COLUMN=VALUE of --rows.
+[[nodiscard]] log::RowsOf rows_of(const std::string& text);
 /// "100", "100 Hz", "1 kHz" [Hz]
 [[nodiscard]] double rate(const std::string& option, const std::string& text);
 [[nodiscard]] std::uint64_t whole_number(const std::string& option, const std::string& text);

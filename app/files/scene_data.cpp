@@ -116,7 +116,7 @@ std::vector<std::int64_t> stamps(const File& file, const log::Table& table, cons
   return result;
 }
 
-navigation::ImuSamples read_samples(const ImuSource& imu) {
+navigation::ImuSamples read_samples(const ImuSource& imu, bool with_temperature) {
   const File file(imu.path);
   const std::string expected = hint(kImuExample, kImuNames);
   const log::NamedColumns columns = file.columns(imu.columns, expected);
@@ -132,10 +132,14 @@ navigation::ImuSamples read_samples(const ImuSource& imu) {
   samples.stamp = imu.stamp;
   if (imu.instants && angles != velocities)
     text::fail(file.name(), "samples: instant asks for rates, found one triad of increments");
+  constexpr log::Wanted kTemperature{"temperature", {"temp", "T"}, dimension::kTemperature};
+  const bool has_temperature = with_temperature && columns.find(kTemperature).has_value();
+  if (has_temperature) choice.data.push_back(columns.get(kTemperature));
   const bool timed = !imu.rate_hz || columns.find(log::kTimeColumn);
   if (timed) log::add_stamps(choice, columns.get(log::kTimeColumn));
 
-  const log::Table table = file.read(choice);
+  log::Table table = file.read(choice);
+  if (has_temperature) samples.temperature = std::move(table.numbers.back());
   constexpr std::size_t kFewest = 2;
   if (table.rows < kFewest)
     text::fail(file.name(), fmt::format("has {} rows, expected 2 or more IMU samples", table.rows));
@@ -278,7 +282,13 @@ SceneData read_recording(const SceneFile& scene) {
     throw text::InputError(
         "the scene has no \"imu:\" with a recorded log; one of a trajectory is for simulate, budget and fly");
   SceneData data;
-  const navigation::ImuSamples samples = read_samples(*scene.imu);
+  const noise::SensorModel& sensor = scene.scenario.sensor;
+  const bool warm = sensor.gyro.temperature || (sensor.accelerometer && sensor.accelerometer->temperature);
+  navigation::ImuSamples samples = read_samples(*scene.imu, warm);
+  if (navigation::take_off_temperature(samples, sensor))
+    data.notes.emplace_back("the sensor file's bias over temperature is taken off, by the log's temperature");
+  else if (warm)
+    data.notes.emplace_back("the sensor file has a bias over temperature, which this log has no temperature for");
   constexpr std::int64_t kFar = 1'000'000'000'000'000;  // ns: the clock of an epoch, not of a run
   data.recording.origin = std::abs(samples.stamps.front()) > kFar ? samples.stamps.front() : 0;
   try {

@@ -15,6 +15,7 @@
 
 #include "scene_columns.h"
 #include "scene_yaml.h"
+#include "temperature_profile.h"
 #include "trajectory_file.h"
 #include "trajectory_spec.h"
 
@@ -220,12 +221,24 @@ class SceneReader {
                     [&](const Node& v) {
                       result_.calibrated_over = yaml_.time("calibrated_over", v, sensor_file::Sign::above_zero);
                     }},
+                   {"temperature", [&](const Node& v) { read_temperature(v); }},
                    {"vibration", [&](const Node& v) {
                       scenario().states.vibration =
                           yaml_.quantity("vibration", v, dimension::kSpecificForce, sensor_file::Sign::not_negative);
                     }}});
     load_sensor(node["file"]);
     set_epoch(result_);
+  }
+
+  void read_temperature(const Node& node) {
+    std::string text = yaml_.text("temperature", node);
+    const bool words = text.find('=') != std::string::npos || text.find_first_of("0123456789+-") == 0;
+    if (!words) text = yaml_.path("temperature", node);
+    try {
+      scenario().states.temperature = temperature_profile(text);
+    } catch (const std::invalid_argument& error) {
+      yaml_.fail_here(node, fmt::format("temperature: {}", error.what()));
+    }
   }
 
   void load_sensor(const Node& node) {

@@ -57,6 +57,8 @@ sensor:                       # or just its file; left out or ideal: no errors
   powered_on_before: 10 min   # 1/f noise and rate random walk have run since [as the sensor file says]
   calibrated_over: 60 s       # the mean of the last minute before the scene is taken off [as the file says]
   vibration: 0 m/s^2          # rms level, for vibration rectification
+  temperature: from=20 degC,to=45 degC,time_constant=10 min   # or 35 degC, or a table of time and temperature:
+                              #   what the sensor file's bias over temperature makes [at its reference]
 states:                       # what the filter estimates of the sensor
   flicker: 2                  # Gauss-Markov states an axis, 0 to 6 [as tolerance asks, up to 3]
   tolerance: 1 %              # of the Allan deviation at the scene's length

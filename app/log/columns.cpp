@@ -86,10 +86,16 @@ class Chooser {
   Choice choose() {
     requested_ = requested_columns();
     choose_time();
+    choose_temperature();
+    choose_rows();
     if (requested_.empty()) {
       choose_all_data();
     } else {
-      for (const std::size_t i : requested_) add_data(columns_[i]);
+      for (const std::size_t i : requested_) {
+        if (!is_the_temperature(columns_[i])) add_data(columns_[i]);
+      }
+      if (choice_.data.empty())
+        fail_without_data({{"a temperature, which is no rate", {described(columns_[requested_[0]])}}});
     }
     if (choice_.stamps.empty() && !options_.rate_hz) {
       text::fail(source_, "has no time column and no rate is given; give the sample rate: --rate HZ");
@@ -171,6 +177,9 @@ class Chooser {
   }
 
   bool is_requested(const Column& c) const { return std::ranges::find(requested_, c.index) != requested_.end(); }
+  bool is_the_temperature(const Column& c) const {
+    return choice_.temperature && choice_.temperature->index == c.index;
+  }
   bool is_time(const Column& c) const {
     return std::ranges::any_of(choice_.stamps, [&](const StampColumn& s) { return s.index == c.index; });
   }
@@ -340,6 +349,64 @@ class Chooser {
             described(c), step, text::listing(choices, "or"), *options_.rate_hz));
   }
 
+  // --- Temperature, and whose rows ---
+
+  static bool has_unit_of_temperature(const Column& c) {
+    return c.unit && c.unit->dimension == dimension::kTemperature;
+  }
+  bool is_named_temperature(const Column& c) const {
+    return !layout_.headings.empty() && kind_of_name(c.name) == NameKind::temperature;
+  }
+  /// Never data, whatever else is asked for.
+  bool is_temperature(const Column& c) const {
+    return has_unit_of_temperature(c) || (is_named_temperature(c) && !is_time(c));
+  }
+
+  /// All numbers of the first rows lie between these.
+  bool lies_within(const Column& c, double low, double high) const {
+    bool any = false;
+    for (const auto& row : layout_.sample) {
+      double value = 0;
+      if (c.index >= row.size()) return false;
+      const auto cell = text::parse_number(row[c.index], layout_.dialect.decimal_comma, value);
+      if (cell == text::Cell::text || (cell == text::Cell::number && !(value > low && value < high))) return false;
+      any = any || cell == text::Cell::number;
+    }
+    return any;
+  }
+
+  void choose_temperature() {
+    constexpr double kKelvin = 273.15, kLowest = -90, kHighest = 200;  // [degC], of electronics
+    const Column* best = nullptr;
+    for (const Column& c : columns_) {
+      const bool plausible = has_unit_of_temperature(c) ||
+                             (is_named_temperature(c) && c.unit_text.empty() && lies_within(c, kLowest, kHighest));
+      if (is_time(c) || !plausible) continue;
+      if (!best || (has_unit_of_temperature(c) && !has_unit_of_temperature(*best)) ||
+          (is_requested(c) && !is_requested(*best)))
+        best = &c;
+    }
+    if (!best) return;
+    const bool absolute = best->unit_text == "K" || text::lower(best->unit_text) == "kelvin";
+    choice_.temperature = DataColumn{
+        .index = best->index, .name = best->name, .signal = Signal::dimensionless, .zero = absolute ? -kKelvin : 0};
+    choice_.notes.push_back(best->unit_text.empty()
+                                ? fmt::format("{} is read as the temperature in degC, by its name", described(*best))
+                                : fmt::format("{} is read as the temperature", described(*best)));
+  }
+
+  void choose_rows() {
+    if (!options_.rows) return;
+    const auto found = find_column(options_.rows->column);
+    if (!found) fail_unknown_column(options_.rows->column);
+    choice_.rows_of = DataColumn{.index = *found, .name = columns_[*found].name, .signal = Signal::dimensionless};
+    const Column& c = columns_[*found];
+    if (is_time(c) || is_requested(c))
+      fail_at_heading(c, fmt::format("{} is {}; rows are chosen by another column", described(c),
+                                     is_time(c) ? "the time" : "to be read as data"));
+    if (is_the_temperature(c)) choice_.temperature.reset();
+  }
+
   // --- Data ---
 
   /// A column as data, or the reason why it is none.
@@ -352,6 +419,7 @@ class Chooser {
   static Verdict refused(std::string reason) { return {{}, std::move(reason), false}; }
 
   Verdict judge(const Column& c, bool requested) const {
+    if (is_temperature(c)) return refused("a temperature, which is no rate");
     const bool unknown = !c.unit && !means_counts(c.unit_text);
     if (unknown && !(given_unit_ && requested)) {
       return refused(fmt::format("the unit {} is not understood", text::quoted(c.unit_text)));
@@ -411,7 +479,7 @@ class Chooser {
     std::vector<LeftOut> left_out;
     const Column* without_unit = nullptr;
     for (const Column& c : columns_) {
-      if (is_time(c)) continue;
+      if (is_time(c) || is_the_temperature(c) || (choice_.rows_of && choice_.rows_of->index == c.index)) continue;
       Verdict verdict = judge(c, false);
       if (verdict.data) {
         choice_.data.push_back(*std::move(verdict.data));

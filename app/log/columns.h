@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,13 +24,16 @@ struct DataColumn {
   std::string name;
   noise::Signal signal = noise::Signal::angular_rate;
   double to_si = 1;  ///< number in the file * to_si is SI, the scale included
+  double zero = 0;   ///< added to that: of a temperature, whose SI here is degC
 };
 
 struct Choice {
   std::vector<StampColumn> stamps;  ///< empty: no time column, the rate is given
   std::string time_name;            ///< of the (first) time column
   std::vector<DataColumn> data;
-  std::vector<std::string> notes;  ///< what was taken for what, and what was left out
+  std::optional<DataColumn> temperature;  ///< read beside the data [degC]
+  std::optional<DataColumn> rows_of;      ///< whose number chooses the rows
+  std::vector<std::string> notes;         ///< what was taken for what, and what was left out
 };
 
 /// Chooses by names, units, the options and the numbers of the first rows. Nothing is guessed: a column whose unit or

@@ -139,6 +139,7 @@ struct Raw {
   std::string source;
   Choice choice;
   Table table;
+  std::vector<double> temperature = {};  ///< as long as the columns, where there is one [degC]
   std::vector<Piece> pieces;
   std::vector<std::string> notes;
 };
@@ -202,16 +203,60 @@ void arrange(Raw& raw, const LineOfRow& line_of_row, const LogOptions& options, 
   raw.notes.push_back(describe(cuts, lengths, *longest_gap_s));
 }
 
+/// Takes the columns that are no data off the end of the table: the temperature, and what chooses the rows.
+/// @returns the rows that were chosen; empty for all
+std::vector<std::size_t> take_beside(Raw& raw, const LogOptions& options) {
+  Choice& choice = raw.choice;
+  std::vector<std::size_t> rows;
+  const auto take_last = [&] {
+    std::vector<double> column = std::move(raw.table.numbers.back());
+    raw.table.numbers.pop_back();
+    choice.data.pop_back();
+    return column;
+  };
+  if (choice.rows_of) {
+    const std::vector<double> whose = take_last();
+    for (std::size_t i = 0; i < whose.size(); ++i)
+      if (whose[i] == options.rows->value) rows.push_back(i);
+    if (rows.empty())
+      text::fail(raw.source,
+                 fmt::format("no row has {} in column {}", options.rows->value, text::quoted(choice.rows_of->name)));
+    raw.notes.push_back(fmt::format("{} of {} rows are read: those with {} in column {}", rows.size(), whose.size(),
+                                    options.rows->value, text::quoted(choice.rows_of->name)));
+    for (auto& column : raw.table.numbers) {
+      for (std::size_t i = 0; i < rows.size(); ++i) column[i] = column[rows[i]];
+      column.resize(rows.size());
+    }
+    auto& stamps = raw.table.stamps;
+    for (std::size_t i = 0; i < rows.size() && !stamps.empty(); ++i) stamps[i] = stamps[rows[i]];
+    if (!stamps.empty()) stamps.resize(rows.size());
+    raw.table.rows = rows.size();
+  }
+  if (choice.temperature) {
+    raw.temperature = take_last();
+    for (double& t : raw.temperature) t += choice.temperature->zero;
+  }
+  return rows;
+}
+
+/// What take_beside takes off again.
+void put_beside(Choice& choice) {
+  if (choice.temperature) choice.data.push_back(*choice.temperature);
+  if (choice.rows_of) choice.data.push_back(*choice.rows_of);
+}
+
 Raw read_text(const LogOptions& options, std::optional<double> longest_gap_s) {
   const Bytes source(options.path);
   const Layout layout = read_layout(source);
-  Raw raw{source.name(), choose_columns(source.name(), layout, options), {}, {}, {}};
+  Raw raw{source.name(), choose_columns(source.name(), layout, options), {}, {}, {}, {}};
+  put_beside(raw.choice);
   const TableReader reader(source, layout, options.chunk_bytes);
   raw.table = reader.read(raw.choice);
-  check_length(raw.source, static_cast<std::int64_t>(raw.table.rows), options.input, "sample", "");
   raw.notes = notes_on_text(source, layout, raw.table);
+  const auto rows = take_beside(raw, options);
+  check_length(raw.source, static_cast<std::int64_t>(raw.table.rows), options.input, "sample", "");
   arrange(
-      raw, [&](std::size_t row) { return reader.line_of_row(row); }, options, longest_gap_s);
+      raw, [&](std::size_t row) { return reader.line_of_row(rows.empty() ? row : rows[row]); }, options, longest_gap_s);
   return raw;
 }
 
@@ -222,13 +267,17 @@ Raw read_binary(const LogOptions& options, Format format, std::optional<double> 
   const std::string_view body = bytes.substr(layout.offset);
   const std::int64_t rows = count_rows(source.name(), layout, body.size());
   check_length(source.name(), rows, options.input, "sample", "");
-  Raw raw{source.name(), choose_binary_columns(source.name(), layout, options), {}, {}, {}};
+  Raw raw{source.name(), choose_binary_columns(source.name(), layout, options), {}, {}, {}, {}};
+  put_beside(raw.choice);
   raw.table.rows = static_cast<std::size_t>(rows);
   raw.table.complete = false;
   raw.table.numbers.assign(raw.choice.data.size(), std::vector<double>(raw.table.rows));
   decode(body, layout, raw.choice, std::vector<std::span<double>>(raw.table.numbers.begin(), raw.table.numbers.end()));
+  const auto chosen = take_beside(raw, options);
+  check_length(source.name(), static_cast<std::int64_t>(raw.table.rows), options.input, "sample", "");
   arrange(
-      raw, [](std::size_t row) { return static_cast<std::int64_t>(row) + 1; }, options, longest_gap_s);
+      raw, [&](std::size_t row) { return static_cast<std::int64_t>(chosen.empty() ? row : chosen[row]) + 1; }, options,
+      longest_gap_s);
   return raw;
 }
 
@@ -274,6 +323,16 @@ allan::Record to_record(Raw& raw, const Piece& piece, Input input, Counts& count
     record.axes[i] = {column.name, column.signal, std::move(values)};
   });
   record.samples = static_cast<std::int64_t>(record.axes.front().rate.size());
+  if (!raw.temperature.empty()) {
+    std::vector<double> values = take(raw.temperature, piece);
+    if (piece.resampler) {
+      if (input == Input::rate) record.temperature = (*piece.resampler)(values);
+    } else {
+      put_on_grid(piece.grid, values);
+      values.resize(static_cast<std::size_t>(record.samples));  // n angles give n - 1 rates
+      record.temperature = std::move(values);
+    }
+  }
   record.missing_samples = complete ? 0 : count_missing(record);
   return record;
 }

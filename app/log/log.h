@@ -19,6 +19,12 @@ namespace gyrobudget::inline v0::log {
 /// unwrapped.
 enum class Input { rate, increment, angle };
 
+/// Which rows of a log are read: those that have this number in this column.
+struct RowsOf {
+  std::string column;  ///< name or number (from 1)
+  double value = 0;
+};
+
 struct LogOptions {
   std::string path = {};                 ///< "-" is standard input
   std::optional<double> rate_hz = {};    ///< needed where there is no time column; checked where there is one
@@ -26,6 +32,7 @@ struct LogOptions {
   Input input = Input::rate;
   double scale = 1;                        ///< units per count, for all data columns
   std::vector<std::string> columns = {};   ///< names or numbers (from 1); empty: every data column
+  std::optional<RowsOf> rows = {};         ///< unset: all
   std::optional<Format> format = {};       ///< unset: what the ending of the path says
   std::int64_t file_columns = 1;           ///< numbers a row of a raw binary log has
   std::optional<double> resample_hz = {};  ///< average uneven readings over even intervals; else never
@@ -50,6 +57,11 @@ inline constexpr double kLargestJitter = 0.25;  ///< rms of the stamps about the
 /// **Columns**: a unit comes from the header, `gyro_x (deg/s)`, or from LogOptions::unit. Its dimension tells gyros
 /// from accelerometers. Without LogOptions::columns every column is read that has a unit of the kind that
 /// LogOptions::input asks for; what is left out is said in the notes.
+///
+/// **Temperature**: a column whose unit is one of temperature, or whose name is and that has no unit and plausible
+/// values in degC, is Record::temperature [degC], and never data; the first is taken.
+///
+/// **Rows**: LogOptions::rows reads those of one sensor where several wrote by turns.
 ///
 /// **Time**: the column that is named time, timestamp, t ... or has a unit of time, absolute or relative, in integer
 /// nanoseconds (never through double). A time column without unit is taken only where one of s, ms, us, ns agrees with

@@ -92,9 +92,10 @@ std::optional<TimeName> time_name(std::string_view name) {
 
 NameKind kind_of_name(std::string_view name) {
   const std::vector<std::string> words = words_of(name);
-  if (has_prefix(words, {"temp", "seq",    "index", "idx",    "count", "packet",  "frame", "mag",  "press", "baro",
-                         "quat", "orient", "cov",   "status", "flag",  "valid",   "volt",  "batt", "lat",   "lon",
-                         "alt",  "height", "roll",  "pitch",  "yaw",   "heading", "week",  "humid"}) ||
+  if (has_prefix(words, {"temp", "degc", "celsius"}) || name == "T") return NameKind::temperature;
+  if (has_prefix(words, {"seq",  "index",  "idx",    "count",  "packet", "frame", "mag",     "press", "baro",
+                         "quat", "orient", "cov",    "status", "flag",   "valid", "volt",    "batt",  "lat",
+                         "lon",  "alt",    "height", "roll",   "pitch",  "yaw",   "heading", "week",  "humid"}) ||
       is_one_of(words[0], {"id", "i", "n", "no", "nr", "sample", "q", "qw", "qx", "qy", "qz", "mx", "my", "mz"})) {
     return NameKind::other;
   }

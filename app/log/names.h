@@ -22,7 +22,8 @@ enum class NameKind {
   unknown,
   gyro,           ///< gyro_x, wz, angular_velocity.y
   accelerometer,  ///< accel_x, az, linear_acceleration.y
-  other,          ///< temperature, sequence number, magnetometer, attitude
+  temperature,    ///< temp, temperature_imu, t_degc; T
+  other,          ///< sequence number, magnetometer, attitude
 };
 [[nodiscard]] NameKind kind_of_name(std::string_view name);
 

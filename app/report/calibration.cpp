@@ -43,6 +43,75 @@ std::string times(const std::vector<double>& seconds) {
   return text + (seconds.size() > kNamed ? ", ... s" : " s");
 }
 
+std::string size_text(double si, const Of& of) { return noise::quantity_text(si, noise::datasheet_unit(of.signal), 3); }
+
+std::string at_text(std::int64_t index, const Of& of) {
+  return fmt::format("{:.6g} s", static_cast<double>(index) * of.dt);
+}
+
+std::string describe_held(const calibration::Held& held) {
+  std::string text = fmt::format(
+      "{} of the rows repeat the row before in every axis: the sensor gives {:.4g} readings a second, fewer than the log has rows. The repeats are left out; curve and fit are of the readings at that rate.",
+      percent(held.share()), held.rate_hz);
+  constexpr double kVisible = 1e-3;
+  if (held.raised < 1 + kVisible) return text;
+  return text +
+         fmt::format(
+             " As readings stand for {:.3g} rows on average but not for equally many, whoever sums the rows as they are has {} more white noise than the readings at their own rate: N, its interval and the curve hold that.",
+             held.rows_each, percent(held.raised - 1));
+}
+
+std::string describe_rounding(const allan::Rounding& rounding, const Of& of) {
+  const std::string what = fmt::format("The samples are rounded to steps of {}", size_text(rounding.step, of));
+  if (!rounding.is_above_noise())
+    return fmt::format(
+        "{}, {:.2g} times their scatter. That adds white noise of a twelfth of the squared step, {} of the variance of a sample, which N holds.",
+        what, rounding.step / rounding.scatter, percent(rounding.share()));
+  const std::string times = rounding.scatter > 0
+                                ? fmt::format("{:.2g} times their scatter", rounding.step / rounding.scatter)
+                                : "which most neighbours do not leave";
+  return fmt::format("{} ({} different values), {}: N could be wrong by tens of percent either way{}.", what,
+                     rounding.distinct, times,
+                     rounding.is_dithered_by_wander() ? "" : ", and so could the other coefficients");
+}
+
+std::string describe_saturation(const allan::Saturation& end, const Findings& found, const Of& of) {
+  return fmt::format(
+      "{} samples ({}) stand at {}, an end of the range, the first at {}, up to {} in a row. What lies beyond is cut off: the mean is wrong, and white noise comes out too small. Use a wider range.",
+      count_text(end.count), percent(static_cast<double>(end.count) / static_cast<double>(found.samples)),
+      size_text(end.value, of), at_text(end.first, of), end.longest);
+}
+
+std::string describe_turns(const allan::Turns& turns, const Of& of) {
+  return fmt::format(
+      "The rows come by turns from {} sensors: their levels lie {} apart and their noises differ by a factor of {:.2g}. Where a column says whose row it is, --rows COLUMN=VALUE reads those of one.",
+      turns.sensors, size_text(turns.levels, of), turns.noises);
+}
+
+std::string describe_motion(const Findings& found, const Of& of) {
+  std::int64_t samples = 0;
+  for (const auto& m : found.motion) samples += m.count;
+  const auto by_peak = [](const auto& a, const auto& b) { return std::abs(a.peak) < std::abs(b.peak); };
+  const auto& worst = *std::ranges::max_element(found.motion, by_peak);
+  const double to_degrees = 1 / noise::parse_unit("deg").to_si;
+  const std::string turned =
+      of.signal == noise::Signal::angular_rate ? fmt::format(", turning by {:.3g} deg", worst.turned * to_degrees) : "";
+  return fmt::format(
+      "The sensor was moved {} ({} of the samples), the first time at {} and the most at {} for {}, by up to {} from its level{}. {}",
+      found.motion.size() == 1 ? "once" : fmt::format("{} times", found.motion.size()),
+      percent(static_cast<double>(samples) / static_cast<double>(found.samples)),
+      at_text(found.motion.front().first, of), at_text(worst.first, of), at_text(worst.count, of),
+      size_text(worst.peak, of), turned,
+      found.motion_masked ? "These times are masked: neither curve nor fit holds them."
+                          : "Noise does not do that: --mask motion leaves these times out.");
+}
+
+std::string describe_hump(const allan::Hump& hump, const Of& of) {
+  return fmt::format(
+      "The spectrum has a hump between {:.3g} and {:.3g} Hz with its top at {:.3g} Hz, {:.3g} times the spectrum beside it (amplitude {} rms): a resonance of the support, sway or a control loop, which the model does not have. It shifts the deviation at taus up to about {:.3g} s.",
+      hump.low_hz, hump.high_hz, hump.frequency_hz, hump.ratio, size_text(hump.amplitude, of), 1 / hump.low_hz);
+}
+
 std::string describe_outliers(const Findings& found, const Of& of) {
   std::vector<double> at;
   bool in_use = false;
@@ -51,10 +120,19 @@ std::string describe_outliers(const Findings& found, const Of& of) {
     in_use |= outlier.index >= found.first && outlier.index < found.first + found.samples;
   }
   const auto& worst = *std::ranges::max_element(found.outliers, {}, &allan::Outlier::sigmas);
+  const std::string worst_text = fmt::format("the worst at {} by {} ({:.3g} sigma)", at_text(worst.index, of),
+                                             size_text(worst.distance, of), worst.sigmas);
+  if (found.has_heavy_tail()) {
+    return fmt::format(
+        "{} of the samples ({} of {}) lie further from their surroundings than Gaussian noise would put any, all over the record, {}: the noise has a heavy tail. {}",
+        percent(found.outlier_share()), count_text(std::ssize(found.outliers)), count_text(of.samples), worst_text,
+        found.outliers_masked
+            ? "It is masked: N is that of the core of the noise, and whoever uses the samples as they are has more."
+            : "N holds it, and its interval is too narrow for it: --mask outliers gives the N of the core. Look for a link that drops bits, or for vibration.");
+  }
   return fmt::format(
-      "{} of {} samples lie further from their surroundings than noise would put any (at {}), the worst at {:.6g} s by {} ({:.3g} sigma). {}",
-      found.outliers.size(), of.samples, times(at), static_cast<double>(worst.index) * of.dt,
-      noise::quantity_text(worst.distance, noise::datasheet_unit(of.signal), 3), worst.sigmas,
+      "{} of {} samples ({}) lie further from their surroundings than noise would put any (at {}), {}. {}",
+      found.outliers.size(), of.samples, percent(found.outlier_share()), times(at), worst_text,
       found.outliers_masked || !in_use
           ? "They are masked: neither curve nor fit holds them."
           : "They are in curve and fit: find what knocked, and leave the samples out with --mask outliers.");
@@ -113,9 +191,17 @@ std::vector<std::string> describe(const Findings& found, const Of& of) {
                                static_cast<double>(found.first) * of.dt,
                                static_cast<double>(found.first + found.samples) * of.dt));
   }
+  if (found.held) text.push_back(describe_held(*found.held));
+  constexpr double kMatters = 0.02;  // of the variance: a percent of N
+  if (found.rounding && (found.rounding->is_above_noise() || found.rounding->share() > kMatters))
+    text.push_back(describe_rounding(*found.rounding, of));
+  for (const auto& end : found.saturation) text.push_back(describe_saturation(end, found, of));
+  if (found.turns) text.push_back(describe_turns(*found.turns, of));
   if (!found.outliers.empty()) text.push_back(describe_outliers(found, of));
+  if (!found.motion.empty()) text.push_back(describe_motion(found, of));
   if (!found.steps.empty()) text.push_back(describe_steps(found, of));
   if (found.departure) text.push_back(describe_departure(found, of));
+  for (const auto& hump : found.humps) text.push_back(describe_hump(hump, of));
   // Lines are noise that no coefficient describes: vibration, mains, a fan, a control loop.
   constexpr std::size_t kNamed = 3;  // strongest first
   for (std::size_t i = 0; i < found.lines.size() && i < kNamed; ++i) {
@@ -127,6 +213,13 @@ std::vector<std::string> describe(const Findings& found, const Of& of) {
   }
   if (found.lines.size() > kNamed) text.push_back(describe_fainter(std::span(found.lines).subspan(kNamed)));
   return text;
+}
+
+// The record of an axis; where its rows repeat, that of its readings.
+Of record_of(const AxisDatasheet& axis, const Datasheet& sheet) {
+  if (axis.findings && axis.findings->held)
+    return {axis.signal, axis.findings->held->readings, 1 / axis.findings->held->rate_hz};
+  return {axis.signal, sheet.samples, 1 / sheet.rate_hz};
 }
 
 // --- What follows from the fit ------------------------------------------------------------------------------------
@@ -165,6 +258,11 @@ std::string walk_text(const AxisDatasheet& axis) {
 
 std::string one_line_verdict(const AxisDatasheet& axis) {
   if (!axis.is_fitted()) return "no coefficients, as an error ended its fit";
+  if (axis.findings && axis.findings->not_at_rest()) return "not described, the sensor was moved: do not use";
+  if (axis.findings && axis.findings->not_of_one_sensor())
+    return "not described, the rows are of several sensors: do not use";
+  if (axis.findings && axis.findings->rounded_above_noise() && !axis.has_answer())
+    return "not quotable, the samples are rounded to steps above their noise: do not use";
   const fit::Result& fit = axis.fit;
   if (!fit::is_tested(fit) || !fit.converged) return verdict_headline(fit);
   std::string text = fmt::format("{} by the model from {} on ({}", verdict_headline(fit), tau_text(fit.tau_min_s),
@@ -178,13 +276,15 @@ std::string_view stage_text(calibration::Stage stage) {
   using enum calibration::Stage;
   switch (stage) {
     case screening:
-      return "The search for outliers and steps";
+      return "The search for what the record holds beside noise";
     case curve:
       return "The Allan curve";
     case choice:
       return "The choice of terms";
     case fit:
       return "The fit";
+    case temperature:
+      return "The fit of the bias over temperature";
     case departure:
       return "The search for a warm-up and drifts";
     case lines:
@@ -218,6 +318,7 @@ AxisResult axis_result(const AxisDatasheet& axis, const Datasheet& sheet) {
           .chosen = axis.chosen,
           .cross_checked = axis.cross_checked,
           .findings = axis.findings,
+          .temperature = axis.temperature,
           .psd = {},
           .dynamic = {},
           .faults = axis.faults,
@@ -302,9 +403,7 @@ std::vector<std::string> warnings(const AxisDatasheet& axis, const Datasheet& sh
   std::vector<std::string> texts;
   const calibration::Facts& facts = axis.facts;
   if (facts.untested) texts.emplace_back(kUntested);
-  if (axis.findings)
-    std::ranges::move(describe(*axis.findings, {axis.signal, sheet.samples, 1 / sheet.rate_hz}),
-                      std::back_inserter(texts));
+  if (axis.findings) std::ranges::move(describe(*axis.findings, record_of(axis, sheet)), std::back_inserter(texts));
   return texts;
 }
 
@@ -328,9 +427,7 @@ std::vector<std::string> advice(const AxisDatasheet& axis, const Datasheet& shee
   if (facts.misfit)
     texts.emplace_back(
         "Do not use these coefficients: the curve has a shape that no sum of the fitted terms has. Look at the residuals; motion of the support, temperature, periodic disturbances and vibration bounded in angle all do this. Repeat the record on a still base at constant temperature, or fit other terms (--terms), or a range of taus (--tau-min, --tau-max).");
-  if (axis.findings)
-    std::ranges::move(describe(*axis.findings, {axis.signal, sheet.samples, 1 / sheet.rate_hz}),
-                      std::back_inserter(texts));
+  if (axis.findings) std::ranges::move(describe(*axis.findings, record_of(axis, sheet)), std::back_inserter(texts));
   if (facts.later) {
     const std::string from = not_above(facts.later->tau_min_s);
     texts.push_back(
@@ -386,8 +483,12 @@ std::vector<std::string> spoilt_texts(const Datasheet& sheet) {
   std::vector<std::string> texts;
   for (const AxisDatasheet& axis : sheet.axes) {
     if (!axis.has_answer() || !axis.is_spoilt()) continue;
-    texts.push_back(fmt::format("{}{} holds {} that the fit took for noise", kNotYet, printable(axis.name),
-                                text::listing(spoilt_by(*axis.findings))));
+    if (const auto by = spoilt_by(*axis.findings); !by.empty())
+      texts.push_back(
+          fmt::format("{}{} holds {} that the fit took for noise", kNotYet, printable(axis.name), text::listing(by)));
+    if (axis.findings->rounded_above_noise())
+      texts.push_back(fmt::format("{}{} is rounded to steps above its noise, so that they lack its white noise",
+                                  kNotYet, printable(axis.name)));
   }
   return texts;
 }
@@ -410,6 +511,11 @@ std::string provenance(const Datasheet& sheet, const Provenance& of) {
                                      axis.has_answer() ? "" : "; it is not written"));
     for (const auto& c : axis.fit.coefficients) {
       if (!axis.has_answer() || !c.fitted || c.status == fit::Status::identified) continue;
+      if (c.status == fit::Status::not_quotable) {
+        text += comment_item(fmt::format("{} is not quotable: the samples are rounded to steps above their noise",
+                                         noise::key(axis.signal, c.term)));
+        continue;
+      }
       const auto unit = noise::datasheet_unit(axis.signal, c.term);
       const std::string limit = std::isfinite(c.upper) ? fmt::format("at most {} (95 %); a cautious budget takes that",
                                                                      noise::quantity_text(c.upper, unit, 3))

@@ -43,7 +43,7 @@ bool is_limit(const Coefficient& c) { return c.status == Status::upper_bound && 
 
 /// The coefficient whose line is drawn: the value, or the limit of one that is only bounded; 0 for none.
 double drawn_value(const Coefficient& c) {
-  if (!c.fitted) return 0;
+  if (!c.fitted || c.status == Status::not_quotable) return 0;
   return is_limit(c) ? c.upper : c.value;
 }
 
@@ -175,9 +175,10 @@ AxisCurves axis_curves(const AxisResult& axis, double rate_hz) {
   if (axis.points.empty()) return curves;
   set_range(curves, axis);
   const auto factors = curve_factors(axis.points);
-  for (const std::int64_t m : factors) curves.tau_s.push_back(static_cast<double>(m) / rate_hz);
+  const double dt = 1 / rate_of(axis, rate_hz);
+  for (const std::int64_t m : factors) curves.tau_s.push_back(static_cast<double>(m) * dt);
   if (!axis.fit) return curves;
-  add_model(curves, axis, factors, 1 / rate_hz);
+  add_model(curves, axis, factors, dt);
   add_marks(curves, axis);
   for (const Mark& mark : curves.marks) {
     constexpr double kMarkMargin = 1.8;

@@ -35,6 +35,8 @@ std::string_view text(Status status) {
       return "identified";
     case Status::upper_bound:
       return "upper_bound";
+    case Status::not_quotable:
+      return "not_quotable";
     case Status::left_out:
       break;
   }
@@ -189,10 +191,11 @@ Json allan_document(const LogResult& result) {
   return document;
 }
 
-/// Null where nothing was fitted, and as `upper` of what was where the record sets no limit.
+/// Null where nothing was fitted or what was cannot be quoted, and as `upper` where the record sets no limit.
 Json parameter(Signal signal, const Coefficient& c) {
   const Scale scale(signal, c.term);
-  const auto known = [&](double value) { return c.fitted ? Json(value) : Json(nullptr); };
+  const bool quoted = c.fitted && c.status != Status::not_quotable;
+  const auto known = [&](double value) { return quoted ? Json(value) : Json(nullptr); };
   const double lower = std::isfinite(c.lower) ? c.lower : 0;
   Json out = {{"value", known(scale(c.value))},
               {"unit", scale.unit()},
@@ -215,6 +218,7 @@ Json parameter(Signal signal, const Coefficient& c) {
     out[name + "_lower" + unit] = known(c.shape_lower);
     out[name + "_upper" + unit] = known(c.shape_upper);
   };
+  if (c.status == Status::not_quotable) out["why"] = "rounded_above_noise";
   if (c.term == Term::gauss_markov) add_shape("correlation_time", "_s");
   if (c.term == Term::sinusoid) add_shape("frequency", "_hz");
   return out;
@@ -331,7 +335,7 @@ Json fit_summary(const AxisResult& axis) {
               {"worst_misfit", fit.worst_misfit},
               {"worst_misfit_tau_s", fit.worst_misfit_tau_s},
               {"verdict", text(fit.verdict)},
-              {"verdict_text", verdict_text(fit) + " " + consequence_text(axis)},
+              {"verdict_text", verdict_text(axis) + " " + consequence_text(axis)},
               {"converged", fit.converged},
               {"iterations", fit.iterations},
               {"seconds", fit.seconds},
@@ -362,38 +366,161 @@ Json cross_check(const AxisResult& axis) {
           {"chi2", likelihood.chi2}, {"dof", likelihood.dof},          {"coefficients", coefficients}};
 }
 
-/// What the record holds beside noise, with times; lists of outliers stop at kMostOutliers, `count` does not.
-Json findings(const AxisResult& axis, double rate_hz) {
-  if (!axis.findings) return nullptr;
-  constexpr std::size_t kMostOutliers = 1000;
-  const calibration::Findings& found = *axis.findings;
+/// What the record holds beside noise: of each finding its kind, size, share of the samples and first time, whether it
+/// is left out of the fit and whether it spoils the numbers, and what only its kind has. Lists of outliers stop at
+/// kMostOutliers, `count` does not.
+class FindingList {
+ public:
+  FindingList(const AxisResult& axis, double rate_hz)
+      : found_(*axis.findings), scale_(axis.signal), rate_hz_(rate_of(axis, rate_hz)) {}
+
+  Json list() {
+    if (found_.held) repeated_rows();
+    if (found_.rounding) rounding();
+    for (const auto& end : found_.saturation) saturation(end);
+    if (found_.turns) turns();
+    if (!found_.outliers.empty()) outliers();
+    for (const auto& m : found_.motion) motion(m);
+    for (const auto& s : found_.steps) step(s);
+    if (found_.departure) drift();
+    for (const auto& h : found_.humps) hump(h);
+    for (const auto& l : found_.lines) line(l);
+    return std::move(list_);
+  }
+
+ private:
+  struct Does {
+    bool masked = false, spoils = false;
+  };
+
+  double at(std::int64_t index) const { return static_cast<double>(index) / rate_hz_; }
+  double share(std::int64_t samples) const {
+    return static_cast<double>(samples) / static_cast<double>(found_.samples);
+  }
+  Json& add(const char* kind, double si, Json share, Json at_s, Does does) {
+    list_.push_back({{"kind", kind},
+                     {"size", scale_(si)},
+                     {"unit", scale_.unit()},
+                     {"share", std::move(share)},
+                     {"at_s", std::move(at_s)},
+                     {"masked", does.masked},
+                     {"spoils", does.spoils}});
+    return list_.back();
+  }
+
+  void repeated_rows() {
+    const auto& held = *found_.held;
+    list_.push_back({{"kind", "repeated_rows"},
+                     {"size", held.rows_each},
+                     {"unit", "1"},
+                     {"share", held.share()},
+                     {"at_s", nullptr},
+                     {"masked", true},
+                     {"spoils", false},
+                     {"own_rate_hz", held.rate_hz},
+                     {"white_noise_raised", held.raised}});
+  }
+  void rounding() {
+    const auto& r = *found_.rounding;
+    Json& out = add("rounding", r.step, nullptr, nullptr, {false, r.is_above_noise()});
+    out["distinct_values"] = r.distinct;
+    out["scatter"] = scale_(r.scatter);
+    out["above_noise"] = r.is_above_noise();
+  }
+  void saturation(const allan::Saturation& end) {
+    Json& out = add("saturation", end.value, share(end.count), at(end.first), {false, found_.saturation_spoils()});
+    out["count"] = end.count;
+    out["longest_s"] = at(end.longest);
+  }
+  void turns() {
+    Json& out = add("several_sensors", found_.turns->levels, nullptr, nullptr, {false, true});
+    out["sensors"] = found_.turns->sensors;
+    out["noise_ratio"] = found_.turns->noises;
+  }
+  void outliers() {
+    constexpr std::size_t kMostOutliers = 1000;
+    const auto& worst = *std::ranges::max_element(found_.outliers, {}, &allan::Outlier::sigmas);
+    Json& out = add(found_.has_heavy_tail() ? "heavy_tail" : "outliers", worst.distance, found_.outlier_share(),
+                    at(found_.outliers.front().index), {found_.outliers_masked, found_.outliers_spoil()});
+    Json list = Json::array();
+    for (std::size_t i = 0; i < std::min(found_.outliers.size(), kMostOutliers); ++i) {
+      const auto& o = found_.outliers[i];
+      list.push_back({{"at_s", at(o.index)}, {"distance", scale_(o.distance)}, {"sigmas", o.sigmas}});
+    }
+    out["count"] = found_.outliers.size();
+    out["list"] = list;
+  }
+  void motion(const allan::Motion& m) {
+    Json& out = add("motion", m.peak, share(m.count), at(m.first), {found_.motion_masked, found_.not_at_rest()});
+    out["duration_s"] = at(m.count);
+    out["turned"] = scale_(m.turned);
+  }
+  void step(const allan::Step& s) {
+    Json& out = add("step", s.size, nullptr, at(s.index), {found_.steps_masked, found_.steps_spoil()});
+    out["sigmas"] = s.sigmas;
+  }
+  void drift() {
+    const auto& d = *found_.departure;
+    const bool warm_up = d.kind == allan::Departure::Kind::warm_up;
+    Json& out =
+        add(warm_up ? "warm_up" : "trend", d.size, nullptr, 0.0, {found_.warm_up_masked, found_.departure_spoils()});
+    if (warm_up) out["time_constant_s"] = d.time_constant_s;
+    out["p_value"] = d.p_value;
+  }
+  void hump(const allan::Hump& h) {
+    Json& out = add("hump", h.amplitude, nullptr, nullptr, {});
+    out["frequency_hz"] = h.frequency_hz;
+    out["low_hz"] = h.low_hz;
+    out["high_hz"] = h.high_hz;
+    out["ratio"] = h.ratio;
+  }
+  void line(const allan::SpectralLine& l) {
+    Json& out = add("line", l.amplitude, nullptr, nullptr, {});
+    out["frequency_hz"] = l.frequency_hz;
+    out["ratio"] = l.ratio;
+  }
+
+  const calibration::Findings& found_;
+  Scale scale_;
+  double rate_hz_;
+  Json list_ = Json::array();
+};
+
+void add_findings(Json& out, const AxisResult& axis, double rate_hz) {
+  out["used"] = nullptr;
+  out["findings"] = nullptr;
+  if (!axis.findings) return;
+  const double rate = rate_of(axis, rate_hz);
+  out["used"] = {{"from_s", static_cast<double>(axis.findings->first) / rate},
+                 {"to_s", static_cast<double>(axis.findings->first + axis.findings->samples) / rate}};
+  out["findings"] = FindingList(axis, rate_hz).list();
+}
+
+/// The bias over temperature; sizes per K and per K/min.
+Json temperature(const AxisResult& axis) {
+  const calibration::Temperature& t = *axis.temperature;
+  Json coefficients = Json::object(), points = Json::array(), before = Json::object();
+  for (const TemperatureRow& row : temperature_rows(axis)) {
+    const auto& c = *row.coefficient;
+    const auto known = [&](double si) { return c.fitted ? Json(si / row.unit_si) : Json(nullptr); };
+    coefficients[row.key] = {
+        {"value", known(c.value)}, {"lower", known(c.lower)}, {"upper", known(c.upper)}, {"unit", row.unit}};
+  }
   const Scale scale(axis.signal);
-  const auto at = [&](std::int64_t index) { return static_cast<double>(index) / rate_hz; };
-  Json outliers = Json::array(), steps = Json::array(), lines = Json::array();
-  for (std::size_t i = 0; i < std::min(found.outliers.size(), kMostOutliers); ++i) {
-    const auto& o = found.outliers[i];
-    outliers.push_back({{"at_s", at(o.index)}, {"distance", scale(o.distance)}, {"sigmas", o.sigmas}});
-  }
-  for (const auto& s : found.steps)
-    steps.push_back({{"at_s", at(s.index)}, {"size", scale(s.size)}, {"sigmas", s.sigmas}});
-  for (const auto& l : found.lines)
-    lines.push_back({{"frequency_hz", l.frequency_hz}, {"amplitude", scale(l.amplitude)}, {"ratio", l.ratio}});
-  Json drift = nullptr;
-  if (found.departure) {
-    const bool warm_up = found.departure->kind == allan::Departure::Kind::warm_up;
-    drift = {{"kind", warm_up ? "warm_up" : "trend"},
-             {"size", scale(found.departure->size)},
-             {"time_constant_s", warm_up ? Json(found.departure->time_constant_s) : Json(nullptr)},
-             {"p_value", found.departure->p_value},
-             {"masked", found.warm_up_masked}};
-  }
-  return {{"unit", scale.unit()},
-          {"used_from_s", at(found.first)},
-          {"used_to_s", at(found.first + found.samples)},
-          {"outliers", {{"count", found.outliers.size()}, {"masked", found.outliers_masked}, {"list", outliers}}},
-          {"steps", {{"masked", found.steps_masked}, {"list", steps}}},
-          {"drift", drift},
-          {"lines", lines}};
+  for (const auto& p : t.points)
+    points.push_back({{"at_s", p.time_s},
+                      {"temperature", p.temperature},
+                      {"measured", scale(p.measured)},
+                      {"model", scale(p.model)}});
+  return {{"reference_degC", t.reference},
+          {"lowest_degC", t.lowest},
+          {"highest_degC", t.highest},
+          {"p_value", t.p_value},
+          {"explained", t.explained},
+          {"removed", t.removed},
+          {"coefficients", coefficients},
+          {"before", parameters(axis, t.before)},
+          {"points", points}};
 }
 
 std::string_view text(calibration::Stage stage) {
@@ -407,6 +534,8 @@ std::string_view text(calibration::Stage stage) {
       return "choice";
     case fit:
       return "fit";
+    case temperature:
+      return "temperature";
     case departure:
       return "departure";
     case lines:
@@ -447,8 +576,9 @@ Json calibration_document(const LogResult& result) {
     out["beta"] = axis.fit ? Json(axis.fit->beta) : Json(nullptr);
     out["fit"] = axis.fit ? fit_summary(axis) : Json(nullptr);
     if (axis.cross_checked) out["cross_check"] = cross_check(axis);
-    out["findings"] = findings(axis, result.rate_hz);
+    add_findings(out, axis, result.rate_hz);
     out["faults"] = faults(axis);
+    if (axis.temperature) out["temperature"] = temperature(axis);
     out["advice"] = axis.advice;
     axes.push_back(std::move(out));
   }
@@ -557,14 +687,28 @@ Json curves(const AxisResult& axis, double rate_hz) {
           {"deviation_range", {scale(curves.deviation_low), scale(curves.deviation_high)}}};
 }
 
+Json temperature_cells(const AxisResult& axis) {
+  Json rows = Json::array();
+  for (const TemperatureRow& row : temperature_rows(axis))
+    rows.push_back({row.label, row.value, row.interval, row.unit});
+  return rows;
+}
+
 Json words(const AxisResult& axis, double rate_hz) {
   const fit::Result& fit = *axis.fit;
-  return {{"headline", verdict_headline(fit)},      {"quotable", is_quotable(fit)},
-          {"verdict", verdict_text(fit)},           {"consequence", consequence_text(axis)},
-          {"minimum", minimum_text(axis, rate_hz)}, {"beta", beta_text(fit)},
-          {"front_end", front_end_text(fit)},       {"cut", cut_text(axis)},
-          {"selection", selection_text(axis)},      {"weighed", weighed_texts(axis)},
-          {"alternative", alternative_text(axis)}};
+  return {{"headline", verdict_headline(axis)},
+          {"quotable", is_quotable(fit) && !(axis.findings && axis.findings->rounded_above_noise())},
+          {"verdict", verdict_text(axis)},
+          {"consequence", consequence_text(axis)},
+          {"minimum", minimum_text(axis, rate_hz)},
+          {"beta", beta_text(fit)},
+          {"front_end", front_end_text(fit)},
+          {"cut", cut_text(axis)},
+          {"selection", selection_text(axis)},
+          {"weighed", weighed_texts(axis)},
+          {"alternative", alternative_text(axis)},
+          {"temperature", temperature_text(axis)},
+          {"temperature_rows", temperature_cells(axis)}};
 }
 
 std::string estimators_text(const LogResult& result) {

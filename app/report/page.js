@@ -265,7 +265,7 @@
     const symbols = ["N", "B", "K"];
     const cell = (axis, symbol) => {
       const row = axis.rows.find((r) => r.symbol === symbol);
-      if (!row || !axis.words.quotable) return "-";
+      if (!row || !axis.words.quotable || row.status === "not_quotable") return "-";
       if (row.status !== "upper_bound") return row[state.units].value;
       const limit = limitOf(axis, symbol);
       return limit === null ? "no limit" : `< ${number(limit, 2)}`;
@@ -313,6 +313,50 @@
     return element("p", "", element("strong", "", "What follows: "), text);
   }
 
+  /** The means of blocks over their temperature, and the model through them. */
+  function addTemperaturePlot(canvas, axis) {
+    canvas.setAttribute("aria-label", `${axis.name}: means of blocks over the temperature, and the fitted dependence`);
+    let chart = null;
+    const draw = () => {
+      if (chart) chart.destroy();
+      const unit = unitOf(axis);
+      const scale = (text) => ({
+        title: { display: true, text, color: colour("text") },
+        grid: { color: colour("grid"), borderColor: colour("quiet") }, ticks: { color: colour("quiet") },
+      });
+      const points = (value) => axis.temperature.points.map((p) => ({ x: p.temperature, y: value(p) * unit.factor }));
+      chart = new Chart(canvas, {
+        type: "scatter",
+        data: {
+          datasets: [
+            { label: "mean of a block", data: points((p) => p.measured), pointRadius: 3, pointBackgroundColor: colour("model"), borderColor: colour("model") },
+            { label: "model", data: points((p) => p.model), showLine: true, pointRadius: 0, borderColor: colour("text"), borderWidth: 1.5 },
+          ],
+        },
+        options: {
+          animation: false, maintainAspectRatio: false,
+          scales: { x: { type: "linear", ...scale("temperature [degC]") }, y: { type: "linear", ...scale(`mean [${unit.name}]`) } },
+          plugins: { legend: { labels: { color: colour("text") } }, tooltip: tooltipLook() },
+        },
+      });
+    };
+    draw();
+    redraws.push(draw);
+  }
+
+  function addTemperature(box, axis) {
+    if (!axis.temperature || !axis.words || !axis.words.temperature) return;
+    const rows = axis.words.temperature_rows.map(([label, value, interval, unit]) => ({
+      cells: [[label, "", "row"], [value, "number"], [interval, "number"], [unit]],
+    }));
+    const head = [["bias"], ["value", "number"], ["95 % interval", "number"], ["unit"]];
+    const canvas = element("canvas");
+    canvas.setAttribute("role", "img");
+    box.append(element("h3", "", "Temperature"), element("div", "table-box coefficients", table("", head, rows)),
+      ...paragraphs(axis.words.temperature), element("div", "canvas-box middle", canvas));
+    addTemperaturePlot(canvas, axis);
+  }
+
   function addWords(box, axis) {
     const block = (title, ...content) => {
       if (content.length) box.append(element("h3", "", title), ...content);
@@ -330,6 +374,7 @@
       block("Why makers quote another \u201cbias instability\u201d", ...paragraphs(axis.words.minimum, axis.words.beta));
       block("What was left out of the fit", ...paragraphs(axis.words.cut));
     }
+    addTemperature(box, axis);
     if (axis.advice.length) block("What to know or do next", list(axis.advice));
   }
 

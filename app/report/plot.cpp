@@ -221,7 +221,7 @@ std::string title_of(const Panel& panel, const LogResult& result, bool single) {
     first += fmt::format("  ({})", text::shortened(printable(file_name(result.source)), kLongestName));
     second = record_text(result);
   }
-  if (panel.axis->fit) second += (single ? "; model: " : "model: ") + verdict_headline(*panel.axis->fit);
+  if (panel.axis->fit) second += (single ? "; model: " : "model: ") + verdict_headline(*panel.axis);
   return gnuplot_string(first) + (second.empty() ? "" : " . \"\\n\" . " + gnuplot_string(second));
 }
 

@@ -46,6 +46,7 @@ struct AxisResult {
   std::optional<calibration::Chosen> chosen;  ///< where the terms were left to the record
   std::optional<calibration::CrossChecked> cross_checked;  ///< where asked for
   std::optional<calibration::Findings> findings;           ///< calibrate of a log only
+  std::optional<calibration::Temperature> temperature;     ///< calibrate of a log with a temperature only
   std::optional<SpectrumResult> psd;                       ///< allan --psd, with the first curve of a column
   std::optional<SurfaceResult> dynamic;                    ///< allan --dynamic, likewise
   std::vector<calibration::Fault> faults;                  ///< stages that ended in an error; calibrate only

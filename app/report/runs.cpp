@@ -31,7 +31,7 @@ std::string table_of_runs(const RunsResult& result, std::size_t axis) {
     std::vector<std::string> cells{printable(run.source),
                                    number(noise::from_si(a.mean, noise::datasheet_unit(signal)))};
     for (const Term t : kTerms) cells.push_back(cell_text(a, t));
-    cells.push_back(a.fit ? verdict_headline(*a.fit) : "not fitted");
+    cells.push_back(a.fit ? verdict_headline(a) : "not fitted");
     table.row(std::move(cells));
   }
   return table.text();

@@ -30,7 +30,7 @@ constexpr std::array<std::string_view, 2> kTriads{"gyro", "accelerometer"};
 // Nothing is stated of it at all.
 bool is_blank(const noise::ErrorModel& model) {
   return model.triad_processes().empty() && !model.turn_on_bias && !model.scale_factor && !model.misalignment &&
-         !model.g_sensitivity && !model.g2_sensitivity && !model.vibration_rectification;
+         !model.g_sensitivity && !model.g2_sensitivity && !model.vibration_rectification && !model.temperature;
 }
 
 }  // namespace

@@ -32,6 +32,7 @@ log::LogHead rest_head(const noise::Simulation& simulation, const std::string& s
         {fmt::format("{}_{}", gyro ? "gyro" : "accel", kAxes.at(static_cast<std::size_t>(axis.axis))),
          gyro ? gyro_unit : "m/s^2"});
   }
+  if (o.temperature) head.columns.push_back({"temperature", "degC"});
   return head;
 }
 
@@ -50,6 +51,7 @@ log::LogHead imu_head(const navigation::SimulatedImuOptions& o, const std::strin
       format};
   for (const char* axis : kAxes) head.columns.push_back({fmt::format("gyro_{}", axis), gyro_unit});
   for (const char* axis : kAxes) head.columns.push_back({fmt::format("accel_{}", axis), increments ? "m/s" : "m/s^2"});
+  if (o.temperature) head.columns.push_back({"temperature", "degC"});
   return head;
 }
 

@@ -102,6 +102,15 @@ std::string choice(const AxisResult& axis) {
          coefficient_table(axis, *axis.chosen->alternative_fit);
 }
 
+std::string temperature(const AxisResult& axis) {
+  const std::string words = temperature_text(axis);
+  if (words.empty()) return {};
+  TextTable table({Align::left, Align::right, Align::right, Align::left});
+  table.row({"Temperature", "value", "95 % interval", "unit"});
+  for (const TemperatureRow& row : temperature_rows(axis)) table.row({row.label, row.value, row.interval, row.unit});
+  return '\n' + table.text() + paragraph(words);
+}
+
 std::string axis_sheet(const AxisResult& axis, double rate_hz) {
   std::string out = '\n' + axis_heading(axis.name, axis);
   if (!axis.fit) return out + paragraph("No coefficients were fitted.") + bullets("What to know or do", axis.advice);
@@ -110,7 +119,8 @@ std::string axis_sheet(const AxisResult& axis, double rate_hz) {
   if (const std::string text = minimum_text(axis, rate_hz); !text.empty()) out += '\n' + paragraph(text);
   out += paragraph(beta_text(fit));
   out += paragraph(front_end_text(fit));
-  out += '\n' + paragraph("Verdict: " + verdict_headline(fit) + ". " + verdict_text(fit));
+  out += temperature(axis);
+  out += '\n' + paragraph("Verdict: " + verdict_headline(axis) + ". " + verdict_text(axis));
   out += paragraph("What follows: " + consequence_text(axis));
   out += paragraph(cut_text(axis));
   out += paragraph(cross_check_text(axis));
@@ -131,7 +141,7 @@ std::string summary_of(const LogResult& result, Signal signal) {
     if (axis.signal != signal) continue;
     std::vector<std::string> cells = {printable(axis.name)};
     for (const Term term : terms) cells.push_back(cell_text(axis, term));
-    cells.push_back(axis.fit ? verdict_headline(*axis.fit) : "not fitted");
+    cells.push_back(axis.fit ? verdict_headline(axis) : "not fitted");
     table.row(std::move(cells));
   }
   return table.text();

@@ -98,6 +98,10 @@ std::string cut_range_text(const std::vector<const fit::Residual*>& cut, std::st
                      signed_percent(worst.misfit), tau_text(worst.tau_s));
 }
 
+bool is_moved(const AxisResult& axis) { return axis.findings && axis.findings->not_at_rest(); }
+bool is_mixed(const AxisResult& axis) { return axis.findings && axis.findings->not_of_one_sensor(); }
+bool is_rounded(const AxisResult& axis) { return axis.findings && axis.findings->rounded_above_noise(); }
+
 std::string move_text(Signal signal, const fit::Move& move) {
   const auto unit = noise::datasheet_unit(signal, move.term);
   std::string text = fmt::format("{} from {} to {}", noise::label(signal, move.term),
@@ -162,6 +166,7 @@ std::string si_unit(const noise::Dimension& dimension) {
 
 CoefficientText coefficient_text(const Coefficient& c, double si_per_unit, std::string unit) {
   if (!c.fitted) return {"-", "-", std::move(unit)};
+  if (c.status == Status::not_quotable) return {"-", "-", std::move(unit)};
   const double value = c.value / si_per_unit, lower = c.lower / si_per_unit, upper = c.upper / si_per_unit;
   const double std_dev = c.relative_std * value;
   const bool has_std = std::isfinite(std_dev) && std_dev > 0;
@@ -249,6 +254,8 @@ std::string status_text(Signal signal, const Coefficient& c, const fit::Result& 
       return "identified";
     case Status::upper_bound:
       return "upper bound: " + limit;
+    case Status::not_quotable:
+      return "not quotable";
     case Status::left_out:
       break;
   }
@@ -257,7 +264,7 @@ std::string status_text(Signal signal, const Coefficient& c, const fit::Result& 
 
 std::string cell_text(const AxisResult& axis, Term term) {
   const Coefficient* c = axis.fit ? find(*axis.fit, term) : nullptr;
-  if (c == nullptr || !c->fitted || !is_quotable(*axis.fit)) return "-";
+  if (c == nullptr || !c->fitted || !is_quotable(*axis.fit) || c->status == Status::not_quotable) return "-";
   if (c->status == Status::identified || is_reading(axis.fit->method)) return datasheet_text(axis.signal, *c).value;
   if (!std::isfinite(c->upper)) return "no limit";
   return "< " + number(noise::from_si(c->upper, noise::datasheet_unit(axis.signal, term)), 2);
@@ -343,6 +350,10 @@ std::string_view deviation_name(allan::Estimator estimator) {
       break;
   }
   return "Allan deviation";
+}
+
+double rate_of(const AxisResult& axis, double rate_hz) {
+  return axis.findings && axis.findings->held ? axis.findings->held->rate_hz : rate_hz;
 }
 
 std::vector<allan::Estimator> estimators_of(const LogResult& result) {
@@ -462,13 +473,36 @@ std::string consequence_text(const fit::Result& fit) {
 
 std::vector<std::string> spoilt_by(const calibration::Findings& findings) {
   std::vector<std::string> spoilt;
+  if (findings.not_at_rest()) spoilt.emplace_back("motion");
+  if (findings.not_of_one_sensor()) spoilt.emplace_back("rows of several sensors");
+  if (findings.saturation_spoils()) spoilt.emplace_back("cut-off samples");
   if (findings.outliers_spoil()) spoilt.emplace_back("outliers");
   if (findings.steps_spoil()) spoilt.emplace_back("steps");
   if (findings.departure_spoils()) spoilt.emplace_back("a drift");
   return spoilt;
 }
 
+std::string verdict_headline(const AxisResult& axis) {
+  if (is_moved(axis)) return "not described: the sensor was moved";
+  if (is_mixed(axis)) return "not described: rows of several sensors";
+  if (is_rounded(axis)) return "not quotable: rounded above the noise";
+  return verdict_headline(*axis.fit);
+}
+
+std::string verdict_text(const AxisResult& axis) {
+  if (is_moved(axis)) return "No noise model describes what moves.";
+  if (is_mixed(axis)) return "No noise model describes several sensors together.";
+  if (is_rounded(axis)) return "Where the mean lies between two steps decides what is seen of the noise.";
+  return verdict_text(*axis.fit);
+}
+
 std::string consequence_text(const AxisResult& axis) {
+  if (is_moved(axis)) return "Do not quote these coefficients: repeat the record at rest.";
+  if (is_mixed(axis)) return "Do not quote these coefficients: read the rows of one sensor.";
+  if (is_rounded(axis))
+    return axis.findings->rounding->is_dithered_by_wander()
+               ? "Log at a finer range, or raw counts. B and K are of long averaging times, over which the mean passes many steps, and can be used."
+               : "Log at a finer range, or raw counts; this log cannot give the coefficients.";
   const auto spoilt = axis.findings ? spoilt_by(*axis.findings) : std::vector<std::string>{};
   const bool disputed = axis.cross_checked && !axis.cross_checked->check.agrees;
   if (!is_usable(*axis.fit) || (spoilt.empty() && !disputed)) return consequence_text(*axis.fit);
@@ -508,6 +542,62 @@ std::string shares_text(const AxisResult& axis, double rate_hz) {
 
 }  // namespace
 
+std::vector<TemperatureRow> temperature_rows(const AxisResult& axis) {
+  std::vector<TemperatureRow> rows;
+  if (!axis.temperature) return rows;
+  const std::string signal(noise::datasheet_unit(axis.signal));
+  const auto over = [&](const char* kelvin) {
+    return signal == "1" ? fmt::format("1/{}", kelvin) : signal + "/" + kelvin;
+  };
+  const auto add = [&](const char* key, const char* label, const calibration::TemperatureCoefficient& c,
+                       const std::string& unit) {
+    TemperatureRow row{.key = key, .label = label, .unit = unit, .unit_si = noise::parse_unit(unit).to_si};
+    row.coefficient = &c;
+    const double width = (c.upper - c.lower) / row.unit_si;
+    const Resolution r =
+        width > 0 ? resolution(std::max(std::abs(c.value), c.upper - c.lower) / row.unit_si, width / 4) : Resolution{};
+    const auto digits = [&](double si) { return fixed(si / row.unit_si, r); };
+    row.value = c.fitted ? with_exponent(digits(c.value), r) : "-";
+    row.interval = c.fitted ? with_exponent(fmt::format("{} to {}", digits(c.lower), digits(c.upper)), r) : "-";
+    rows.push_back(std::move(row));
+  };
+  const calibration::Temperature& t = *axis.temperature;
+  add("bias", "bias at the reference", t.bias, signal);
+  add("linear", "bias over temperature", t.linear, over("K"));
+  add("quadratic", "bias over its square", t.quadratic, over("K^2"));
+  add("rate", "bias over its rate", t.rate, over("(K/min)"));
+  return rows;
+}
+
+std::string temperature_text(const AxisResult& axis) {
+  if (!axis.temperature || !axis.temperature->bias.fitted) return {};
+  const calibration::Temperature& t = *axis.temperature;
+  std::string text =
+      fmt::format("The temperature went from {:.1f} to {:.1f} degC; the reference is its mean, {:.2f} degC.", t.lowest,
+                  t.highest, t.reference);
+  if (!t.rate.fitted)
+    text +=
+        " The record cannot tell what the rate of the temperature does: it goes with the temperature itself, or the temperature is too coarse to have one.";
+  if (!t.quadratic.fitted) text += " Nor can it tell a square.";
+  if (!t.removed)
+    return text + fmt::format(" No dependence is seen beside the noise ({}); nothing was taken off.",
+                              probability_text(t.p_value));
+  text += fmt::format(
+      " It explains {} of the variance of the means of {} ({}), and was taken off: curve and fit are of what is left.",
+      percent(t.explained), tau_text(t.points.size() > 1 ? t.points[1].time_s - t.points[0].time_s : 0),
+      probability_text(t.p_value));
+  std::vector<std::string> moves;
+  for (const Term term : {Term::white, Term::flicker, Term::rate_random_walk}) {
+    const Coefficient *before = find(t.before, term), *after = axis.fit ? find(*axis.fit, term) : nullptr;
+    if (before == nullptr || after == nullptr || !before->fitted || !after->fitted) continue;
+    if (after->status == Status::not_quotable) continue;
+    moves.push_back(fmt::format("{} was {} and is {}", noise::label(axis.signal, term),
+                                quantity(axis.signal, term, before->value), quantity(axis.signal, term, after->value)));
+  }
+  if (!moves.empty()) text += fmt::format(" By that {}.", text::listing(moves));
+  return text;
+}
+
 std::string minimum_text(const AxisResult& axis, double rate_hz) {
   if (!axis.fit || !(axis.fit->minimum_deviation > 0)) return {};
   const fit::Result& fit = *axis.fit;
@@ -516,7 +606,8 @@ std::string minimum_text(const AxisResult& axis, double rate_hz) {
       rate_text(axis.signal, fit.minimum_deviation), tau_text(fit.minimum_tau_s),
       rate_text(axis.signal, fit.minimum_deviation / kFlickerFloor));
   if (!is_usable(fit)) return text;
-  text += shares_text(axis, rate_hz);
+  if (is_rounded(axis)) return text;
+  text += shares_text(axis, rate_of(axis, rate_hz));
   const Coefficient* flicker = find(fit, Term::flicker);
   if (flicker == nullptr || !flicker->fitted) return text;
   if (flicker->status == Status::identified) {

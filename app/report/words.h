@@ -39,6 +39,8 @@ using text::printable;
 [[nodiscard]] std::string_view spectrum_unit(noise::Signal);
 /// "Allan deviation", "modified Allan deviation", "Theo1".
 [[nodiscard]] std::string_view deviation_name(allan::Estimator);
+/// The rate of the samples of an axis: that of the log, or the sensor's own where rows of the log repeat.
+[[nodiscard]] double rate_of(const AxisResult&, double rate_hz);
 /// The estimators of a result's curves, in their order.
 [[nodiscard]] std::vector<allan::Estimator> estimators_of(const LogResult&);
 /// The name of a curve, unique in its result: that of the column, and where there are several estimators theirs.
@@ -93,6 +95,16 @@ struct Share {
 /// A coefficient for a table of many: value and std, or the limit; "-" where it must not be quoted.
 [[nodiscard]] std::string cell_text(const AxisResult&, noise::Term);
 
+/// The bias over temperature, a line for each coefficient: name, value with its interval, unit.
+struct TemperatureRow {
+  std::string key, label, value, interval, unit;
+  double unit_si = 1;  ///< how many SI units (with K and s) one is
+  const calibration::TemperatureCoefficient* coefficient = nullptr;
+};
+[[nodiscard]] std::vector<TemperatureRow> temperature_rows(const AxisResult&);
+/// What temperature explains, and what N, B and K are with and without it.
+[[nodiscard]] std::string temperature_text(const AxisResult&);
+
 // Sentences; every number with its unit, every verdict with what follows from it. Empty where there is nothing to say.
 [[nodiscard]] std::string record_text(const LogResult&);
 [[nodiscard]] std::string estimator_text(allan::Estimator);
@@ -100,6 +112,8 @@ struct Share {
 [[nodiscard]] std::string verdict_text(const fit::Result&);
 [[nodiscard]] std::string consequence_text(const fit::Result&);
 /// The same, with what the record holds beside noise and what the likelihood says of the fit.
+[[nodiscard]] std::string verdict_headline(const AxisResult&);
+[[nodiscard]] std::string verdict_text(const AxisResult&);
 [[nodiscard]] std::string consequence_text(const AxisResult&);
 /// What the fit took for noise, in words: "outliers", "steps"; empty where its numbers may be used.
 [[nodiscard]] std::vector<std::string> spoilt_by(const calibration::Findings&);

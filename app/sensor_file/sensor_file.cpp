@@ -60,7 +60,22 @@ constexpr Extra<double> kForAll[] = {
     {"calibrated_over", &ErrorModel::calibrated_over, "s", "s"},
 };
 constexpr std::string_view kFilterOrder = "filter_order", kLeverArm = "lever_arm", kWarning = "warning",
-                           kIdeal = "ideal";
+                           kIdeal = "ideal", kTemperature = "temperature", kReference = "reference";
+
+/// What temperature does, behind `temperature:`.
+struct TemperatureKey {
+  std::string_view key;
+  PerAxis noise::TemperatureModel::*member;
+  std::string_view gyro_unit, accelerometer_unit;
+  [[nodiscard]] std::string_view unit(Signal signal) const {
+    return signal == Signal::angular_rate ? gyro_unit : accelerometer_unit;
+  }
+};
+constexpr TemperatureKey kTemperatureKeys[] = {
+    {"linear", &noise::TemperatureModel::linear, "deg/h/K", "ug/K"},
+    {"quadratic", &noise::TemperatureModel::quadratic, "deg/h/K^2", "ug/K^2"},
+    {"rate", &noise::TemperatureModel::rate, "deg/h/(K/min)", "ug/(K/min)"},
+};
 
 template <class Member>
 std::string_view unit_of(const Extra<Member>& extra, Signal signal) {
@@ -159,6 +174,7 @@ class Reader : private YamlReader {
     }
     for (const auto& e : kForAll) result.emplace_back(e.key);
     result.emplace_back(kFilterOrder);
+    result.emplace_back(kTemperature);
     return result;
   }
 
@@ -201,6 +217,10 @@ class Reader : private YamlReader {
       model.filter_order = value.Scalar() == "1" ? 1 : 2;
       return true;
     }
+    if (key == kTemperature) {
+      model.temperature = temperature(value, signal);
+      return true;
+    }
     if (key == noise::key(signal, Term::gauss_markov)) {
       model.gauss_markov = list<noise::TriadGaussMarkov>(key, value, kGaussMarkov, signal);
       return true;
@@ -210,6 +230,26 @@ class Reader : private YamlReader {
       return true;
     }
     return false;
+  }
+
+  noise::TemperatureModel temperature(const Node& node, Signal signal) const {
+    noise::TemperatureModel model;
+    bool reference = false;
+    for_each(node, kTemperature, [&](const Node& key, const Node& value) {
+      if (key.Scalar() == kReference) {
+        model.reference = quantity(kReference, value, dimension::kTemperature, Sign::any);
+        if (const std::string unit = text::lower(value.Scalar()); unit.ends_with(" k") || unit.ends_with("kelvin"))
+          fail_here(value, fmt::format("{}: found {}, expected it in degC", kReference, kind(value)));
+        reference = true;
+        return;
+      }
+      const auto* known = std::ranges::find(kTemperatureKeys, key.Scalar(), &TemperatureKey::key);
+      if (known == std::end(kTemperatureKeys))
+        fail_unknown_key(key, kTemperature, {std::string(kReference), "linear", "quadratic", "rate"});
+      model.*known->member = per_axis(known->key, value, noise::parse_unit(known->unit(signal)).dimension, Sign::any);
+    });
+    if (!reference) fail_here(node, "temperature: found no reference, expected one, such as 25 degC");
+    return model;
   }
 
   /// One quantity for each axis, in a list.
@@ -422,7 +462,8 @@ std::string exact_quantity(double si, std::string_view unit, std::string_view si
 /// "rad^1 s^-0.5"
 std::string si_unit(const Dimension& d) {
   std::string result;
-  for (const auto& [name, doubled] : {std::pair{"rad", d.angle}, {"m", d.length}, {"s", d.time}}) {
+  for (const auto& [name, doubled] :
+       {std::pair{"rad", d.angle}, {"m", d.length}, {"s", d.time}, {"K", d.temperature}}) {
     if (doubled != 0) result += fmt::format("{}{}^{}", result.empty() ? "" : " ", name, doubled / 2.0);
   }
   return result.empty() ? "1" : result;
@@ -466,6 +507,12 @@ class Writer {
       if (model.*e.member) line(e.key, quantity(*(model.*e.member), unit_of(e, signal)));
     }
     if (model.filter_order != 1) line(kFilterOrder, std::to_string(model.filter_order));
+    if (!model.temperature) return;
+    text_ += fmt::format("  {}:\n    {}: {} degC\n", kTemperature, kReference, model.temperature->reference);
+    for (const auto& e : kTemperatureKeys) {
+      const PerAxis& value = model.temperature.value().*e.member;
+      if (!(value == PerAxis())) text_ += fmt::format("    {}: {}\n", e.key, per_axis(value, e.unit(signal)));
+    }
   }
 
   [[nodiscard]] std::string take() && { return std::move(text_); }

@@ -46,6 +46,11 @@ struct ReadOptions {
 ///       filter_order: 2                       # of the bandwidth's low pass, 1 or 2; left out: 1
 ///       delay: 2 ms
 ///       range: 400 deg/s
+///       temperature:                          # bias over it; for all axes, or [x, y, z]
+///         reference: 30 degC                  # where this bias is none
+///         linear: 5 deg/h/K
+///         quadratic: -0.1 deg/h/K^2
+///         rate: 20 deg/h/(K/min)
 ///       powered_on_before: 1 h                # the scene; its noise has run since
 ///       calibrated_over: 10 min               # the last before the scene, whose mean is taken off
 ///     accelerometer:                          # the same with vrw, accel_rw

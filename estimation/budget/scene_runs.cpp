@@ -11,14 +11,17 @@ namespace {
 MonteCarlo::Options of_scene(const BudgetScene& scene, const navigation::Scenario& scenario,
                              MonteCarlo::Options options) {
   options.imu.vibration = scenario.states.vibration;
+  options.imu.temperature = scenario.states.temperature;
   options.filter = scenario.filter;
   options.self_alignment = scene.self_alignment;
   options.heading_sigma = scene.heading_sigma;
   return options;
 }
 
-// Drawn at random, once a run; Earth's rate left out is not: the strapdown leaves it out.
-bool of_the_world(const Source& source) { return source.shape && source.name != kUncompensatedEarthRate; }
+// Drawn at random, once a run; Earth's rate left out is not: the strapdown leaves it out. Nor is what a sensor makes.
+bool of_the_world(const Source& source) {
+  return source.shape && !source.sensor && source.name != kUncompensatedEarthRate;
+}
 
 double longest_step(const Timeline& timeline) {
   double longest = 0;

@@ -125,6 +125,7 @@ void SimulatedScene::Parts::add_world(const Source& source) {
     const double t = timeline.start() + (static_cast<double>(k) + 0.5) * dt;
     const earth::Motion at = timeline.at(std::min(t, timeline.end()));
     navigation::StepInput input;
+    input.t = t - timeline.start();
     input.p_eb_e = at.pose.p_eb_e;
     input.C_eb = at.pose.q_eb.toRotationMatrix();
     for (std::size_t v = 0; v < vectors; ++v)

@@ -89,6 +89,18 @@ Source vectors(std::string name, navigation::Carrier carrier, int count,
   return source;
 }
 
+Source bias_over_temperature(std::string_view triad, navigation::Carrier carrier, const noise::TemperatureModel& model,
+                             const noise::TemperatureProfile& profile) {
+  Source source =
+      vectors(fmt::format("{}.temperature", triad), carrier, 1,
+              [model, profile](const navigation::StepInput& input, int) -> Vector3d {
+                const double degrees = profile.at(input.t), slope = profile.slope(input.t);
+                return {model.bias(0, degrees, slope), model.bias(1, degrees, slope), model.bias(2, degrees, slope)};
+              });
+  source.sensor = {carrier, noise::ErrorSource::temperature};
+  return source;
+}
+
 Vector3d up(const navigation::StepInput& input) {
   const auto at = earth::to_geodetic(input.p_eb_e);
   return earth::up_e(at.latitude, at.longitude);
@@ -122,6 +134,8 @@ SensorSources sensor_sources(const noise::SensorModel& sensor, const navigation:
       source.model = std::move(states.model);
       source.initial = states.initial;
     }
+    if (errors.temperature && options.temperature)
+      result.sources.push_back(bias_over_temperature(triad, carrier, *errors.temperature, *options.temperature));
   };
   add(sensor.gyro, Signal::angular_rate, "gyro");
   if (sensor.accelerometer) add(*sensor.accelerometer, Signal::specific_force, "accelerometer");

@@ -15,8 +15,9 @@ namespace gyrobudget::inline v0::budget {
 
 /// gyro.arw, gyro.bias_instability, gyro.rrw, gyro.turn_on_bias, gyro.scale_factor, gyro.misalignment,
 /// gyro.g_sensitivity, gyro.g2_sensitivity, gyro.vibration_rectification, gyro.gauss_markov,
-/// accelerometer.vrw ...: what the file has, each with the true model of sensor_states() since the scene's epoch. What
-/// linear covariance has no state for (quantization, ramp, sinusoid, bandwidth, range) is in `left_out`.
+/// gyro.temperature (of Options::temperature; not random: one sigma is the bias itself), accelerometer.vrw ...: what
+/// the file has, each with the true model of sensor_states() since the scene's epoch. What linear covariance has no
+/// state for (quantization, ramp, sinusoid, bandwidth, range) is in `left_out`.
 struct SensorSources {
   std::vector<Source> sources;
   std::vector<navigation::SensorStates::LeftOut> left_out;

@@ -69,6 +69,7 @@ void Timeline::cut(const Options& options) {
 Timeline::Step Timeline::make_step(double from, double to) const {
   Step step{from, to, {}};
   step.input.dt = to - from;
+  step.input.t = (from + to) / 2 - start();
   const double middle = std::max(0.0, (from + to) / 2);
   const earth::TrajectoryPoint point = trajectory_.at(middle);
   step.input.p_eb_e = point.pose.p_eb_e;

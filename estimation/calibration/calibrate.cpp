@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "detail/axis_fit.h"
+#include "detail/held.h"
 #include "detail/screened.h"
 #include "detail/stages.h"
 
@@ -33,6 +34,9 @@ void check_length(const allan::Record& record) {
     throw std::invalid_argument(
         fmt::format("axis '{}' has {} samples, expected the record's {}", axis.name, axis.rate.size(), record.samples));
   }
+  if (!record.temperature.empty() && std::ssize(record.temperature) != record.samples)
+    throw std::invalid_argument(fmt::format("the temperature has {} samples, expected the record's {}",
+                                            record.temperature.size(), record.samples));
   if (record.samples < kFewestSamples)
     throw Unusable(Unusable::Reason::too_short, fmt::format("{}: found {} samples, expected at least {}", record.source,
                                                             record.samples, kFewestSamples));
@@ -99,30 +103,124 @@ void complete(AxisDatasheet& sheet, const Fitted& fitted, Screened& screened, Jo
   });
 }
 
-Outcome calibrate_axis(const allan::Axis& axis, double rate_hz, Job& job) {
-  const Options& options = job.options;
+// What the findings mean for the fit: a record that is not of one sensor at rest is described by nothing, and rounding
+// above the noise leaves no white noise, nor the others where the mean stays within a few steps.
+void apply(const Findings& found, fit::Result& fit, Facts& facts) {
+  if (found.not_at_rest() || found.not_of_one_sensor()) {
+    fit.verdict = fit::Verdict::not_described;
+    facts = Facts{.all_equal = facts.all_equal};
+  }
+  if (!found.rounded_above_noise()) return;
+  for (auto& c : fit.coefficients) {
+    const bool short_term = c.term == Term::white || c.term == Term::quantization;
+    if (c.fitted && (short_term || !found.rounding->is_dithered_by_wander())) c.status = fit::Status::not_quotable;
+  }
+  facts.no_answer = facts.only_quantization = false;  // the finding says why
+  if (found.rounding->is_dithered_by_wander()) return;
+  facts.walk_unresolved = false;
+  facts.longer.clear();
+}
+
+// What is seen of an axis, and its fit.
+struct Look {
+  std::optional<Screened> screened;
+  Fitted fitted;
+};
+
+// Screens an axis and fits it. @return the error that left it without a fit, null where there was none
+std::exception_ptr look_at(Look& look, std::span<const double> rate, double dt, const std::string& name, Job& job,
+                           detail::Stages& stages) {
+  Screened& screened = look.screened.emplace(rate, dt, job.options.minimum_fill, job.options.mask);
+  stages.attempt(Stage::screening, [&] { screened.look(); });
+  const auto fit = [&] { look.fitted = fit_axis(screened.series(), name, job, stages); };
+  if (const auto error = stages.attempt(Stage::curve, fit)) return error;
+  stages.attempt(Stage::departure, [&] {
+    if (screened.look_for_departure(look.fitted.fit.processes())) fit();
+  });
+  return nullptr;
+}
+
+// What depends on temperature, over the whole axis, where it is seen; `rate` is without it then.
+std::optional<Temperature> take_off_temperature(std::vector<double>& rate, std::span<const double> temperature,
+                                                double dt, const Fitted& fitted) {
+  constexpr std::size_t kFewest = 1024;
+  if (rate.size() < kFewest || fit::is_reading(fitted.fit.method)) return std::nullopt;
+  const SmoothTemperature smooth(temperature, dt);
+  if (!smooth.is_usable()) return std::nullopt;
+  Temperature found = fit_temperature(rate, smooth, dt, fitted.fit);
+  found.before = fitted.fit;
+  found.removed = found.p_value < kTemperatureSeen;
+  if (!found.removed) return found;
+  for (std::size_t i = 0; i < rate.size(); ++i) {
+    const double t = (static_cast<double>(i) + 0.5) * dt;
+    rate[i] -= found.shift(smooth.at(t), smooth.slope(t));
+  }
+  return found;
+}
+
+// The samples that the fit of an axis is of: those of the record, the readings that its rows repeat, or what is left
+// when temperature is taken off.
+class Samples {
+ public:
+  Samples(const allan::Axis& axis, const allan::Record& record, const detail::HeldSensor* held)
+      : record_(record), held_(held), rate_(axis.rate), dt_((held ? held->readings.rows_each : 1) / record.rate_hz) {
+    if (held) own_ = held->readings.of(axis.rate), rate_ = own_;
+  }
+  Samples(const Samples&) = delete;
+  Samples& operator=(const Samples&) = delete;
+
+  [[nodiscard]] std::span<const double> rate() const { return rate_; }
+  [[nodiscard]] double dt() const { return dt_; }
+
+  // What depends on temperature; where it is seen, the samples are without it afterwards.
+  std::optional<Temperature> take_off_temperature(const Fitted& fitted) {
+    if (own_.empty()) own_.assign(rate_.begin(), rate_.end()), rate_ = own_;
+    if (!held_) return calibration::take_off_temperature(own_, record_.temperature, dt_, fitted);
+    return calibration::take_off_temperature(own_, held_->readings.of(record_.temperature), dt_, fitted);
+  }
+
+ private:
+  const allan::Record& record_;
+  const detail::HeldSensor* held_;
+  std::vector<double> own_;
+  std::span<const double> rate_;
+  double dt_;
+};
+
+Outcome calibrate_axis(const allan::Axis& axis, const allan::Record& record, const detail::HeldSensor* held, Job& job) {
   Outcome outcome{.sheet = {.name = axis.name, .signal = axis.signal}, .error = nullptr};
   AxisDatasheet& sheet = outcome.sheet;
   sheet.mean = std::numeric_limits<double>::quiet_NaN();
   detail::Stages stages(sheet.name, job.observer, sheet.faults);
   outcome.error = stages.attempt(Stage::curve, [&] { check_scale(axis); });
   if (outcome.error) return outcome;
-  Screened screened(axis.rate, 1 / rate_hz, options.minimum_fill, options.mask);
-  stages.attempt(Stage::screening, [&] { screened.look_for_outliers_and_steps(); });
-  Fitted fitted;
-  outcome.error = stages.attempt(Stage::curve, [&] { fitted = fit_axis(screened.series(), axis.name, job, stages); });
+  Samples samples(axis, record, held);
+  Look look;
+  const auto see = [&] { return look_at(look, samples.rate(), samples.dt(), axis.name, job, stages); };
+  outcome.error = see();
+  if (!outcome.error) sheet.mean = look.fitted.curves.octaves.mean;
+  if (!outcome.error && job.options.temperature && !record.temperature.empty()) {
+    stages.attempt(Stage::temperature, [&] { sheet.temperature = samples.take_off_temperature(look.fitted); });
+    if (sheet.temperature && sheet.temperature->removed) {
+      sheet.faults.clear();  // all of it is done again
+      outcome.error = see();
+    }
+  }
+  Fitted& fitted = look.fitted;
   if (!outcome.error) {
-    stages.attempt(Stage::departure, [&] {
-      if (screened.look_for_departure(fitted.fit.processes()))
-        fitted = fit_axis(screened.series(), axis.name, job, stages);
-    });
-    sheet.mean = fitted.curves.octaves.mean;
     sheet.fit = std::move(fitted.fit);
     sheet.chosen = std::move(fitted.chosen);
-    complete(sheet, fitted, screened, job, stages);
+    complete(sheet, fitted, *look.screened, job, stages);
     sheet.octaves = std::move(fitted.curves.octaves);
   }
-  sheet.findings = screened.findings();
+  sheet.findings = look.screened->findings();
+  if (!outcome.error) apply(*sheet.findings, sheet.fit, sheet.facts);
+  if (held) {
+    double raised = 1;
+    if (!outcome.error)
+      stages.attempt(Stage::facts, [&] { raised = raise_white_noise(sheet, samples.rate(), *held, samples.dt()); });
+    sheet.findings->held = Held{held->repeats, 1 / samples.dt(), std::ssize(samples.rate()), raised};
+  }
   return outcome;
 }
 
@@ -188,10 +286,11 @@ Datasheet calibrate(const allan::Record& record, const Options& options) {
 
 Datasheet detail::calibrate(const allan::Record& record, const Options& options, const Observer& observer) {
   check_length(record);
+  const auto held = detail::held_sensors(record);
   std::vector<Outcome> outcomes(record.axes.size());
   Job job{options, observer};
   tbb::parallel_for(std::size_t{0}, record.axes.size(),
-                    [&](std::size_t i) { outcomes[i] = calibrate_axis(record.axes[i], record.rate_hz, job); });
+                    [&](std::size_t i) { outcomes[i] = calibrate_axis(record.axes[i], record, held[i].get(), job); });
   return {.source = record.source,
           .rate_hz = record.rate_hz,
           .samples = record.samples,

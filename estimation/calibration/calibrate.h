@@ -30,6 +30,7 @@
 
 #include "facts.h"
 #include "findings.h"
+#include "temperature.h"
 
 namespace gyrobudget::inline v0::calibration {
 
@@ -51,6 +52,7 @@ struct Options {
   std::optional<noise::FrontEnd> front_end;             ///< the low pass in front of the samples, where it is known
   std::optional<noise::FrontEnd::Kind> front_end_kind;  ///< where that alone is
   bool find_front_end = true;                           ///< false: where neither is given there is none
+  bool temperature = true;  ///< take off what depends on the record's temperature, where it has one
   Masking mask;
   /// Of the curve that is shown, and read by the methods that read; the fit has octaves.
   allan::Taus taus{.kind = allan::Taus::Kind::logarithmic, .count = 50};
@@ -83,12 +85,13 @@ struct Unusable : std::runtime_error {
 
 /// What is done for one axis, in this order. `curve` and `fit` make the result, the others add to it.
 enum class Stage {
-  screening,    ///< the search for outliers and steps
+  screening,    ///< the search for what the record holds beside noise
   curve,        ///< the Allan curve, and whether its squares stay inside double
   choice,       ///< of the terms, where Options::choose_terms
   fit,          ///< of the coefficients
   departure,    ///< the search for a warm-up, a drift or a step beside the fitted noise
-  lines,        ///< the search for spectral lines
+  temperature,  ///< where the record has one and Options::temperature; what follows is then done again without it
+  lines,        ///< the search for spectral lines and humps
   intervals,    ///< of the curve that is shown
   cross_check,  ///< where Options::cross_check
   facts,        ///< what is to be known or done beside the numbers
@@ -112,6 +115,7 @@ struct AxisDatasheet {
   std::optional<Chosen> chosen;               ///< where Options::choose_terms
   std::optional<CrossChecked> cross_checked;  ///< where Options::cross_check
   std::optional<Findings> findings;           ///< of a record; a table of deviations has none
+  std::optional<Temperature> temperature;     ///< where the record has one that ranges over kLeastRange
   Facts facts;
   std::vector<Fault> faults;  ///< in the order of the stages; empty for almost every record
 
@@ -141,14 +145,18 @@ struct Datasheet {
 
 /// A record to its datasheet, axis by axis.
 ///
-/// 1. Outliers and steps of the mean are looked for, and left out where Options::mask asks for it.
+/// 1. Rows that repeat are left out: what follows is of the sensor's own readings (Held). Rounding, saturation, rows of
+///    several sensors by turns, outliers, motion and steps of the mean are looked for; outliers, motion and steps are
+///    left out where Options::mask asks for it.
 /// 2. The overlapped Allan deviation is made at octaves and at Options::taus, and its noise identified at each tau.
 /// 3. The terms are those asked for, those that likelihood ratios choose, or N, B, K (and Q where it is seen).
 /// 4. They are fitted (fit/fit.h states the model, the intervals and their coverage). Chosen terms that do not describe
 ///    the shortest taus are chosen once more without these.
 /// 5. A warm-up, a drift or a step beside the fitted noise is looked for, and where the mask leaves one out, 2 to 4 are
-///    done again. Spectral lines that the fit does not hold are looked for.
-/// 6. The likelihood is fitted beside the curve where Options::cross_check.
+///    done again. Spectral lines that the fit does not hold, and humps, are looked for.
+/// Where the record has a temperature, what depends on it is taken off first (temperature.h) if it is seen: 1 to 5 are
+/// then of what is left, and Temperature::before has the fit without that. 6. The likelihood is fitted beside the curve
+/// where Options::cross_check.
 ///
 /// Axes do not touch each other, and what adds to a result cannot take it away: an error in one stage of one axis is an
 /// AxisDatasheet::faults of it. Where the terms could not be chosen, the default ones are fitted.

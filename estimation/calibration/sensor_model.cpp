@@ -13,7 +13,10 @@
 #include <iterator>
 #include <limits>
 #include <numeric>
+#include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace gyrobudget::inline v0::calibration {
 namespace {
@@ -40,6 +43,7 @@ struct Axis {
   Signal signal;
   bool answers;
   fit::Result fit;
+  const Temperature* temperature = nullptr;  // that was taken off
 };
 
 bool is_identified(const Coefficient& c) { return c.status == fit::Status::identified; }
@@ -47,12 +51,21 @@ bool is_identified(const Coefficient& c) { return c.status == fit::Status::ident
 const Coefficient* fitted(const Axis& axis, Term term) {
   const auto& list = axis.fit.coefficients;
   const auto at = std::ranges::find(list, term, &Coefficient::term);
-  return at != list.end() && at->fitted ? &*at : nullptr;
+  return at != list.end() && at->fitted && at->status != fit::Status::not_quotable ? &*at : nullptr;
+}
+
+/// The axis has the term, and its record cannot give it.
+bool is_not_quotable(const Axis& axis, Term term) {
+  return std::ranges::any_of(axis.fit.coefficients, [&](const Coefficient& c) {
+    return c.term == term && c.fitted && c.status == fit::Status::not_quotable;
+  });
 }
 
 std::vector<Axis> axes_of(const Datasheet& sheet) {
   std::vector<Axis> axes;
-  for (const AxisDatasheet& a : sheet.axes) axes.push_back({a.name, a.signal, a.has_answer(), a.fit});
+  for (const AxisDatasheet& a : sheet.axes)
+    axes.push_back(
+        {a.name, a.signal, a.has_answer(), a.fit, a.temperature && a.temperature->removed ? &*a.temperature : nullptr});
   return axes;
 }
 
@@ -88,6 +101,35 @@ std::vector<std::size_t> places_of(const std::vector<Axis>& axes) {
     places.push_back(place);
   }
   return places;
+}
+
+/// Of the axes whose temperature was taken off: each its own, where there are three in all; else that of the one.
+std::optional<noise::TemperatureModel> temperature_model(const std::vector<Axis>& axes, Signal signal) {
+  if (axes.size() != 1 && axes.size() != kAxes) return std::nullopt;
+  const auto places = places_of(axes);
+  std::array<const Temperature*, kAxes> each{};
+  std::optional<noise::TemperatureModel> model;
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const Temperature* t = axes[i].temperature;
+    if (t == nullptr) continue;
+    if (axes.size() == 1)
+      each.fill(t);  // one axis stands for all
+    else
+      each.at(places[i]) = t;
+    if (!model) model.emplace().reference = to_digits(t->reference);
+  }
+  if (!model) return model;
+  const auto of = [&](TemperatureCoefficient Temperature::*member, const char* over) {
+    const double unit = noise::parse_unit(std::string(noise::datasheet_unit(signal)) + over).to_si;
+    const auto one = [&](const Temperature* t) {
+      return t != nullptr ? to_digits((t->*member).value / unit) * unit : 0;
+    };
+    return PerAxis(one(each[0]), one(each[1]), one(each[2]));
+  };
+  model->linear = of(&Temperature::linear, "/K");
+  model->quadratic = of(&Temperature::quadratic, "/K^2");
+  model->rate = of(&Temperature::rate, "/(K/min)");
+  return model;
 }
 
 /// p-value of the positive values of two or three axes being one, on the scale of logarithms: that of chi-square with
@@ -165,14 +207,25 @@ class Triad {
     return rounded(size * over_axes(), signal_, term);
   }
 
+  /// Gives the `open` ones, which are 0, the root mean square of the others.
+  static void fill_in(std::vector<double>& values, const std::vector<std::size_t>& open) {
+    double squares = 0;
+    for (const double v : values) squares += v * v;
+    const double size = std::sqrt(squares / static_cast<double>(values.size() - open.size()));
+    for (const std::size_t i : open) values[i] = size;
+  }
+
   void coefficient(Term term, noise::ErrorModel& model, noise::ErrorModel& limits,
                    std::vector<TriadCoefficient>& told) const {
     std::vector<double> values, uppers;
-    std::vector<double> tests;  // of zero, by the axes that were fitted with it
-    for (const Axis& axis : axes_) {
+    std::vector<double> tests;      // of zero, by the axes that were fitted with it
+    std::vector<std::size_t> open;  // axes that have it in a size that their record cannot give
+    for (std::size_t i = 0; i < axes_.size(); ++i) {
+      const Axis& axis = axes_[i];
       const Coefficient* c = fitted(axis, term);
       // What a model that is off a little adds to a test is no evidence.
       if (c) tests.push_back(axis.fit.verdict == fit::Verdict::described || is_identified(*c) ? c->boundary_test : 0);
+      if (is_not_quotable(axis, term)) open.push_back(i);
       values.push_back(c ? c->value : 0);
       uppers.push_back(c && std::isfinite(c->upper) ? c->upper : 0);
     }
@@ -180,13 +233,16 @@ class Triad {
     TriadCoefficient t{.signal = signal_, .term = term};
     const auto at = std::ranges::find(combined_, term, &fit::Combined::term);
     if (at != combined_.end()) t.p_value = at->p_value;
-    t.per_axis = can_differ() && (tests.size() < axes_.size() || t.p_value < kAxesDiffer);
+    t.per_axis = can_differ() && (tests.size() + open.size() < axes_.size() || t.p_value < kAxesDiffer);
+    fill_in(values, open);
     model[term] = t.per_axis ? spread(values, term) : pooled(values, term);
     if (t.per_axis) {
       for (std::size_t i = 0; i < axes_.size(); ++i)
         if (const Coefficient* c = fitted(axes_[i], term); c && is_identified(*c)) uppers[i] = 0;
+      fill_in(uppers, open);
       limits[term] = spread(uppers, term);
     } else if (!resolved_together(tests)) {
+      fill_in(uppers, open);
       limits[term] = pooled(uppers, term);
     }
     told.push_back(t);
@@ -295,12 +351,14 @@ SensorSummary summary_of(const Sheet& sheet, std::string name) {
   for (const Signal signal : {Signal::angular_rate, Signal::specific_force}) {
     std::vector<Axis> own;
     std::ranges::copy_if(axes, std::back_inserter(own), [&](const Axis& a) { return a.signal == signal; });
+    auto temperature = temperature_model(own, signal);
     const Triad triad(std::move(own), signal);
     if (triad.empty()) continue;
     const bool gyro = signal == Signal::angular_rate;
     noise::ErrorModel& model = gyro ? result.sensor.gyro : result.sensor.accelerometer.emplace();
     noise::ErrorModel& limits = gyro ? result.limits.gyro : result.limits.accelerometer.emplace();
     triad.summarise(model, limits, result.coefficients);
+    model.temperature = std::move(temperature);
     for (std::string& axis : triad.borrowed()) result.borrowed.push_back(std::move(axis));
     if (triad.lacks_places()) result.without_places.push_back(signal);
   }

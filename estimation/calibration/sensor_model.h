@@ -41,8 +41,9 @@ struct SensorSummary {
 /// spectra add up, or each axis' own where they differ (kAxesDiffer). A Gauss-Markov process whose size or correlation
 /// time differs is one for each axis; lines within 0.1 % of one frequency are one. Which axis is x, y or z is told by
 /// the last letter of its name, and of three axes whose names do not tell, by their order. Values have six digits in
-/// the datasheet's unit, more than any record tells, so that a file has what was computed. Dimensionless axes have no
-/// place in it.
+/// the datasheet's unit, more than any record tells, so that a file has what was computed. What depends on
+/// temperature is that of each axis where a triad has three, or one that stands for all. Coefficients that a record
+/// cannot give (fit::Status::not_quotable) are as if the axis had none. Dimensionless axes have no place in it.
 /// @param sheet  its gyro axes make the gyro, its accelerometer axes the accelerometer
 /// @param name   of the sensor
 /// @return a gyro of zeros where no gyro axis has an answer, and no accelerometer where none of its axes has one.

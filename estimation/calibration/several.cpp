@@ -66,7 +66,10 @@ CombinedAxis combined(const std::vector<Datasheet>& records, std::size_t axis) {
       .name = first.name, .signal = first.signal, .coefficients = {}, .left_out = {}, .common_start_s = {}};
   std::vector<const AxisDatasheet*> taken;
   for (const Datasheet& record : records) {
-    if (fit::is_quotable(record.axes[axis].fit))
+    const fit::Result& fit = record.axes[axis].fit;
+    const bool rounded = std::ranges::find(fit.coefficients, fit::Status::not_quotable, &fit::Coefficient::status) !=
+                         fit.coefficients.end();
+    if (fit::is_quotable(fit) && !rounded)
       taken.push_back(&record.axes[axis]);
     else
       result.left_out.push_back(record.source);

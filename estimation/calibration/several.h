@@ -19,7 +19,7 @@ struct CombinedAxis {
   std::string name;
   noise::Signal signal = noise::Signal::angular_rate;
   std::vector<fit::Combined> coefficients;  ///< of Q, N, B, K and R; empty where no record is quotable
-  std::vector<std::string> left_out;        ///< sources of the records that were not taken: not described
+  std::vector<std::string> left_out;  ///< sources of the records not taken: not described, or rounded above their noise
   /// Where the records' fits begin at different averaging times: the latest, from which all were fitted once more to be
   /// compared [s].
   std::optional<double> common_start_s;

@@ -112,7 +112,8 @@ std::vector<Combined> combine(std::span<const Result> records) {
     std::vector<Coefficient> fitted;
     for (const Result& r : records) {
       const Coefficient& c = r[t];
-      if (c.fitted && std::isfinite(c.upper_two_sided) && std::isfinite(c.value)) fitted.push_back(c);
+      if (!c.fitted || c.status == Status::not_quotable) continue;
+      if (std::isfinite(c.upper_two_sided) && std::isfinite(c.value)) fitted.push_back(c);
     }
     if (!fitted.empty()) list.push_back(combine_term(t, fitted));
   }

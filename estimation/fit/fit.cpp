@@ -652,7 +652,7 @@ std::vector<Coefficient> take_shapes(const Data& record, Options& options) {
     if (is_open(c.term, options)) shaped.push_back(c);
   }
   for (const auto& c : shaped) {
-    if (!c.fitted)
+    if (!c.fitted || !(c.shape > 0))  // too few samples to place it in
       std::erase(options.terms, c.term);
     else if (c.term == Term::gauss_markov)
       options.correlation_time_s = c.shape;

@@ -37,8 +37,9 @@ enum class Status {
   /// The boundary test T(0) exceeds its cut (kBoundaryCut where the model fits): zero is excluded, at 5 % of one side.
   /// The two-sided interval excludes it from 3.841 on only: with T(0) between, `lower` is 0.
   identified,
-  upper_bound,  ///< zero is not excluded; `upper` is the one-sided 95 % limit
-  left_out,     ///< never fitted, or zero with a limit that adds under 1 % to the deviation at every tau
+  upper_bound,   ///< zero is not excluded; `upper` is the one-sided 95 % limit
+  left_out,      ///< never fitted, or zero with a limit that adds under 1 % to the deviation at every tau
+  not_quotable,  ///< fitted, but this record cannot give it: its readings are rounded to steps above their noise
 };
 
 /// 5 % cut of the boundary law, half chi-square with 0 and half with 1 degree of freedom; its signed root (1.645) is

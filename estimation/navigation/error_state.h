@@ -124,6 +124,7 @@ struct StepInput {
   Eigen::Matrix3d C_eb;    ///< at mid-step
   Eigen::Vector3d w_ib_b;  ///< [rad/s]
   Eigen::Vector3d f_ib_b;  ///< [m/s^2]
+  double t = 0;            ///< at mid-step, since the start of the scene, for errors that go with time [s]
 };
 
 /// Makes the transitions of one model. What depends on dt alone is kept from step to step.

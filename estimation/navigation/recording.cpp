@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 
 namespace gyrobudget::inline v0::navigation {
@@ -112,6 +113,43 @@ void bridge(std::vector<Interval>& intervals) {
 }
 
 }  // namespace
+
+bool take_off_temperature(ImuSamples& samples, const noise::SensorModel& sensor) {
+  const bool known = sensor.gyro.temperature || (sensor.accelerometer && sensor.accelerometer->temperature);
+  if (samples.temperature.empty() || !known) return false;
+  if (samples.temperature.size() != samples.stamps.size())
+    throw RecordingError(
+        fmt::format("{} temperatures for {} samples", samples.temperature.size(), samples.stamps.size()));
+  constexpr double kMean = 10;  // [s]
+  const auto time = [&](std::size_t k) { return static_cast<double>(samples.stamps[k] - samples.stamps[0]) * 1e-9; };
+  std::vector<double> times, means;
+  double sum = 0, middle = 0, from = 0;
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < samples.stamps.size(); ++k) {
+    const bool last = k + 1 == samples.stamps.size();
+    if (std::isfinite(samples.temperature[k])) sum += samples.temperature[k], middle += time(k), ++count;
+    if ((!last && time(k) - from < kMean) || count == 0) continue;
+    const auto n = static_cast<double>(count);
+    if (times.empty() || middle / n > times.back()) times.push_back(middle / n), means.push_back(sum / n);
+    from = time(k), sum = middle = 0, count = 0;
+  }
+  if (times.size() < 2) return false;
+  const noise::TemperatureProfile profile(times, means);
+  const double interval = time(samples.stamps.size() - 1) / static_cast<double>(samples.stamps.size() - 1);
+  const auto take_off = [&](const std::optional<noise::TemperatureModel>& model, SampleKind kind,
+                            noise::Vector3 noise::ImuIncrement::*triad) {
+    if (!model) return;
+    const double dt = kind == SampleKind::increment ? interval : 1;
+    for (std::size_t k = 0; k < samples.values.size(); ++k) {
+      const double degrees = profile.at(time(k)), slope = profile.slope(time(k));
+      for (std::size_t i = 0; i < 3; ++i) (samples.values[k].*triad)[i] -= dt * model->bias(i, degrees, slope);
+    }
+  };
+  take_off(sensor.gyro.temperature, samples.gyro, &noise::ImuIncrement::angle);
+  if (sensor.accelerometer)
+    take_off(sensor.accelerometer->temperature, samples.accelerometer, &noise::ImuIncrement::velocity);
+  return true;
+}
 
 ImuLog imu_log(const ImuSamples& samples) {
   check(samples);

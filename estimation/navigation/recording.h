@@ -2,6 +2,7 @@
 // What was recorded: IMU samples and fixes of aids, with their stamps.
 #pragma once
 
+#include "gyrobudget/noise/sensor.h"
 #include "gyrobudget/vehicle/earth/trajectory.h"
 
 #include <cstdint>
@@ -41,7 +42,14 @@ struct ImuSamples {
   SampleKind gyro = SampleKind::increment;
   SampleKind accelerometer = SampleKind::increment;
   StampAt stamp = StampAt::end;
+  std::vector<double> temperature;  ///< of the sensor, one for each sample or none [degC]; NaN where missing
 };
+
+/// Takes the sensor file's bias over temperature off samples that have a temperature: means of 10 s of it, and straight
+/// lines between these. Does nothing without a temperature, or without `temperature` in the sensor file.
+/// @return whether it took anything off
+/// @throws RecordingError for temperatures that are not as many as samples.
+bool take_off_temperature(ImuSamples& samples, const noise::SensorModel& sensor);
 
 /// Intervals from samples. A sample's own interval is the time between stamps, up to 1.5 times the median of
 /// those; beyond that there is a gap before it, and its interval is the median. Gaps, and samples with a number

@@ -246,6 +246,8 @@ class Builder {
     say(errors.quantization != 0, "quantization", "moves the integrated signal by no more than one step, ever");
     say(errors.rate_ramp != 0, "rate ramp", "no state: the bias follows it only as far as its random walk lets it");
     say(!errors.sinusoids.empty(), "sinusoid", "no state: bounded in the integrated signal");
+    say(errors.temperature && !options_.temperature, "temperature",
+        "no state: it is taken off where the log has a temperature, and nothing at the reference");
     say(errors.bandwidth.has_value(), "bandwidth", "a delay, not a state");
   }
 

@@ -52,7 +52,9 @@ struct SensorStates {
     double scene_length = 0;                   ///< [s], positive
     double step = 0.01;                        ///< interval of the IMU [s], positive
     std::optional<Epoch> gyro, accelerometer;  ///< in place of the sensor file's
-    double vibration = 0;                      ///< level that vibration rectification sees [m/s^2 rms]
+    /// How the temperature goes from the scene's start on; not given: at the reference of the sensor file.
+    std::optional<noise::TemperatureProfile> temperature;
+    double vibration = 0;  ///< level that vibration rectification sees [m/s^2 rms]
     /// Gauss-Markov states for flicker, per axis; not given: the fewest, up to 3, that hold the Allan
     /// deviation of all noise together at the scene's length to `tolerance`.
     std::optional<int> flicker_states;

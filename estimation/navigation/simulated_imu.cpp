@@ -28,7 +28,7 @@ SimulatedImu::SimulatedImu(earth::Trajectory trajectory, const noise::SensorMode
     : trajectory_(std::move(trajectory)),
       imu_at_(-sensor.lever_arm[0], -sensor.lever_arm[1], -sensor.lever_arm[2]),
       imu_(sensor, 1 / options.rate_hz, {options.seed, options.run},
-           {.vibration = options.vibration, .duration = trajectory_.duration()}),
+           {.vibration = options.vibration, .temperature = options.temperature, .duration = trajectory_.duration()}),
       rate_hz_(options.rate_hz) {}
 
 std::vector<noise::ImuIncrement> SimulatedImu::next(std::size_t count) {

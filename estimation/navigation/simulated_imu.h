@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <Eigen/Core>
@@ -17,8 +18,9 @@ namespace gyrobudget::inline v0::navigation {
 struct SimulatedImuOptions {
   double rate_hz = 100;
   std::uint64_t seed = 1;
-  std::uint64_t run = 0;  ///< another turn-on: all that is drawn is drawn anew
-  double vibration = 0;   ///< level [m/s^2 rms], for vibration rectification
+  std::uint64_t run = 0;                                      ///< another turn-on: all that is drawn is drawn anew
+  double vibration = 0;                                       ///< level [m/s^2 rms], for vibration rectification
+  std::optional<noise::TemperatureProfile> temperature = {};  ///< from the start on; unset: at the reference
 };
 
 /// The centre of mass flies the trajectory, and the IMU sits at minus the sensor's lever arm from there, where it

@@ -203,6 +203,12 @@ const std::vector<Spelling> kSpellings = {
     {"kPa", 1000, {0, -2, -4, 2}},
     {"N/m^2", 1, {0, -2, -4, 2}},
     {"1/rad", 1, {-2, 0, 0}},
+    {"K", 1, dimension::kTemperature},
+    {"°C", 1, dimension::kTemperature},
+    {"deg C", 1, dimension::kTemperature},
+    {"celsius", 1, dimension::kTemperature},
+    {"deg/h/K", kDeg / 3600, {2, 0, -2, 0, -2}},
+    {"deg/h/(K/min)", kDeg / 60, {2, 0, 0, 0, -2}},
     {"rad/m", 1, {2, -2, 0}},
     // numbers, times, frequencies
     {"1", 1, dimension::kNumber},

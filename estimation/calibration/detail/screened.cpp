@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kSettled = 5;               // time constants of a warm-up: 0.7 % of it is left
 constexpr double kFillBesideOutliers = 0.8;  // of a cluster
+constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
 
 // A line that the model has is not one that it lacks.
 void drop_modelled_line(std::vector<allan::SpectralLine>& lines, const fit::Result& fit, double duration_s) {
@@ -22,6 +23,16 @@ void drop_modelled_line(std::vector<allan::SpectralLine>& lines, const fit::Resu
                 [&](const auto& l) { return std::abs(l.frequency_hz - line->shape) < width + 0.02 * line->shape; });
 }
 
+// What lies in a hump is of the hump, unless it stands out of it like a line.
+void drop_lines_of(std::vector<allan::SpectralLine>& lines, const std::vector<allan::Hump>& humps) {
+  constexpr double kLine = 50, kBeside = 1.25;  // times the spectrum beside it; of the hump's ends
+  std::erase_if(lines, [&](const auto& l) {
+    return l.ratio < kLine && std::ranges::any_of(humps, [&](const auto& h) {
+             return l.frequency_hz > h.low_hz / kBeside && l.frequency_hz < h.high_hz * kBeside;
+           });
+  });
+}
+
 }  // namespace
 
 Screened::Screened(std::span<const double> rate, double dt, double minimum_fill, const Masking& masking)
@@ -29,18 +40,33 @@ Screened::Screened(std::span<const double> rate, double dt, double minimum_fill,
   keep(0, static_cast<std::int64_t>(rate_.size()));
 }
 
+void Screened::look() {
+  look_at_values();
+  look_for_outliers();
+  look_for_turns_and_motion();
+  look_for_steps();
+}
+
 std::span<const double> Screened::part_of(std::span<const double> whole) const {
   return whole.subspan(static_cast<std::size_t>(findings_.first), static_cast<std::size_t>(findings_.samples));
 }
 
-std::span<const double> Screened::without_outliers() const {
+std::span<const double> Screened::clean() const {
+  return part_of(clean_.empty() ? rate_ : std::span<const double>(clean_));
+}
+
+std::span<const double> Screened::used() const {
   return part_of(masked_.empty() ? rate_ : std::span<const double>(masked_));
+}
+
+bool Screened::holds_knocks_or_motion() const {
+  return (!findings_.outliers.empty() && !findings_.outliers_masked) || findings_.not_at_rest();
 }
 
 void Screened::keep(std::int64_t first, std::int64_t count) {
   findings_.first = first;
   findings_.samples = count;
-  series_.emplace(findings_.outliers_masked ? without_outliers() : part_of(rate_), dt_, fill_);
+  series_.emplace(used(), dt_, fill_);
 }
 
 void Screened::keep_longest_without_step() {
@@ -55,29 +81,53 @@ void Screened::keep_longest_without_step() {
   keep(first, count);
 }
 
-void Screened::look_for_outliers_and_steps() {
-  const auto samples = static_cast<std::int64_t>(rate_.size());
+void Screened::look_at_values() {
+  findings_.rounding = allan::find_rounding(rate_);
+  findings_.saturation = allan::find_saturation(rate_);
+}
+
+void Screened::look_for_outliers() {
   findings_.outliers = allan::find_outliers(rate_);
   findings_.outliers_masked = masking_.outliers && !findings_.outliers.empty();
-  if (!findings_.outliers.empty()) {
-    masked_.assign(rate_.begin(), rate_.end());
-    for (const auto& outlier : findings_.outliers)
-      masked_[static_cast<std::size_t>(outlier.index)] = std::numeric_limits<double>::quiet_NaN();
-  }
+  if (findings_.outliers.empty()) return;
+  clean_.assign(rate_.begin(), rate_.end());
+  for (const auto& outlier : findings_.outliers) clean_[static_cast<std::size_t>(outlier.index)] = kMissing;
+  if (!findings_.outliers_masked) return;
+  masked_ = clean_;
   // Outliers, unlike gaps, can be as many as clusters may miss: these then must do with fewer samples.
-  if (findings_.outliers_masked && !(fill_ == 1)) fill_ = kFillBesideOutliers;
-  keep(0, samples);
-  // A knock moves means too: it is no step.
-  const bool knocks = !findings_.outliers.empty() && !findings_.outliers_masked;
+  if (!(fill_ == 1)) fill_ = kFillBesideOutliers;
+  keep(findings_.first, findings_.samples);
+}
+
+void Screened::look_for_turns_and_motion() {
+  // A level that is rounded to steps above its noise, or an angle that is, has patterns of its own.
+  constexpr double kFine = 0.5;  // of the scatter
+  const auto& rounding = findings_.rounding;
+  if (!rounding || rounding->step < kFine * rounding->scatter) findings_.turns = allan::find_turns(clean());
+  const double quiet = findings_.rounding ? findings_.rounding->step / 2 : 0;
+  findings_.motion = allan::find_motion(clean(), dt_, quiet);
+  if (findings_.motion.empty()) return;
+  if (clean_.empty()) clean_.assign(rate_.begin(), rate_.end());
+  findings_.motion_masked = masking_.motion;
+  if (masking_.motion && masked_.empty()) masked_.assign(rate_.begin(), rate_.end());
+  for (const auto& m : findings_.motion) {
+    std::fill_n(clean_.begin() + m.first, m.count, kMissing);
+    if (masking_.motion) std::fill_n(masked_.begin() + m.first, m.count, kMissing);
+  }
+  if (masking_.motion) keep(findings_.first, findings_.samples);
+}
+
+void Screened::look_for_steps() {
+  // Knocks and motion move means too: they are no steps.
   findings_.steps =
-      knocks ? allan::find_steps(allan::Series(without_outliers(), dt_, fill_)) : allan::find_steps(*series_);
+      holds_knocks_or_motion() ? allan::find_steps(allan::Series(clean(), dt_, fill_)) : allan::find_steps(*series_);
   if (masking_.steps && !findings_.steps.empty()) keep_longest_without_step();
 }
 
 bool Screened::look_for_departure(std::span<const noise::Process> fitted) {
-  std::optional<allan::Series> clean;
-  if (!findings_.outliers.empty() && !findings_.outliers_masked) clean.emplace(without_outliers(), dt_, fill_);
-  auto departure = allan::find_departure(clean ? *clean : *series_, fitted);
+  std::optional<allan::Series> beside;
+  if (holds_knocks_or_motion()) beside.emplace(clean(), dt_, fill_);
+  auto departure = allan::find_departure(beside ? *beside : *series_, fitted);
   if (!departure) return false;
   if (departure->kind == allan::Departure::Kind::step) {
     if (!findings_.steps.empty() && !findings_.steps_masked) return false;  // named already
@@ -100,7 +150,10 @@ bool Screened::look_for_departure(std::span<const noise::Process> fitted) {
 }
 
 void Screened::look_for_lines(const fit::Result& fit) {
-  findings_.lines = allan::find_lines(without_outliers(), dt_);
+  findings_.lines = allan::find_lines(clean(), dt_);
+  // One line is a line; several may be the noise of one hump.
+  if (findings_.lines.size() > 1) findings_.humps = allan::find_humps(clean(), dt_);
+  drop_lines_of(findings_.lines, findings_.humps);
   drop_modelled_line(findings_.lines, fit, static_cast<double>(findings_.samples) * dt_);
 }
 

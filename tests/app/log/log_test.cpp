@@ -103,7 +103,45 @@ TEST_F(Log, HeaderWithUnitsInBrackets) {
   EXPECT_EQ(r.axes[1].name, "acc_y");
   EXPECT_EQ(r.axes[1].signal, Signal::specific_force);
   expect_values(r.axes[1].rate, {2 * kGravity, 4 * kGravity, 6 * kGravity});
-  expect_note(r, "left out 'temp'");
+  expect_note(r, "column 'temp' is read as the temperature");
+  expect_values(r.temperature, {20, 21, 22});
+}
+
+// Whatever it is called and whatever is asked for, it is no gyro.
+TEST_F(Log, ATemperatureIsNeverData) {
+  const std::string numbers = "\n0,1,20\n0.5,3,21\n1,5,22\n";
+  for (const std::string name : {"T", "temp", "temperature_imu", "temp (K)", "x (deg C)", "imu_temp (°C)"}) {
+    const Record r = read("time (s),gx," + name + numbers, {.unit = "deg/s"});
+    ASSERT_EQ(r.axes.size(), 1U) << name;
+    const double zero = name.ends_with("(K)") ? -273.15 : 0;
+    expect_values(r.temperature, {20 + zero, 21 + zero, 22 + zero});
+  }
+  const Record chosen = read("time (s),gx,temp" + numbers, {.unit = "deg/s", .columns = {"gx", "temp"}});
+  EXPECT_EQ(chosen.axes.size(), 1U);
+  EXPECT_EQ(chosen.temperature.size(), 3U);
+  // Counts of a register are no degrees.
+  const Record counts = read("time (s),gx,temp\n0,1,-3200\n0.5,3,-3201\n1,5,-3203\n", {.unit = "deg/s"});
+  EXPECT_EQ(counts.axes.size(), 1U);
+  EXPECT_TRUE(counts.temperature.empty());
+  EXPECT_THROW((void)read("time (s),gx,temp" + numbers, {.unit = "deg/s", .columns = {"temp"}}), text::InputError);
+}
+
+TEST_F(Log, ASlowTemperatureHasGapsAndAnglesLoseOne) {
+  const Record r = read("time (s),angle (deg),T (degC)\n0,1,20\n0.5,3,\n1,5,22\n", {.input = Input::angle});
+  expect_values(r.temperature, {20, kMissing});
+  EXPECT_EQ(r.missing_samples, 0);
+}
+
+TEST_F(Log, RowsOfOneSensorAreRead) {
+  const std::string log = "time (s),id,gx (rad/s)\n0,0,1\n0.01,1,10\n1,0,2\n1.01,1,20\n2,0,3\n2.01,1,30\n";
+  const Record first = read(log, {.rows = log::RowsOf{"id", 0}});
+  EXPECT_EQ(first.rate_hz, 1);
+  expect_values(first.axes[0].rate, {1, 2, 3});
+  expect_note(first, "3 of 6 rows are read");
+  expect_values(read(log, {.rows = log::RowsOf{"2", 1}}).axes[0].rate, {10, 20, 30});
+  EXPECT_THROW((void)read(log, {.rows = log::RowsOf{"id", 7}}), text::InputError);
+  EXPECT_THROW((void)read(log, {.rows = log::RowsOf{"unit", 0}}), text::InputError);
+  EXPECT_THROW((void)read(log, {.rows = log::RowsOf{"time", 0}}), text::InputError);
 }
 
 TEST_F(Log, EurocHeaderIsACommentAndStampsKeepAllDigits) {

@@ -60,6 +60,13 @@ void expect_same(const ErrorModel& a, const ErrorModel& b) {
   EXPECT_EQ(a.filter_order, b.filter_order);
   EXPECT_EQ(a.delay, b.delay);
   EXPECT_EQ(a.range, b.range);
+  ASSERT_EQ(a.temperature.has_value(), b.temperature.has_value());
+  if (a.temperature) {
+    EXPECT_EQ(a.temperature->reference, b.temperature->reference);
+    EXPECT_EQ(a.temperature->linear, b.temperature->linear);
+    EXPECT_EQ(a.temperature->quadratic, b.temperature->quadratic);
+    EXPECT_EQ(a.temperature->rate, b.temperature->rate);
+  }
   EXPECT_EQ(a.powered_on_before, b.powered_on_before);
   EXPECT_EQ(a.calibrated_over, b.calibrated_over);
 }
@@ -100,6 +107,11 @@ gyro:
   range: 400 deg/s
   powered_on_before: 1 h
   calibrated_over: 10 min
+  temperature:
+    reference: 30 degC
+    linear: [5 deg/h/K, -6 deg/h/K, 7 deg/h/K]
+    quadratic: -0.1 deg/h/K^2
+    rate: 20 deg/h/(K/min)
 lever_arm: [10 cm, 0 m, -2 mm]
 accelerometer:
   turn_on_bias: [1 mg, 2 mg, 3000 ug]
@@ -136,6 +148,11 @@ accelerometer:
   expect_near(m.gyro.range.value(), 400 * kDegree);
   expect_near(m.gyro.powered_on_before.value(), kHour);
   expect_near(m.gyro.calibrated_over.value(), 600);
+  ASSERT_TRUE(m.gyro.temperature);
+  EXPECT_EQ(m.gyro.temperature->reference, 30);
+  expect_near(m.gyro.temperature->linear[1], -6 * kDegree / kHour);
+  expect_near(m.gyro.temperature->quadratic[2], -0.1 * kDegree / kHour);
+  expect_near(m.gyro.temperature->rate[0], 20 * kDegree / kHour * 60);
   expect_near(m.lever_arm[0], 0.1);
   EXPECT_EQ(m.lever_arm[1], 0);
   expect_near(m.lever_arm[2], -0.002);
@@ -171,6 +188,7 @@ TEST_F(SensorFile, RoundTripIsExact) {
     m.scale_factor = m.misalignment = m.g2_sensitivity = m.vibration_rectification = noise::PerAxis(any(), 0, any());
     for (auto* extra : {&m.bandwidth, &m.delay, &m.range, &m.powered_on_before, &m.calibrated_over}) *extra = any();
     m.filter_order = 2;
+    m.temperature = {any(), noise::PerAxis(any(), -any(), any()), any(), -any()};
   };
   constexpr int kModels = 300;
   for (int i = 0; i < kModels; ++i) {
@@ -184,6 +202,12 @@ TEST_F(SensorFile, RoundTripIsExact) {
     }
     expect_same(read(sensor_file::sensor_yaml(model, "written\nby a test")), model);
   }
+}
+
+TEST_F(SensorFile, ATemperatureNeedsItsReferenceInDegreesCelsius) {
+  EXPECT_CONTAINS(message("gyro: {temperature: {linear: 5 deg/h/K}}"), "found no reference");
+  EXPECT_CONTAINS(message("gyro: {temperature: {reference: 300 K, linear: 5 deg/h/K}}"), "expected it in degC");
+  EXPECT_CONTAINS(message("gyro: {temperature: {reference: 30 degC, linear: 5 deg/h}}"), "deg/h/K");
 }
 
 TEST_F(SensorFile, NamesThatYamlWouldReadAsSomethingElse) {

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <numbers>
 #include <stdexcept>
@@ -44,7 +45,10 @@ void expect_same_fit(const AxisDatasheet& a, const AxisDatasheet& b) {
 class FaultyStage : public testing::TestWithParam<Stage> {};
 
 TEST_P(FaultyStage, LeavesTheOtherStagesAndAxes) {
-  const auto record = three_gyros();
+  auto record = three_gyros();
+  if (GetParam() == Stage::temperature)  // which the sensors do not follow: nothing is taken off
+    for (std::int64_t i = 0; i < kSamples; ++i)
+      record.temperature.push_back(20 + 5 * std::sin(1e-3 * static_cast<double>(i)));
   calibration::Options options;
   options.cross_check = true;
   options.choose_terms = GetParam() == Stage::choice;
@@ -71,12 +75,15 @@ TEST_P(FaultyStage, LeavesTheOtherStagesAndAxes) {
     EXPECT_EQ(faulty.fit.fitted_terms, (std::vector{Term::white, Term::flicker, Term::rate_random_walk}));
   else if (!takes_the_fit)
     expect_same_fit(faulty, whole.axes[1]);
+  EXPECT_FALSE(faulty.temperature);
+  EXPECT_EQ(whole.axes[1].temperature.has_value(), GetParam() == Stage::temperature);
   EXPECT_EQ(faulty.cross_checked.has_value(), !takes_the_fit && GetParam() != Stage::cross_check);
 }
 
 INSTANTIATE_TEST_SUITE_P(Every, FaultyStage,
                          testing::Values(Stage::screening, Stage::curve, Stage::choice, Stage::fit, Stage::departure,
-                                         Stage::lines, Stage::intervals, Stage::cross_check, Stage::facts));
+                                         Stage::temperature, Stage::lines, Stage::intervals, Stage::cross_check,
+                                         Stage::facts));
 
 TEST(Faults, OfEveryAxisAreThrown) {
   const auto record = three_gyros();

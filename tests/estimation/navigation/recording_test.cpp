@@ -94,6 +94,30 @@ TEST(ImuLog, RatesAreMeansOrInstants) {
   EXPECT_NEAR(sum_of_angles(log).x(), angle(0.04), kRounding);
 }
 
+// A temperature that rises by 0.1 K/s, whose means lie on the same line: what the sensor file says is taken off to
+// rounding, away from the ends, where means of 10 s have half of their time.
+TEST(ImuLog, BiasOverTemperatureIsTakenOff) {
+  noise::SensorModel sensor;
+  sensor.gyro.temperature = {20, noise::PerAxis(1e-4, -2e-4, 0), 0.0, noise::PerAxis(0, 0, 3e-3)};
+  navigation::ImuSamples samples;
+  samples.gyro = samples.accelerometer = navigation::SampleKind::mean;
+  for (int k = 0; k < 1000; ++k) {
+    const double degrees = 20 + 0.01 * k;
+    samples.stamps.push_back(std::int64_t{100'000'000} * k);
+    samples.temperature.push_back(degrees);
+    samples.values.push_back({.angle = {1e-4 * (degrees - 20), -2e-4 * (degrees - 20), 3e-4}});
+  }
+  auto other = samples;
+  ASSERT_TRUE(navigation::take_off_temperature(samples, sensor));
+  constexpr double kZero = 1e-15;
+  for (std::size_t k = 100; k < 900; ++k) {
+    for (const double y : samples.values[k].angle) EXPECT_NEAR(y, 0, kZero) << k;
+  }
+  EXPECT_FALSE(navigation::take_off_temperature(other, noise::SensorModel()));
+  other.temperature.pop_back();
+  EXPECT_THROW((void)navigation::take_off_temperature(other, sensor), navigation::RecordingError);
+}
+
 TEST(ImuLog, RefusesWhatIsNoLog) {
   EXPECT_THROW((void)imu_log(increments({10}, 10)), std::invalid_argument);
   EXPECT_THROW((void)imu_log(increments({10, 10, 20}, 10)), std::invalid_argument);
