@@ -328,8 +328,7 @@ std::vector<Identified> identify_noise(const Series& record, const Curve& curve)
     const std::int64_t m = factors[i];
     const bool few = m * kFewestClusters > record.samples(), angle = noises[i].term == noise::Term::quantization;
     if (m < 2 || !(few || angle)) return;
-    const std::int64_t per_cluster = angle ? 1024 : 128;
-    detail::tell_by_ratio(noises[i], detail::octave_ratio(record.phase(), record.samples(), m, per_cluster));
+    detail::tell_by_ratio(noises[i], detail::octave_ratio(record.phase(), record.samples(), m));
   });
   return noises;
 }

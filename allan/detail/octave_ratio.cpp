@@ -16,7 +16,7 @@
 namespace gyrobudget::inline v0::allan::detail {
 namespace {
 
-constexpr std::int64_t kMostClusters = 30;
+constexpr std::int64_t kMostClusters = 30, kTermsPerCluster = 1024;
 constexpr double kPlausible = 0.05;  // of the largest likelihood
 constexpr double kScatter95 = 1.96;
 // White angle noise: second differences a cluster apart have correlations -4/6 and 1/6, so T of them have T/1.94
@@ -86,13 +86,13 @@ int alpha_of(noise::Term term) {
 
 }  // namespace
 
-OctaveRatio octave_ratio(const Phase& phase, std::int64_t samples, std::int64_t m, std::int64_t per_cluster) {
+OctaveRatio octave_ratio(const Phase& phase, std::int64_t samples, std::int64_t m) {
   OctaveRatio r{.log_ratio = std::numeric_limits<double>::quiet_NaN(),
                 .m = m,
                 .half = std::max<std::int64_t>(1, m / 2),
                 .clusters = static_cast<double>(samples) / static_cast<double>(m)};
   const auto stride = [&](std::int64_t factor) {
-    return std::max<std::int64_t>({1, factor / per_cluster, samples / (kMostClusters * per_cluster)});
+    return std::max<std::int64_t>({1, factor / kTermsPerCluster, samples / (kMostClusters * kTermsPerCluster)});
   };
   const Sum here = sum_of(phase, samples, r.m, stride(r.m)), half = sum_of(phase, samples, r.half, stride(r.half));
   r.terms = here.terms, r.half_terms = half.terms;

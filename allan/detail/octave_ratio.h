@@ -17,12 +17,11 @@ struct OctaveRatio {
   double terms = 0, half_terms = 0;  ///< second differences averaged at m and at m/2
 };
 
-/// From second differences of cluster means that begin as many times a cluster as is asked for, at m and at m/2, and at
-/// no more samples than that makes in 30 clusters. Those of clusters without half of their samples do not count.
-/// @param samples of the record. @param m from 2 to samples/2. @param per_cluster 128 tell all that white and slower
-/// noise has to say; the degrees of freedom of angle noise grow with it.
-[[nodiscard]] OctaveRatio octave_ratio(const Phase& phase, std::int64_t samples, std::int64_t m,
-                                       std::int64_t per_cluster);
+/// From second differences of cluster means that begin up to 1024 times a cluster, at m and at m/2, and at no more
+/// samples than that makes in 30 clusters: the degrees of freedom of angle noise grow with their number. Those of
+/// clusters without half of their samples do not count.
+/// @param samples of the record. @param m from 2 to samples/2.
+[[nodiscard]] OctaveRatio octave_ratio(const Phase& phase, std::int64_t samples, std::int64_t m);
 
 /// What the ratio says of a noise that was identified from shorter factors: `term` where the ratio denies the one that
 /// is there, `widest` and `share`.
