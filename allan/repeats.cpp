@@ -46,7 +46,7 @@ Increments increments_of(std::span<const double> axis) {
 }
 
 /// Share of the increments that rounding alone would make 0, at most: where steps are fine, as many as are of one step
-/// in either direction; else nothing tells how many, and all of them may be.
+/// among those that are not 0; else nothing tells how many, and all of them may be.
 double chance_of(std::span<const double> axis, const Increments& found) {
   constexpr double kOne = 0.5, kTwo = 1.5, kFine = 0.02;
   std::int64_t one = 0;
@@ -54,9 +54,8 @@ double chance_of(std::span<const double> axis, const Increments& found) {
     const double steps = std::abs(axis[i] - axis[i - 1]) / found.step;
     one += steps > kOne && steps < kTwo ? 1 : 0;
   }
-  const auto pairs = static_cast<double>(found.pairs);
-  const double share = static_cast<double>(one) / pairs;
-  return share < kFine ? share : static_cast<double>(found.zero) / pairs;
+  const double share = static_cast<double>(one) / static_cast<double>(found.pairs - found.zero);
+  return share < kFine ? share : static_cast<double>(found.zero) / static_cast<double>(found.pairs);
 }
 
 /// Whether row i has a number in every axis.

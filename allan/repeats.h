@@ -22,12 +22,13 @@ struct Repeats {
 /// Repeats of one sensor, if it has more than chance makes.
 ///
 /// Noise without rounding never gives the same number twice; rounded, it does by chance. In an axis of fine steps (less
-/// than 2 % of its increments are of one step) at most as many increments are 0 by chance as are of one step; in an
-/// axis of coarser ones all of its repeats may be. By chance these shares multiply over the axes. Rows repeat where
-/// they do so in all axes together more than twice as often, by six standard deviations, in 0.5 % of the rows or more,
-/// and in half of the rows in which the axis with the fewest does by itself: chance is seldom together. None was found
-/// in 600 records of one axis of white noise, rounded to steps up to its sigma or not, behind low passes or not (20 000
-/// samples; tests), nor in counts of a ring laser gyro (PSINS). One axis of coarse steps leaves nothing to judge by.
+/// than 2 % of its increments other than 0 are of one step) at most as many increments are 0 by chance as are of one
+/// step; in an axis of coarser ones all of its repeats may be. By chance these shares multiply over the axes. Rows
+/// repeat where they do so in all axes together more than twice as often, by six standard deviations, in 0.5 % of the
+/// rows or more, and in half of the rows in which the axis with the fewest does by itself: chance is seldom together.
+/// None was found in 600 records of one axis of white noise, rounded to steps up to its sigma or not, behind low passes
+/// or not (20 000 samples; tests), nor in counts of a ring laser gyro (PSINS). One axis of coarse steps leaves nothing
+/// to judge by.
 /// @param axes  of one sensor, of one length; NaN is missing. Axes that never change are passed over.
 /// @return nothing where nothing repeats, no axis changes, or there are fewer than 64 rows.
 /// @throws std::invalid_argument for axes of different lengths.

@@ -12,6 +12,7 @@ namespace {
 constexpr std::size_t kWindow = 96;  // a multiple of 2, 3 and 4
 constexpr std::size_t kFewestWindows = 16, kMostWindows = 2000;
 constexpr double kVariances = 3, kLevels = 1.5;
+constexpr double kSame = 0.75;       // of the windows have the same one loudest, or highest, as the one before
 constexpr double kLeastFill = 0.75;  // of the rows of each sensor in a window
 
 double median(std::vector<double> values) {
@@ -21,9 +22,10 @@ double median(std::vector<double> values) {
 }
 
 struct Window {
-  double variances = 1;  // largest over smallest
-  double distance = 0;   // of the means
-  double sigma = 0;      // of a sample, all sensors together
+  double variances = 1;                     // largest over smallest
+  double distance = 0;                      // of the means
+  double sigma = 0;                         // of a sample, all sensors together
+  std::ptrdiff_t loudest = 0, highest = 0;  // whose they are
 };
 
 Window look(std::span<const double> rows, std::size_t sensors) {
@@ -47,7 +49,8 @@ Window look(std::span<const double> rows, std::size_t sensors) {
   const auto [quiet, loud] = std::minmax_element(variances.begin(), variances.begin() + of);
   double sum = 0;
   for (std::size_t s = 0; s < sensors; ++s) sum += variances[s];
-  return {*quiet > 0 ? *loud / *quiet : 1, *high - *low, std::sqrt(sum / static_cast<double>(sensors))};
+  return {*quiet > 0 ? *loud / *quiet : 1, *high - *low, std::sqrt(sum / static_cast<double>(sensors)),
+          loud - variances.begin(), high - means.begin()};
 }
 
 }  // namespace
@@ -59,17 +62,25 @@ std::optional<Turns> find_turns(std::span<const double> rate) {
   std::optional<Turns> best;
   for (std::size_t sensors = 2; sensors <= 4; ++sensors) {
     std::vector<double> variances, distances, sigmas;
+    double same_loudest = 0, same_highest = 0;
+    Window before;
     for (std::size_t i = 0; i < looks; ++i) {
       const Window w = look(rate.subspan(i * windows / looks * kWindow, kWindow), sensors);
       if (!std::isfinite(w.sigma) || !(w.sigma > 0)) continue;
+      same_loudest += !variances.empty() && w.loudest == before.loudest ? 1 : 0;
+      same_highest += !variances.empty() && w.highest == before.highest ? 1 : 0;
+      before = w;
       variances.push_back(w.variances), distances.push_back(w.distance), sigmas.push_back(w.sigma);
     }
     if (variances.size() < kFewestWindows) return best;
     const Turns found{static_cast<std::int64_t>(sensors), median(distances), std::sqrt(median(variances))};
-    if (found.noises * found.noises < kVariances && found.levels < kLevels * median(sigmas)) continue;
+    const double often = kSame * static_cast<double>(variances.size());
+    const bool by_noise = found.noises * found.noises > kVariances && same_loudest > often;
+    const bool by_level = found.levels > kLevels * median(sigmas) && same_highest > often;
+    if (!by_noise && !by_level) continue;
     constexpr double kMoreVariance = 1.9, kMoreLevel = 1.25;
     const bool clearer = !best || found.noises * found.noises > kMoreVariance * best->noises * best->noises ||
-                         (found.levels > kMoreLevel * best->levels && found.levels > kLevels * median(sigmas));
+                         (found.levels > kMoreLevel * best->levels && by_level);
     if (clearer) best = found;
   }
   return best;

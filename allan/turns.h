@@ -19,11 +19,12 @@ struct Turns {
 ///
 /// In windows of 96 rows the rows i mod p have means and variances of their own. The median over the windows of the
 /// largest over the smallest variance is 1.1 to 1.9 for one sensor, whatever its noise; by turns they are seen from 3
-/// on. The median of the largest distance of means, in standard deviations of a sample, is 0.1 to 0.4 for one sensor;
-/// they are seen from 1.5 on. A dropped row blurs its own window alone. Of 3000 records of white
-/// noise, flicker, walk and noise behind filters (4096 samples) none was taken for several (tests). A sensor whose
-/// output toggles at half its rate looks like two, and so may one whose steps are half of its scatter or more, or an
-/// angle in such steps: ask no record of those (rounding.h).
+/// on, where three quarters of the windows have the same one loudest as the window before (a spectral line at a third
+/// or a quarter of the rate has not). The median of the largest distance of means, in standard deviations of a sample,
+/// is 0.1 to 0.4 for one sensor; they are seen from 1.5 on, likewise. A dropped row blurs its own window alone. Of 3000
+/// records of white noise, flicker, walk and noise behind filters (4096 samples) none was taken for several (tests). A
+/// sensor whose output toggles at half its rate looks like two, and so may one whose steps are half of its scatter or
+/// more, or an angle in such steps: ask no record of those (rounding.h).
 /// @param rate  without outliers (outliers.h); NaN is missing, and windows that lack a quarter are passed over
 /// @return nothing where the rows are of one, or fewer than 16 windows are complete.
 [[nodiscard]] std::optional<Turns> find_turns(std::span<const double> rate);

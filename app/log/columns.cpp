@@ -357,9 +357,15 @@ class Chooser {
   bool is_named_temperature(const Column& c) const {
     return !layout_.headings.empty() && kind_of_name(c.name) == NameKind::temperature;
   }
+  /// gyro_x_tempcomp (deg/s): compensated for temperature, says the unit that the header gives it.
+  bool is_compensated(const Column& c) const {
+    const std::string name = text::lower(c.name);
+    const bool sensor = name.find("gyr") != std::string::npos || name.find("acc") != std::string::npos;
+    return sensor && c.unit && signal_of(options_.input, c.unit->dimension).has_value();
+  }
   /// Never data, whatever else is asked for.
   bool is_temperature(const Column& c) const {
-    return has_unit_of_temperature(c) || (is_named_temperature(c) && !is_time(c));
+    return has_unit_of_temperature(c) || (is_named_temperature(c) && !is_time(c) && !is_compensated(c));
   }
 
   /// All numbers of the first rows lie between these.

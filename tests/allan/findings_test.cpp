@@ -87,6 +87,14 @@ TEST(Repeats, NoiseHasNoneRoundedOrBehindAFilter) {
   EXPECT_EQ(alarms, 0);
 }
 
+// A spike in silence, and noise that seldom reaches the next step, are not slow sensors.
+TEST(Repeats, SilenceIsNone) {
+  std::vector<double> spike(4000);
+  spike[2000] = 1;
+  EXPECT_FALSE(find_repeats(Columns{spike}));
+  EXPECT_FALSE(find_repeats(Columns{rounded(white(20000, 1), 5.5)}));
+}
+
 TEST(Repeats, AreFoundBesideRoundingInAnotherAxis) {
   const auto fine = held(white(9000, 1), 2, 3), coarse = rounded(held(white(9000, 2), 2, 3), 1);
   const std::vector<double> dead(fine.size(), 0.5);
@@ -247,6 +255,7 @@ TEST(Turns, OneSensorIsOne) {
     for (const Mix& mix : kMixes) alarms += find_turns(record(mix, 4096, seed)) ? 1 : 0;
     alarms += find_turns(filtered(white(4096, seed), 0.1)) ? 1 : 0;
     alarms += find_turns(held(white(4096, seed), 2, 3)) ? 1 : 0;
+    alarms += find_turns(record({noise::White{1}, noise::Sinusoid{5, 0.2487, 0}}, 4096, seed)) ? 1 : 0;
   }
   EXPECT_EQ(alarms, 0);
 }

@@ -119,6 +119,7 @@ TEST_F(Log, ATemperatureIsNeverData) {
   const Record chosen = read("time (s),gx,temp" + numbers, {.unit = "deg/s", .columns = {"gx", "temp"}});
   EXPECT_EQ(chosen.axes.size(), 1U);
   EXPECT_EQ(chosen.temperature.size(), 3U);
+  EXPECT_EQ(read("time (s),gyro_x_tempcomp (deg/s)\n0,1\n0.5,3\n1,5\n").axes.size(), 1U) << "this is a gyro";
   // Counts of a register are no degrees.
   const Record counts = read("time (s),gx,temp\n0,1,-3200\n0.5,3,-3201\n1,5,-3203\n", {.unit = "deg/s"});
   EXPECT_EQ(counts.axes.size(), 1U);
