@@ -326,7 +326,7 @@ std::vector<Identified> identify_noise(const Series& record, const Curve& curve)
   auto noises = held_noise(identify_noise(record, factors), record.samples());
   tbb::parallel_for(std::size_t{0}, noises.size(), [&](std::size_t i) {
     const std::int64_t m = factors[i];
-    const bool few = m * kFewestClusters > record.samples(), angle = noises[i].term == noise::Term::quantization;
+    const bool few = m * kFewestClusters >= record.samples(), angle = noises[i].term == noise::Term::quantization;
     if (m < 2 || !(few || angle)) return;
     detail::tell_by_ratio(noises[i], detail::octave_ratio(record.phase(), record.samples(), m));
   });
@@ -359,7 +359,7 @@ std::vector<Identified> identify_noise(const Curve& curve) {
   }
   for (std::size_t i = 1; i < found.size(); ++i) {
     const Point &here = curve.points[i], &half = curve.points[i - 1];
-    const bool few = here.m * kFewestClusters > curve.samples;
+    const bool few = here.m * kFewestClusters >= curve.samples;
     if (here.m != 2 * half.m || !(few || found[i].term == noise::Term::quantization)) continue;
     detail::tell_by_ratio(found[i], {.log_ratio = std::log(here.variance / half.variance),
                                      .m = here.m,

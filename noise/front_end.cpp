@@ -76,8 +76,6 @@ SampledFrontEnd::SampledFrontEnd(const FrontEnd& front_end, double dt) {
   const double corner = front_end.bandwidth * dt;
   detail::require(corner >= kLowest && corner <= kHighest, "bandwidth times the sample interval", corner,
                   "from 1e-4 to 100");
-  detail::require(front_end.floor >= 0 && front_end.floor <= 1, "floor of a front end", front_end.floor, "from 0 to 1");
-  floor_ = front_end.floor;
   switch (front_end.kind) {
     case FrontEnd::Kind::moving_average:
       average_ = true;
@@ -85,6 +83,7 @@ SampledFrontEnd::SampledFrontEnd(const FrontEnd& front_end, double dt) {
       return;
     case FrontEnd::Kind::first_order:
       set_first_order(front_end, dt);
+      pole_ = -a_[0];
       break;
     case FrontEnd::Kind::second_order:
       set_second_order(front_end, dt);
@@ -92,7 +91,7 @@ SampledFrontEnd::SampledFrontEnd(const FrontEnd& front_end, double dt) {
     default:
       throw std::invalid_argument("a value that is no kind of front end");
   }
-  set_memory();
+  if (residue_ == 0.) set_residue();
 }
 
 void SampledFrontEnd::set_first_order(const FrontEnd& front_end, double dt) {
@@ -118,34 +117,34 @@ void SampledFrontEnd::set_first_order(const FrontEnd& front_end, double dt) {
 
 void SampledFrontEnd::set_second_order(const FrontEnd& front_end, double dt) {
   const double s = std::numbers::sqrt2 * pi * front_end.bandwidth * dt;
-  const auto set_poles = [&] {
-    const double decay = std::exp(-s);
-    a_[0] = -2 * decay * std::cos(s), a_[1] = square(decay);
+  const auto set_pole = [&](Complex pole) {
+    pole_ = pole;
+    a_[0] = -2 * pole.real(), a_[1] = std::norm(pole);
   };
   switch (front_end.sampling) {
     case FrontEnd::Sampling::analogue: {
-      // r(h) = Re[(1 - i) p^h], p = exp((-1 + i) s); its spectrum times |a|^2 has two coefficients.
-      set_poles();
-      const Complex p = std::polar(std::exp(-s), s);
-      const auto r = [&](int h) { return (Complex(1, -1) * std::pow(p, h)).real(); };
-      const double even =
-          r(0) * (1 + square(a_[0]) + square(a_[1])) + 2 * r(1) * a_[0] * (1 + a_[1]) + 2 * r(2) * a_[1];
-      const double odd = r(0) * a_[0] * (1 + a_[1]) + r(1) * (1 + square(a_[0]) + a_[1] + square(a_[1])) +
-                         r(2) * a_[0] * (1 + a_[1]) + r(3) * a_[1];
-      const auto b = spectral_factor(even, odd);
+      // r(h) = Re[(1 - i) p^h]; its spectrum times |a|^2 has two coefficients.
+      set_pole(std::polar(std::exp(-s), s));
+      constexpr Complex kShape(1, -1);
+      const double sum = (kShape * (1. + pole_) / (1. - pole_)).real();
+      residue_ = kShape / sum * pole_ / ((1. - pole_) * (1. - pole_));
+      const auto r = [&](int h) { return (kShape * std::pow(pole_, h)).real(); };
+      const double outer = a_[0] * (1 + a_[1]), inner = 1 + square(a_[0]) + square(a_[1]);
+      const auto b = spectral_factor(r(0) * inner + 2 * (r(1) * outer + r(2) * a_[1]),
+                                     r(0) * outer + r(1) * (inner + a_[1]) + r(2) * outer + r(3) * a_[1]);
       const double gain = (b[0] + b[1]) / (1 + a_[0] + a_[1]);
       b_[0] = b[0] / gain, b_[1] = b[1] / gain;
       return;
     }
     case FrontEnd::Sampling::bilinear: {
-      const double t = std::tan(pi * std::min(0.49999, front_end.bandwidth * dt)), q = std::numbers::sqrt2 * t;
-      const double scale = 1 / (1 + q + square(t));
-      a_[0] = 2 * (square(t) - 1) * scale, a_[1] = (1 - q + square(t)) * scale;
-      b_[0] = b_[2] = square(t) * scale, b_[1] = 2 * b_[0];
+      const double t = std::tan(pi * std::min(0.49999, front_end.bandwidth * dt));
+      const Complex continuous = t / std::numbers::sqrt2 * Complex(-1, 1);
+      set_pole((1. + continuous) / (1. - continuous));
+      b_[0] = b_[2] = square(t) / (1 + std::numbers::sqrt2 * t + square(t)), b_[1] = 2 * b_[0];
       return;
     }
     case FrontEnd::Sampling::held: {
-      set_poles();
+      set_pole(std::polar(std::exp(-s), s));
       detail::LowPass low_pass(front_end.bandwidth, 2, dt);
       (void)low_pass.next(0);
       const double h[] = {low_pass.next(1), low_pass.next(0), low_pass.next(0)};
@@ -158,19 +157,15 @@ void SampledFrontEnd::set_second_order(const FrontEnd& front_end, double dt) {
 
 // r(h) for h >= 1 by residues of H(z) H(1/z) z^(h-1): with poles p, q it is the sum of B(p)/(p - q) H(1/p) p^(h-1) and
 // the same of q, B(p)/p being b0 p + b1 where there is one pole only; a sum over h then gives the memory.
-void SampledFrontEnd::set_memory() {
+void SampledFrontEnd::set_residue() {
+  const Complex p = pole_;
   const bool first_order = a_[1] == 0;  // the others have conjugate poles
-  const Complex root = std::sqrt(Complex(square(a_[0]) / 4 - a_[1]));
-  const Complex p = first_order ? Complex(-a_[0]) : -a_[0] / 2 + root, q = -a_[0] / 2 - root;
-  const Complex inside = first_order ? b_[0] * p + b_[1] : (b_[0] * p * p + b_[1] * p + b_[2]) / (p - q);
+  const Complex inside = first_order ? b_[0] * p + b_[1] : (b_[0] * p * p + b_[1] * p + b_[2]) / (p - std::conj(p));
   const Complex outside = (b_[0] + p * (b_[1] + p * b_[2])) / (1. + p * (a_[0] + p * a_[1]));  // H(1/p)
-  pole_ = p;
   residue_ = (first_order ? 1. : 2.) * inside * outside / ((1. - p) * (1. - p));
 }
 
-double SampledFrontEnd::power_gain(double cycles) const { return floor_ + (1 - floor_) * passed(cycles); }
-
-double SampledFrontEnd::passed(double cycles) const {
+double SampledFrontEnd::power_gain(double cycles) const {
   if (average_) return Mixture(length_).mean([&](double count) { return summing_power(count, cycles); });
   const Complex z = std::polar(1., -2 * pi * cycles);
   return std::norm((b_[0] + z * (b_[1] + z * b_[2])) / (1. + z * (a_[0] + z * a_[1])));
@@ -181,9 +176,8 @@ Complex SampledFrontEnd::decayed(double lag) const {
 }
 
 double SampledFrontEnd::memory(double lag) const {
-  const double filtered = average_ ? Mixture(length_).mean([&](double count) { return summing_memory(count, lag); })
-                                   : (residue_ * decayed(lag)).real();
-  return -(1 - floor_) * filtered;
+  if (average_) return -Mixture(length_).mean([&](double count) { return summing_memory(count, lag); });
+  return -(residue_ * decayed(lag)).real();
 }
 
 std::int64_t SampledFrontEnd::settling() const {

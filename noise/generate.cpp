@@ -127,10 +127,7 @@ class WhiteSource final : public SampleSource {
 class FilteredWhiteSource final : public SampleSource {
  public:
   FilteredWhiteSource(const FilteredWhite& p, double dt, StreamKey key)
-      : sigma_(p.n * std::sqrt((1 - p.front_end.floor) / dt)),
-        behind_(p.n * std::sqrt(p.front_end.floor / dt)),
-        normals_(key),
-        filter_(SampledFrontEnd(p.front_end, dt)) {
+      : sigma_(p.n / std::sqrt(dt)), normals_(key), filter_(SampledFrontEnd(p.front_end, dt)) {
     skip(static_cast<std::uint64_t>(SampledFrontEnd(p.front_end, dt).settling()));  // stationary from the start
   }
   void add_next(std::span<double> out) override {
@@ -139,13 +136,10 @@ class FilteredWhiteSource final : public SampleSource {
     for (std::size_t i = 0; i < out.size(); ++i) filtered[i] = sigma_ * u[i];
     filter_(std::span(filtered).first(out.size()));
     for (std::size_t i = 0; i < out.size(); ++i) out[i] += filtered[i];
-    if (behind_ == 0) return;
-    const auto v = normals_.next(out.size());
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] += behind_ * v[i];
   }
 
  private:
-  double sigma_, behind_;
+  double sigma_;
   Normals normals_;
   FrontEndFilter filter_;
 };

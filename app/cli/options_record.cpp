@@ -233,6 +233,12 @@ void finish(CalibrateArguments& a, const Texts& texts) {
   if (!a.curve_file.empty() && (a.options.choose_terms || open_time || open_frequency))
     throw std::invalid_argument(
         "--terms auto, and G and S of unknown time and frequency, need the log, not a table (--curve); for a table give them: --terms N,G=120s,S=0.05Hz");
+  if (!texts.front_end.empty() && texts.front_end != "none" && texts.front_end != "auto") {
+    if (texts.method != "gls" && texts.method != "whittle")
+      throw std::invalid_argument("--front-end needs --method gls or whittle: the others fit the noise as it stands");
+    if (!a.curve_file.empty() && !front_end(texts.front_end).bandwidth)
+      throw std::invalid_argument("--front-end without a bandwidth needs the log, not a table (--curve)");
+  }
   if (texts.front_end == "none") {
     a.options.find_front_end = false;
   } else if (!texts.front_end.empty() && texts.front_end != "auto") {

@@ -2,12 +2,11 @@
 #include "fit.h"
 
 #include "gyrobudget/allan/factors.h"
+#include "gyrobudget/estimation/fit/detail/curve_run.h"
 #include "gyrobudget/estimation/fit/detail/gls.h"
 #include "gyrobudget/estimation/fit/detail/judge.h"
 #include "gyrobudget/estimation/fit/detail/refine.h"
-#include "gyrobudget/estimation/fit/detail/weighted.h"
 
-#include <boost/math/quadrature/gauss.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,8 +14,6 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <numbers>
-#include <numeric>
 #include <stdexcept>
 
 #include "visual.h"
@@ -29,283 +26,8 @@ namespace {
 using noise::Term;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr std::int64_t kTestedClusters = 16;  // goodness of fit over n/m >= 16: beyond, s is too skewed for chi-square
 constexpr double kScatter95 = 1.96;
-constexpr double kNegligible = 0.01;   // of the deviation
-constexpr double kCutBelow = 1e-4;     // p-value of the whole curve below which short taus may be cut
-constexpr double kFirstTauCut = 6.63;  // 1 % cut of chi-square with 1 degree of freedom
-constexpr int kSparePoints = 2;        // a start must leave this many tested taus more than terms
-constexpr double kMemoryCut = 15.14;   // 1e-4 cut of chi-square with 1 degree of freedom: a filter may be looked for
-
-// What a front end adds to the terms, as a column of the linear model that may have any sign.
-enum class Free {
-  nothing,
-  memory,     // all that any filter leaves beyond its memory: -3/2 S1/S0 N^2/dt/m^2
-  bandwidth,  // N^2 d AVAR/d ln bandwidth of Options::front_end
-};
-
-Free free_of(const Options& options) {
-  if (options.front_end) return options.fit_bandwidth ? Free::bandwidth : Free::nothing;
-  return options.unknown_front_end ? Free::memory : Free::nothing;
-}
-
-// A curve ready to fit: points with terms, terms in the order Q N B K R, variances scaled by a power of two so that
-// neither unit nor size of the signal matters.
-struct Prepared {
-  std::vector<std::size_t> rows;     // of the curve
-  std::vector<std::size_t> columns;  // of the covariance's processes
-  std::vector<Term> terms;
-  std::vector<std::int64_t> m;
-  double dt = 1;
-  std::int64_t samples = 0;
-  double scale = 1;                                  // variance = scaled * scale
-  Eigen::VectorXd s;                                 // scaled
-  Eigen::VectorXd bandwidth_slope;                   // of white noise of N = 1, where Options::front_end is fitted
-  std::optional<allan::CurveCovariance> covariance;  // of rows x columns
-  Eigen::MatrixXd expectation;                       // likewise; behind the front end
-
-  [[nodiscard]] Eigen::Index tested_until() const {  // rows with n/m >= 16 come first
-    return std::partition_point(m.begin(), m.end(), [&](auto x) { return x * kTestedClusters <= samples; }) - m.begin();
-  }
-};
-
-// d AVAR/d ln bandwidth of filtered white noise of N = 1, with what gaps do to it.
-Eigen::VectorXd bandwidth_slope(const Prepared& p, const noise::FrontEnd& front_end) {
-  constexpr double kStep = 1e-3;
-  const auto variance = [&](std::int64_t m, double x) {
-    noise::FrontEnd moved = front_end;
-    moved.bandwidth *= std::exp(x);
-    return noise::allan_variance(noise::FilteredWhite{1, moved}, m, p.dt);
-  };
-  const auto white = std::find(p.terms.begin(), p.terms.end(), Term::white) - p.terms.begin();
-  Eigen::VectorXd slope = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(p.m.size()));
-  if (white == static_cast<std::ptrdiff_t>(p.terms.size())) return slope;
-  for (std::size_t i = 0; i < p.m.size(); ++i) {
-    const auto row = static_cast<Eigen::Index>(i);
-    const double gaps = p.covariance->expectation()(row, white) / variance(p.m[i], 0);
-    slope(row) = gaps * (variance(p.m[i], kStep) - variance(p.m[i], -kStep)) / (2 * kStep);
-  }
-  return slope;
-}
-
-// What a front end takes off the Allan variance of a process of coefficient 1: the integral over frequencies of the
-// part of its density that is stopped, by ten-point Gauss-Legendre panels that shrink towards 0 and hold a third of a
-// period.
-double stopped_variance(const noise::Process& process, const noise::SampledFrontEnd& filter, std::int64_t m,
-                        double dt) {
-  const auto clusters = static_cast<double>(m);
-  const auto integrand = [&](double u) {
-    const double gain = 4 * std::pow(std::sin(std::numbers::pi * clusters * u), 4) /
-                        std::pow(clusters * std::sin(std::numbers::pi * u), 2);
-    return noise::psd(process, u / dt, dt) * (1 - filter.power_gain(u)) * gain / dt;
-  };
-  constexpr double kLowest = 1e-6;  // of the rate: what is stopped below adds nothing
-  double sum = 0;
-  for (double lower = kLowest; lower < 0.5;) {
-    const double upper = std::min({2 * lower, lower + 1 / (3 * clusters), 0.5});
-    sum += boost::math::quadrature::gauss<double, 10>::integrate(integrand, lower, upper);
-    lower = upper;
-  }
-  return sum;
-}
-
-// Slow processes pass a front end but for their quick part, which short taus behind a deep stop band would show.
-void stop_slow_processes(const Prepared& p, const noise::FrontEnd& front_end, Eigen::MatrixXd& expectation) {
-  constexpr double kFaded = 8;  // over bandwidth * tau: at longer taus nothing is missed
-  const noise::SampledFrontEnd filter(front_end, p.dt);
-  for (std::size_t i = 0; i < p.m.size(); ++i) {
-    if (static_cast<double>(p.m[i]) * p.dt * front_end.bandwidth > kFaded) return;
-    for (std::size_t j = 0; j < p.terms.size(); ++j) {
-      if (p.terms[j] != Term::flicker && p.terms[j] != Term::rate_random_walk) continue;
-      expectation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) -=
-          stopped_variance(p.covariance->processes()[j], filter, p.m[i], p.dt);
-    }
-  }
-}
-
-Prepared prepare(const allan::Curve& curve, const allan::CurveCovariance& covariance, const Options& options) {
-  Prepared p;
-  p.terms = in_order(options.terms);
-  p.dt = curve.dt;
-  p.samples = curve.samples;
-  if (covariance.factors().size() != curve.points.size()) {
-    throw std::invalid_argument(fmt::format("the covariance has {} factors, the curve {} points",
-                                            covariance.factors().size(), curve.points.size()));
-  }
-  for (const Term t : p.terms) {
-    const auto& have = covariance.processes();
-    const auto at = std::find_if(have.begin(), have.end(), [&](const auto& x) { return noise::term(x) == t; });
-    if (at == have.end()) {
-      throw std::invalid_argument(fmt::format("the covariance lacks term {}", static_cast<char>(t)));
-    }
-    p.columns.push_back(static_cast<std::size_t>(at - have.begin()));
-  }
-  for (std::size_t i = 0; i < curve.points.size(); ++i) {
-    const auto& point = curve.points[i];
-    if (point.m != covariance.factors()[i]) {
-      throw std::invalid_argument(
-          fmt::format("the covariance is of factor {} where the curve has {}", covariance.factors()[i], point.m));
-    }
-    const bool late = options.tau_max_s && curve.tau(i) > *options.tau_max_s * (1 + 1e-9);
-    if (point.terms < 1 || !std::isfinite(point.variance) || late) continue;
-    p.rows.push_back(i);
-    p.m.push_back(point.m);
-  }
-  if (p.rows.size() <= p.terms.size()) {
-    throw std::invalid_argument(fmt::format("{} taus are too few to fit {} terms; at least {} are needed",
-                                            p.rows.size(), p.terms.size(), p.terms.size() + 1));
-  }
-  p.s.resize(static_cast<Eigen::Index>(p.rows.size()));
-  for (std::size_t i = 0; i < p.rows.size(); ++i) p.s(static_cast<Eigen::Index>(i)) = curve.points[p.rows[i]].variance;
-  if (p.s.maxCoeff() > 0) p.scale = std::exp2(std::floor(std::log2(p.s.maxCoeff())));
-  p.s /= p.scale;
-  p.covariance = covariance.subset(p.rows, p.columns);
-  p.expectation = p.covariance->expectation();
-  if (options.front_end) stop_slow_processes(p, *options.front_end, p.expectation);
-  if (free_of(options) == Free::bandwidth) p.bandwidth_slope = bandwidth_slope(p, *options.front_end);
-  return p;
-}
-
-// The rows [first, end) and columns of a prepared curve as a linear model.
-struct TestedFit {
-  Eigen::Index first = 0;
-  std::vector<Term> terms;
-  LinearModel model;
-  Free free = Free::nothing;
-  GlsSolution solution;
-  Eigen::VectorXd gamma;       // of the model's free column
-  Eigen::MatrixXd covariance;  // of theta, where the method has its own
-  double chi2 = 0;
-  int dof = 0;
-  double p_value = 0;
-};
-
-Eigen::MatrixXd free_column(const Prepared& p, Eigen::Index first, Free free) {
-  const Eigen::Index count = p.s.size() - first;
-  if (free == Free::nothing) return {count, 0};
-  if (free == Free::bandwidth) return p.bandwidth_slope.tail(count);
-  Eigen::VectorXd memory(count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const auto m = static_cast<double>(p.m[static_cast<std::size_t>(first + i)]);
-    memory(i) = -1.5 / (m * m * p.dt);
-  }
-  return memory;
-}
-
-LinearModel linear_model(const Prepared& p, Eigen::Index first, std::span<const std::size_t> columns, Free free) {
-  std::vector<std::size_t> rows(p.rows.size() - static_cast<std::size_t>(first));
-  std::iota(rows.begin(), rows.end(), static_cast<std::size_t>(first));
-  auto covariance = std::make_shared<allan::CurveCovariance>(p.covariance->subset(rows, columns));
-  LinearModel model;
-  model.A.resize(p.s.size() - first, static_cast<Eigen::Index>(columns.size()));
-  for (std::size_t j = 0; j < columns.size(); ++j)
-    model.A.col(static_cast<Eigen::Index>(j)) =
-        p.expectation.col(static_cast<Eigen::Index>(columns[j])).tail(model.A.rows());
-  model.D = free_column(p, first, free);
-  model.s = p.s.tail(p.s.size() - first);
-  model.covariance = [covariance](const Eigen::VectorXd& theta) { return (*covariance)(theta); };
-  return model;
-}
-
-// Goodness of fit over the rows of the run with n/m >= 16.
-void test_fit(const Prepared& p, TestedFit& run) {
-  const Eigen::Index count = p.tested_until() - run.first;
-  run.dof = static_cast<int>(count - (run.solution.theta.array() > 0).count() - run.model.D.cols());
-  if (run.dof < 1 || run.solution.S.size() == 0) return;
-  Eigen::VectorXd r = run.model.s - run.model.A * run.solution.theta;
-  run.gamma = free_part(run.model, run.solution.theta, run.solution.S);
-  if (run.gamma.size() > 0) r -= run.model.D * run.gamma;
-  r.conservativeResize(count);
-  const Eigen::LLT<Eigen::MatrixXd> factor(run.solution.S.topLeftCorner(count, count));
-  if (factor.info() != Eigen::Success) return;
-  run.chi2 = factor.matrixL().solve(r).squaredNorm();
-  run.p_value = chi_square_tail(run.chi2, run.dof);
-}
-
-void solve(TestedFit& run, Method method) {
-  if (method == Method::gls) {
-    run.solution = iterate_gls(run.model);
-    return;
-  }
-  WeightedSolution weighted = method == Method::edf ? weigh_by_variance(run.model) : fit_logarithms(run.model);
-  run.solution = std::move(weighted.solution);
-  run.covariance = std::move(weighted.covariance);
-}
-
-TestedFit fit_from(const Prepared& p, Eigen::Index first, bool drop_quantization, Free free,
-                   Method method = Method::gls) {
-  TestedFit run;
-  run.first = first;
-  run.free = method == Method::gls ? free : Free::nothing;
-  std::vector<std::size_t> columns;
-  for (std::size_t j = 0; j < p.terms.size(); ++j) {
-    if (drop_quantization && p.terms[j] == Term::quantization) continue;
-    run.terms.push_back(p.terms[j]);
-    columns.push_back(j);
-  }
-  if (columns.empty()) return run;
-  run.model = linear_model(p, first, columns, run.free);
-  solve(run, method);
-  test_fit(p, run);
-  return run;
-}
-
-// The first tau asked for.
-TestedFit run_from_tau(const Prepared& p, double tau_min_s, Free free, Method method) {
-  const auto first = std::partition_point(
-      p.m.begin(), p.m.end(), [&](auto m) { return static_cast<double>(m) * p.dt < tau_min_s * (1 - 1e-9); });
-  if (p.m.end() - first <= static_cast<std::ptrdiff_t>(p.terms.size())) {
-    throw std::invalid_argument(fmt::format("only {} taus from {} s on: too few to fit {} terms", p.m.end() - first,
-                                            tau_min_s, p.terms.size()));
-  }
-  return fit_from(p, first - p.m.begin(), free != Free::nothing, free, method);
-}
-
-// The run that the model describes with a front end beside it: the one that was found or given, or the memory of an
-// unknown one. (Short taus may deny a front end that stands: behind a deep stop band they hold what it lets through.)
-// Its first tau is one octave behind the first that passes: the p-value reaches the limit and fitting without that tau
-// does not lower chi-square by more than chance. What a test cannot see is as large as an interval, so a start where
-// the test happens to pass would bias N by that much. Quantization is strongest at the first tau: a run that must cut
-// that tau cannot hold it.
-std::optional<TestedFit> described_run(const Prepared& p, Free free, const Options& options) {
-  const Eigen::Index tested = p.tested_until();
-  const auto fewest = static_cast<Eigen::Index>(p.terms.size()) + kSparePoints;
-  std::vector<TestedFit> runs;
-  for (Eigen::Index first = 1; first <= tested / 2 + 1 && tested - first >= fewest; ++first) {
-    runs.push_back(fit_from(p, first, true, free));
-    if (runs.back().terms.empty()) return {};
-  }
-  // One true model in a hundred misses the limit at any start: it is then held to what the whole curve is held to.
-  for (const double limit : {options.p_value_limit, kCutBelow}) {
-    for (std::size_t i = 0; i < runs.size() && runs[i].first <= tested / 2; ++i) {
-      const bool last = i + 1 == runs.size();
-      const bool belongs = last || runs[i].chi2 - runs[i + 1].chi2 < kFirstTauCut;
-      if (!belongs || runs[i].p_value < limit) continue;
-      return last || runs[i + 1].p_value < limit ? runs[i] : runs[i + 1];
-    }
-  }
-  return {};
-}
-
-// How much better the whole curve is explained with a filter's memory: T of one more column, with one covariance.
-// Zero where it would be that of a filter that amplifies.
-double memory_test(const Prepared& p, const TestedFit& whole) {
-  if (whole.solution.S.size() == 0) return 0;
-  LinearModel with = whole.model;
-  with.D = free_column(p, whole.first, Free::memory);
-  const Whitened without = whiten(whole.model, whole.solution.S), beside = whiten(with, whole.solution.S);
-  const Eigen::VectorXd best = nonnegative_least_squares(beside.A, beside.s);
-  if (!(free_part(with, best, whole.solution.S)(0) > 0)) return 0;
-  return (without.s - without.A * whole.solution.theta).squaredNorm() - (beside.s - beside.A * best).squaredNorm();
-}
-
-TestedFit choose_run(const Prepared& p, const Options& options) {
-  const Free free = free_of(options);
-  if (options.tau_min_s) return run_from_tau(p, *options.tau_min_s, free, options.method);
-  TestedFit whole = fit_from(p, 0, options.front_end.has_value(), free, options.method);
-  if (whole.p_value >= kCutBelow || options.method != Method::gls) return whole;
-  return described_run(p, options.front_end ? free : Free::memory, options).value_or(std::move(whole));
-}
+constexpr double kNegligible = 0.01;  // of the deviation
 
 Eigen::VectorXd standard_deviations(const TestedFit& run) {
   if (run.covariance.size() > 0) return run.covariance.diagonal().cwiseSqrt();
@@ -455,8 +177,7 @@ void add_front_end(Result& result, const Prepared& p, const TestedFit& run, cons
   constexpr double kUsual = 0.13, kLeast = 0.104, kMost = 0.159;
   if (options.front_end) {
     const noise::FrontEnd& f = *options.front_end;
-    result.front_end = {
-        f.kind, f.bandwidth, f.bandwidth, f.bandwidth, f.sampling, f.floor, run.free == Free::bandwidth};
+    result.front_end = {f.kind, f.bandwidth, f.bandwidth, f.bandwidth, f.sampling, run.free == Free::bandwidth};
   }
   const auto white = std::find(run.terms.begin(), run.terms.end(), Term::white) - run.terms.begin();
   if (run.gamma.size() == 0 || white == static_cast<std::ptrdiff_t>(run.terms.size())) return;
@@ -474,7 +195,7 @@ void add_front_end(Result& result, const Prepared& p, const TestedFit& run, cons
     const double shortest = (value - kScatter95 * deviation) * p.dt, longest = (value + kScatter95 * deviation) * p.dt;
     // A memory beyond the first tau of the run is none that the term could stand for.
     if (!(value < static_cast<double>(p.m[static_cast<std::size_t>(run.first)]))) return;
-    result.front_end = {{}, kUsual / (value * p.dt), kLeast / longest, kMost / shortest, {}, 0, true};
+    result.front_end = {{}, kUsual / (value * p.dt), kLeast / longest, kMost / shortest, {}, true};
   }
 }
 
@@ -497,15 +218,6 @@ Result silent_record(const Prepared& p, const allan::Curve& curve, Method method
   result.tau_min_s = curve.tau(p.rows.front());
   result.tau_max_s = curve.tau(p.rows.back());
   return result;
-}
-
-// Whether a front end may stand before the samples: the terms do not describe every tau, or a filter's memory beside
-// them explains the curve better than chance would in one record of ten thousand.
-bool may_be_filtered(const allan::Curve& curve, const allan::CurveCovariance& covariance, const Options& options) {
-  const Prepared p = prepare(curve, covariance, options);
-  if (p.s.maxCoeff() <= 0) return false;
-  const TestedFit whole = fit_from(p, 0, false, Free::nothing);
-  return whole.p_value < kCutBelow || memory_test(p, whole) > kMemoryCut;
 }
 
 void require_shapes(const Options& options) {
@@ -557,7 +269,7 @@ std::vector<noise::Process> Result::processes() const {
 
 noise::FrontEnd FittedFrontEnd::value() const {
   if (!kind) throw std::logic_error("a front end of unknown kind has no value");
-  return {*kind, bandwidth, sampling, floor};
+  return {*kind, bandwidth, sampling};
 }
 
 std::string_view name(Method method) {
@@ -675,8 +387,9 @@ void give_shapes(Result& result, const std::vector<Coefficient>& shaped) {
 }
 
 bool looks_for_front_end(const Data& record, const Options& options) {
-  return options.method == Method::gls && !record.rate.empty() && !options.tau_min_s &&
-         (options.find_front_end || options.front_end_kind) && (!options.front_end || options.fit_bandwidth);
+  if (options.method != Method::gls || record.rate.empty()) return false;
+  if (options.front_end) return options.fit_bandwidth;
+  return options.front_end_kind || (options.find_front_end && !options.tau_min_s);
 }
 
 // The bandwidth enters the curve's model by its slope: fitted again from where that led, until it leads nowhere. No
@@ -703,14 +416,17 @@ std::optional<Result> fit_bandwidth(const allan::Curve& curve, Options options) 
 std::optional<Result> behind_front_end(const Data& record, const allan::Curve& curve,
                                        const allan::CurveCovariance& covariance, Options options) {
   if (!looks_for_front_end(record, options)) return {};
+  const auto start = std::chrono::steady_clock::now();
+  const bool asked = options.front_end || options.front_end_kind;
   if (!options.front_end) {
-    if (!options.front_end_kind && !may_be_filtered(curve, covariance, options)) return {};
+    if (!asked && !may_be_filtered(curve, covariance, options)) return {};
     options.front_end = find_front_end(record.rate, record.dt, options);
     if (!options.front_end) return {};
     options.fit_bandwidth = true;
   }
   std::optional<Result> result = fit_bandwidth(curve, options);
-  if (!result || !result->front_end || result->p_value < kCutBelow) return {};
+  if (!result || !result->front_end || (!asked && result->p_value < kCutBelow)) return {};
+  result->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return result;
 }
 

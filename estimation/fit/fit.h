@@ -131,7 +131,6 @@ struct FittedFrontEnd {
   double bandwidth = 0;                                                      ///< -3 dB [Hz]
   double lower = 0, upper = 0;                                               ///< 95 %; of a given front end equal to it
   noise::FrontEnd::Sampling sampling = noise::FrontEnd::Sampling::analogue;  ///< that explains the record best
-  double floor = 0;                                                          ///< see noise::FrontEnd
   bool fitted = false;                                                       ///< false: given
 
   /// @throws std::logic_error where the kind is unknown.
@@ -159,7 +158,7 @@ struct Result {
   double beta = 0;                          ///< B^2/(N K), what makes B visible; 0 where N or K is 0
   bool converged = false;
   int iterations = 0;  ///< reweighting steps plus Ceres iterations of the final fit
-  double seconds = 0;  ///< wall time, covariance matrices excluded
+  double seconds = 0;  ///< wall time; without covariance matrices, but for those of a front end that was found
   // Of Method::whittle only:
   std::vector<SpectralResidual> spectrum;
   std::int64_t first_sample = 0;  ///< of the first stretch that the likelihood is of

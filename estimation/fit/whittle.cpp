@@ -36,6 +36,7 @@ constexpr double kCutBelow = 1e-4;  // p-value of the whole band below which it 
 constexpr double kTimesPerDecade = 4;
 constexpr double kNegligible = 0.01;  // of the deviation, that is 2 % of the variance
 constexpr double kScatter95 = 1.96;
+constexpr double kVague = 0.35;  // one sigma of a bandwidth's logarithm from which on nothing is known of it
 
 // --- The model ----------------------------------------------------------------------------------------------
 
@@ -291,11 +292,12 @@ std::optional<noise::FrontEnd> seen_front_end(const Transformed& t, const Option
   options.front_end_kind = asked.front_end_kind;
   const Fitted found = fit_band(t, {std::max<std::int64_t>(1, last / kReach), last}, options, Filter::searched, true);
   constexpr double kAccepted = 1e-3;  // p-value: one true front end in a thousand is missed
-  if (!found.point.converged || found.p_value < std::min(kAccepted, asked.p_value_limit)) return {};
+  const bool stands = asked.front_end_kind || found.p_value >= std::min(kAccepted, asked.p_value_limit);
+  if (!found.point.converged || !stands) return {};
   noise::FrontEnd front_end = *found.model.front_end;
   front_end.bandwidth *= std::exp(found.tilt->x);
   // Slower, or known to no better than a factor of 2, it is the noise's own colour; faster, it is none.
-  constexpr double kSlowest = 1e-3, kFastest = 2, kVague = 0.35;
+  constexpr double kSlowest = 1e-3, kFastest = 2;
   const double corner = front_end.bandwidth * t.dt;
   if (!(corner > kSlowest && corner < kFastest && found.tilt_deviation < kVague)) return {};
   return front_end;
@@ -335,7 +337,6 @@ Fitted choose_band(const Transformed& t, const Options& options) {
     behind.fit_bandwidth = true;
     if (behind.front_end) {
       Fitted found = fit_band(t, band, behind, Filter::fitted, true);
-      constexpr double kVague = 0.35;  // of the bandwidth's logarithm
       if (found.point.converged && found.tilt_deviation < kVague) return found;
     }
   }
@@ -479,8 +480,7 @@ void add_coefficients(Result& result, const Fitted& f, const Transformed& t, con
 void add_front_end(Result& result, const Fitted& f) {
   if (!f.model.front_end) return;
   const noise::FrontEnd& front_end = *f.model.front_end;
-  FittedFrontEnd found{
-      .kind = front_end.kind, .sampling = front_end.sampling, .floor = front_end.floor, .fitted = f.tilt.has_value()};
+  FittedFrontEnd found{.kind = front_end.kind, .sampling = front_end.sampling, .fitted = f.tilt.has_value()};
   found.bandwidth = front_end.bandwidth;
   if (f.tilt) found.bandwidth = noise::in_range(found.bandwidth * std::exp(f.tilt->x), f.flat->bins().dt);
   found.lower = found.bandwidth * std::exp(-kScatter95 * f.tilt_deviation);

@@ -31,9 +31,9 @@ std::vector<double> record(const std::optional<FrontEnd>& front_end, std::int64_
                                 samples, kDt, {1503, run});
 }
 
-const FrontEnd kFirst{Kind::first_order, 3, Sampling::analogue, 0};
-const FrontEnd kSecond{Kind::second_order, 3, Sampling::bilinear, 0};
-const FrontEnd kAverage{Kind::moving_average, noise::kMovingAverageWidth / 16 / kDt, Sampling::analogue, 0};
+const FrontEnd kFirst{Kind::first_order, 3, Sampling::analogue};
+const FrontEnd kSecond{Kind::second_order, 3, Sampling::bilinear};
+const FrontEnd kAverage{Kind::moving_average, noise::kMovingAverageWidth / 16 / kDt, Sampling::analogue};
 
 bool covers(const Coefficient& c, double truth) { return c.lower <= truth && truth <= c.upper_two_sided; }
 
@@ -86,7 +86,7 @@ TEST(FrontEndFit, FindsNoneInIdealNoise) {
 TEST(FrontEndFit, IntervalsOfNCover) {
   // Binomial with 0.95 in 80: fewer than 68 in one run of 4000.
   constexpr int kRecords = 80, kFewest = 68;
-  for (const FrontEnd& truth : {FrontEnd{Kind::first_order, 10, Sampling::analogue, 0}, kAverage}) {
+  for (const FrontEnd& truth : {FrontEnd{Kind::first_order, 10, Sampling::analogue}, kAverage}) {
     int covered = 0;
     for (std::uint64_t run = 0; run < kRecords; ++run)
       covered += covers(fit({.rate = record(truth, 20'000, run), .dt = kDt})[Term::white], kN);

@@ -68,28 +68,20 @@ constexpr int kRecords = 400;
 constexpr double kSigmas = 3.3;  // three two-sided checks in each of four tests: false alarm 1.2 %
 const double kScatter = kSigmas * std::sqrt(0.05 * 0.95 / kRecords);
 
-TEST(Gaps, IntervalsCoverWhereTwoPercentAreMissing) {
+void expect_coverage(std::int64_t samples, double missing) {
   const auto gyro = tests::mems();
-  const noise::RecordGenerator generate(gyro.processes(), 12000, 1);
+  const noise::RecordGenerator generate(gyro.processes(), samples, 1);
   const auto share = coverage(kRecords, 1, gyro, [&](std::uint64_t r) {
     auto rate = generate({.seed = 7, .stream = r});
-    scatter_gaps(rate, 0.02, r);
+    scatter_gaps(rate, missing, r);
     return rate;
   });
   for (const double s : share) EXPECT_NEAR(s, 0.95, kScatter);
 }
 
-// As many as are filled.
-TEST(Gaps, IntervalsCoverWhereNearlyATenthIsMissing) {
-  const auto gyro = tests::mems();
-  const noise::RecordGenerator generate(gyro.processes(), 6000, 1);
-  const auto share = coverage(kRecords, 1, gyro, [&](std::uint64_t r) {
-    auto rate = generate({.seed = 7, .stream = r});
-    scatter_gaps(rate, 0.09, r);
-    return rate;
-  });
-  for (const double s : share) EXPECT_NEAR(s, 0.95, kScatter);
-}
+TEST(Gaps, IntervalsCoverWhereTwoPercentAreMissing) { expect_coverage(12000, 0.02); }
+
+TEST(Gaps, IntervalsCoverWhereNearlyATenthIsMissing) { expect_coverage(6000, 0.09); }  // as many as are filled
 
 TEST(Gaps, IntervalsCoverOverFivePowerUps) {
   const auto gyro = tests::mems();
