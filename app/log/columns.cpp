@@ -77,8 +77,8 @@ struct Column {
 
 class Chooser {
  public:
-  Chooser(const std::string& source, const Layout& layout, const LogOptions& options)
-      : source_(source), layout_(layout), options_(options) {
+  Chooser(const std::string& source, const Layout& layout, const LogOptions& options, std::optional<std::size_t> clock)
+      : source_(source), layout_(layout), options_(options), clock_(clock) {
     if (options.unit) given_unit_ = noise::parse_unit(*options.unit);  // an unknown one is wrong with any log
     for (std::size_t i = 0; i < layout.columns; ++i) columns_.push_back(column(i));
   }
@@ -198,6 +198,7 @@ class Chooser {
   }
 
   void choose_time() {
+    if (clock_) return use_time(columns_[*clock_], 1);
     if (columns_.size() == 1) return;
     const Column* best = nullptr;
     for (const Column& c : columns_) {
@@ -552,6 +553,7 @@ class Chooser {
   const std::string& source_;
   const Layout& layout_;
   const LogOptions& options_;
+  std::optional<std::size_t> clock_;
   std::optional<Unit> given_unit_;
   std::vector<Column> columns_;
   std::vector<std::size_t> requested_;
@@ -560,8 +562,14 @@ class Chooser {
 
 }  // namespace
 
-Choice choose_columns(const std::string& source, const Layout& layout, const LogOptions& options) {
-  return Chooser(source, layout, options).choose();
+Choice choose_columns(const std::string& source, const Layout& layout, const LogOptions& options,
+                      std::optional<std::size_t> clock) {
+  return Chooser(source, layout, options, clock).choose();
+}
+
+void put_beside(Choice& choice) {
+  if (choice.temperature) choice.data.push_back(*choice.temperature);
+  if (choice.rows_of) choice.data.push_back(*choice.rows_of);
 }
 
 }  // namespace gyrobudget::inline v0::log

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "log.h"
 
+#include "gyrobudget/app/text/input.h"
 #include "gyrobudget/app/text/text.h"
 
 #include <fmt/format.h>
@@ -21,6 +22,8 @@
 #include "columns.h"
 #include "grid.h"
 #include "layout.h"
+#include "recorded.h"
+#include "recording.h"
 #include "resample.h"
 #include "segments.h"
 #include "table.h"
@@ -239,12 +242,6 @@ std::vector<std::size_t> take_beside(Raw& raw, const LogOptions& options) {
   return rows;
 }
 
-/// What take_beside takes off again.
-void put_beside(Choice& choice) {
-  if (choice.temperature) choice.data.push_back(*choice.temperature);
-  if (choice.rows_of) choice.data.push_back(*choice.rows_of);
-}
-
 Raw read_text(const LogOptions& options, std::optional<double> longest_gap_s) {
   const Bytes source(options.path);
   const Layout layout = read_layout(source);
@@ -281,8 +278,29 @@ Raw read_binary(const LogOptions& options, Format format, std::optional<double> 
   return raw;
 }
 
+Raw read_recording(const Recording& recording, const LogOptions& options, std::optional<double> longest_gap_s) {
+  Recorded recorded = read_recorded(recording, options);
+  Raw raw{recorded.source, std::move(recorded.choice), {}, {}, {}, std::move(recorded.notes)};
+  raw.table.numbers = std::move(recorded.numbers);
+  raw.table.stamps = std::move(recorded.stamps);
+  raw.table.rows = raw.table.numbers.front().size();
+  raw.table.complete = false;
+  const auto rows = take_beside(raw, options);
+  check_length(raw.source, static_cast<std::int64_t>(raw.table.rows), options.input, "sample", "");
+  arrange(
+      raw, [&](std::size_t row) { return static_cast<std::int64_t>(rows.empty() ? row : rows[row]) + 1; }, options,
+      longest_gap_s);
+  return raw;
+}
+
 Raw read_raw(const LogOptions& options, std::optional<double> longest_gap_s) {
   check(options);
+  if (!options.format) {
+    if (const auto recording = open_recording(options.path)) return read_recording(*recording, options, longest_gap_s);
+  }
+  if (options.topic)
+    throw std::invalid_argument(fmt::format("--topic {}: {} is no recording with topics",
+                                            text::printable(*options.topic), text::input_name(options.path)));
   const Format format = options.format.value_or(format_of(options.path));
   return format == Format::csv ? read_text(options, longest_gap_s) : read_binary(options, format, longest_gap_s);
 }

@@ -33,6 +33,7 @@ struct LogOptions {
   double scale = 1;                        ///< units per count, for all data columns
   std::vector<std::string> columns = {};   ///< names or numbers (from 1); empty: every data column
   std::optional<RowsOf> rows = {};         ///< unset: all
+  std::optional<std::string> topic = {};   ///< stream of a recording (inspect names them); unset: its only IMU
   std::optional<Format> format = {};       ///< unset: what the ending of the path says
   std::int64_t file_columns = 1;           ///< numbers a row of a raw binary log has
   std::optional<double> resample_hz = {};  ///< average uneven readings over even intervals; else never
@@ -72,6 +73,10 @@ inline constexpr double kLargestJitter = 0.25;  ///< rms of the stamps about the
 /// **Resampling**, only where LogOptions::resample_hz asks for it: for readings at truly uneven times. Rates become
 /// means over even intervals, angles and increments are interpolated at their ends; intervals without readings are
 /// missing. The notes say what that does to white noise at short averaging times (see resample.h).
+///
+/// **Recordings** (recording.h: bags, flight logs, files of arrays) are known by their content. Units are those of the
+/// format, the clock is the sample's own before the recorder's, and rows are put in its order. Of several IMUs none is
+/// picked: LogOptions::topic chooses. Arrays have names only: rate_hz and unit as below, a time by its name.
 ///
 /// **Binary** (Format::f32, f64, npy): numbers without time or names; rate_hz and unit must be given, and the columns
 /// are named "column 1" and so on. What is not finite is missing.
