@@ -27,27 +27,20 @@ void check(const Recorder& r) {
     detail::require(size >= 0 && std::isfinite(size), what, size, "a finite number of standard deviations from 0 on");
 }
 
-std::vector<Process> behind(std::span<const Process> processes, const std::optional<FrontEnd>& front_end) {
-  std::vector<Process> result(processes.begin(), processes.end());
-  for (Process& process : result)
-    if (front_end && term(process) == Term::white) process = FilteredWhite{coefficient(process), *front_end};
-  return result;
+/// As it is at the rate at which the sensor samples, dt [s] apart.
+std::optional<SampledFrontEnd> sampled(const Recorder& recorder, double dt) {
+  if (!recorder.front_end) return std::nullopt;
+  FrontEnd front_end = *recorder.front_end;
+  if (recorder.decimation > 1) front_end.sampling = FrontEnd::Sampling::bilinear;
+  return SampledFrontEnd(front_end, dt);
 }
 
-/// As it is at the rate at which the sensor samples.
-std::optional<FrontEnd> sampled(const Recorder& recorder) {
-  std::optional<FrontEnd> front_end = recorder.front_end;
-  if (front_end && recorder.decimation > 1) front_end->sampling = FrontEnd::Sampling::bilinear;
-  return front_end;
-}
-
-/// Variance of a sample of white noise, filtered or not: the mean of its spectrum over frequency.
-double sample_variance(const Process& process, double dt) {
+/// The mean over frequency: of unit white noise behind the front end the variance of a sample.
+double mean_gain(const SampledFrontEnd& front_end) {
   constexpr int kPoints = 1 << 13;
-  if (term(process) != Term::white) return 0;
   double sum = 0;
-  for (int j = 0; j < kPoints; ++j) sum += psd(process, (j + 0.5) / (2 * kPoints * dt), dt);
-  return sum / (kPoints * dt);
+  for (int j = 0; j < kPoints; ++j) sum += front_end.power_gain((j + 0.5) / (2 * kPoints));
+  return sum / kPoints;
 }
 
 }  // namespace
@@ -56,34 +49,50 @@ RecorderGenerator::RecorderGenerator(std::span<const Process> processes, const R
                                      double dt)
     : recorder_((check(recorder), recorder)),
       dt_(dt),
-      processes_(behind(processes, recorder.front_end)),
-      generator_(behind(processes, sampled(recorder)), samples * recorder.decimation, dt / recorder.decimation) {
-  const double faster = dt / recorder.decimation;
-  for (const Process& process : behind(processes, sampled(recorder)))
-    sigma_ = std::hypot(sigma_, std::sqrt(sample_variance(process, faster)));
+      front_end_(sampled(recorder, dt / recorder.decimation)),
+      settling_(front_end_ ? front_end_->settling() : 0),
+      processes_(processes.begin(), processes.end()),
+      generator_(processes, samples * recorder.decimation + settling_, dt / recorder.decimation) {
+  double squares = 0;
+  for (const Process& process : processes_)
+    if (term(process) == Term::white) squares += coefficient(process) * coefficient(process);
+  sigma_ = std::sqrt(squares * recorder.decimation / dt * (front_end_ ? mean_gain(*front_end_) : 1));
   set_noise_of_log();
+}
+
+// What is logged once of so many samples holds what these have at its frequency and at those that fold down on it.
+double RecorderGenerator::folded_gain(double cycles) const {
+  double sum = 0;
+  for (int j = 0; j < recorder_.decimation; ++j) {
+    const double faster = (cycles + j) / recorder_.decimation;
+    sum += front_end_ ? front_end_->power_gain(std::min(faster, 1 - faster)) : 1;
+  }
+  return sum;
 }
 
 // A row that repeats the one before it has its neighbour's weight in any sum: the weights 1, ..., 2, 0 of a cycle of h
 // mix the spectrum at the multiples of 1/h into that at 0.
 void RecorderGenerator::set_noise_of_log() {
-  const double h = recorder_.held, rate = 1 / dt_, step = recorder_.rounding * sigma_;
+  const double h = recorder_.held, step = recorder_.rounding * sigma_;
+  double mixed = folded_gain(0);
+  for (int m = 1; m < recorder_.held; ++m) {
+    const double weight = 2 * std::sin(std::numbers::pi * m / h) / h;
+    mixed += weight * weight * folded_gain(m / h);
+  }
+  const double rounded = step * step * dt_ / 12 * (recorder_.held == 1 ? 1 : 1 + 2 / h);
   for (Process& process : processes_) {
-    if (term(process) != Term::white) continue;
-    const double filtered = coefficient(process) * coefficient(process);
-    double density = filtered;
-    for (int m = 1; m < recorder_.held; ++m) {
-      const double cycles = std::min(m, recorder_.held - m) / h, weight = 2 * std::sin(std::numbers::pi * m / h) / h;
-      density += weight * weight * psd(process, cycles * rate, dt_);
-    }
-    const double rounded = recorder_.held == 1 ? 1 : 1 + 2 / h;
-    density += step * step * dt_ / 12 * rounded;
-    process = with_coefficient(process, coefficient(process) * std::sqrt(density / filtered));
+    const double n = coefficient(process);
+    if (term(process) == Term::white) process = with_coefficient(process, std::sqrt(n * n * mixed + rounded));
   }
 }
 
 std::vector<double> RecorderGenerator::operator()(StreamKey key) const {
   std::vector<double> record = generator_(key);
+  if (front_end_) {
+    FrontEndFilter filter(*front_end_);
+    filter(record);
+    record.erase(record.begin(), record.begin() + settling_);
+  }
   const auto every = static_cast<std::size_t>(recorder_.decimation);
   for (std::size_t k = 0; k < record.size() / every; ++k) record[k] = record[k * every];
   record.resize(record.size() / every);

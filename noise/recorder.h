@@ -15,7 +15,7 @@ namespace gyrobudget::inline v0::noise {
 /// In the order in which they act. Sizes are in standard deviations of the white noise of a sample as the front end
 /// lets it through, called sigma here; of a sensor without white noise they are of size 0.
 struct Recorder {
-  std::optional<FrontEnd> front_end;  ///< of white noise; with decimation it is a bilinear one at the faster rate
+  std::optional<FrontEnd> front_end;  ///< of all noise; with decimation it is a bilinear one at the faster rate
   int decimation = 1;                 ///< the sensor samples so many times as fast, and one of so many is logged
   double warm_up = 0;   ///< a bias of this size [sigma] at the start, exp(-t/T) with T a twentieth of the record
   double knock = 0;     ///< half a second in the middle shakes with this amplitude [sigma], at 5 Hz
@@ -40,17 +40,19 @@ class RecorderGenerator {
 
   [[nodiscard]] std::vector<double> operator()(StreamKey key) const;
 
-  /// The noise of the log: behind the front end, its white noise as it is at low frequencies,
+  /// The noise of the log at frequencies that the front end passes. Its white noise is
   ///
-  ///     N^2 (1 + sum_{m=1}^{h-1} 4 sin^2(pi m/h) |H(m/h)|^2/h^2) + q^2 dt (1 + 2/h)/12,
+  ///     N^2 (G(0) + sum_{m=1}^{h-1} 4 sin^2(pi m/h) G(m/h)/h^2) + q^2 dt (1 + 2/h)/12,
+  ///     G(x) = sum_{j=0}^{D-1} |H((x + j)/D)|^2
   ///
-  /// with rows held h and rounding in steps of q [signal] (its error is white for steps up to about sigma); outliers, a
-  /// warm-up and a knock are no noise. Of white noise that is not filtered the sum is 2/h.
+  /// with rows held h, D samples for one of the log, and rounding in steps of q [signal] (its error is white for steps
+  /// up to about sigma; without holding the factor is 1). Outliers, a warm-up and a knock are no noise.
   [[nodiscard]] const std::vector<Process>& processes() const { return processes_; }
   /// Standard deviation of a sample's white noise.
   [[nodiscard]] double sigma() const { return sigma_; }
 
  private:
+  [[nodiscard]] double folded_gain(double cycles) const;
   void set_noise_of_log();
   void warm(std::span<double> record) const;
   void knock(std::span<double> record) const;
@@ -61,6 +63,8 @@ class RecorderGenerator {
 
   Recorder recorder_;
   double dt_;
+  std::optional<SampledFrontEnd> front_end_;  // at the rate of the sensor
+  std::int64_t settling_ = 0;                 // samples of it, left out in front of each record
   std::vector<Process> processes_;
   double sigma_ = 0;
   RecordGenerator generator_;

@@ -45,7 +45,6 @@ fit::Accuracy measure(const std::vector<noise::Process>& truth, const AccuracyAr
                                .progress = [&](int done, int of) { progress.update(done, of); },
                                .cancel = &interruption.asked()};
   options.fit.terms = a.terms.value_or(fit::terms_to_measure(truth));
-  options.fit.front_end = a.calibrate.front_end;
   progress.update(0, records);
   if (a.recorder) return calibration::measure_accuracy(truth, *a.recorder, options, a.calibrate);
   return fit::measure_accuracy(truth, options);

@@ -48,9 +48,13 @@ log::RowsOf rows_of(const std::string& text) {
       fmt::format("--rows {}: expected a column and the number that its rows have, as in --rows I=0", text));
 }
 
+namespace {
+/// A number without a unit.
+bool is_bare(const std::string& text) { return text.find_first_not_of("0123456789.eE+- ") == std::string::npos; }
+}  // namespace
+
 double rate(const std::string& option, const std::string& text) {
-  const bool bare = text.find_first_not_of("0123456789.eE+- ") == std::string::npos;
-  return positive(option, quantity(option, bare ? text + " Hz" : text, noise::dimension::kFrequency), text);
+  return positive(option, quantity(option, is_bare(text) ? text + " Hz" : text, noise::dimension::kFrequency), text);
 }
 
 std::uint64_t whole_number(const std::string& option, const std::string& text) {
@@ -150,7 +154,7 @@ constexpr const char* kFrontEnd = "--front-end";
 double size_of(const std::string& item, const std::string& size) {
   if (size.empty())
     throw std::invalid_argument(fmt::format("--front-end {0}: write its size behind it, as in {0}:2", item));
-  return quantity(kFrontEnd, size, noise::dimension::kNumber);
+  return quantity(kFrontEnd, is_bare(size) ? size + " 1" : size, noise::dimension::kNumber);
 }
 
 noise::FrontEnd front_end_of_records(const std::string& item, double rate_hz) {

@@ -40,6 +40,7 @@ fit::Accuracy measure_accuracy(const std::vector<noise::Process>& truth, const n
       return no_answer(asked);
     }
   };
+  if (!calibrate.front_end) study.unknown_front_end = recorder.front_end;
   return fit::measure_accuracy(generator.processes(), study);
 }
 

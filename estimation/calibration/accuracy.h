@@ -17,10 +17,9 @@ namespace gyrobudget::inline v0::calibration {
 /// one whose findings spoil its numbers, which calibrate() says: it counts as not described.
 /// @param truth      processes of the sensor, in front of the recorder
 /// @param recorder   what stands between them and the log
-/// @param study      its `make` and `answer` are not used; its `fit` says which coefficients are compared, and is the
-///   bound's: with a front_end that the fits know its bandwidth is known there too
-/// @param calibrate  of every record; its method is that of the study. The front end that is `known` to the fits stands
-///   here as well.
+/// @param study      its `make`, `answer` and `unknown_front_end` are not used; its `fit` says which coefficients are
+///   compared
+/// @param calibrate  of every record; its method is that of the study
 /// @throws std::invalid_argument for what fit::measure_accuracy, noise::RecorderGenerator and calibrate() refuse.
 [[nodiscard]] fit::Accuracy measure_accuracy(const std::vector<noise::Process>& truth, const noise::Recorder& recorder,
                                              fit::AccuracyOptions study = {}, const Options& calibrate = {});

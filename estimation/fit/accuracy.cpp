@@ -116,7 +116,8 @@ double bound_of(const std::vector<noise::Process>& truth, Term t, const Accuracy
     random.push_back(p);
   }
   if (at < 0) return kNaN;
-  return (o.fit.front_end ? relative_bound : relative_bound_unknown_bandwidth)(random, o.samples, o.dt)(at);
+  return o.unknown_front_end ? relative_bound(random, *o.unknown_front_end, o.samples, o.dt)(at)
+                             : relative_bound(random, o.samples, o.dt)(at);
 }
 
 CoefficientAccuracy summarise(const std::vector<One>& all, std::size_t method, Term term, double truth) {

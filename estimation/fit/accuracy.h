@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -19,11 +20,9 @@ namespace gyrobudget::inline v0::fit {
 struct CoefficientAccuracy {
   noise::Term term = noise::Term::white;
   double truth = 0;
-  double bias = 0;  ///< mean of value/truth - 1; NaN where the truth is 0, like all relative numbers here
-  double rmse = 0;  ///< root mean square of value/truth - 1
-  /// Cramer-Rao bound on it (see information.h); NaN for a ramp or a line. The bandwidth of a front end that the fits
-  /// are not given is unknown in it.
-  double bound = 0;
+  double bias = 0;   ///< mean of value/truth - 1; NaN where the truth is 0, like all relative numbers here
+  double rmse = 0;   ///< root mean square of value/truth - 1
+  double bound = 0;  ///< Cramer-Rao bound on it (see information.h); NaN for a ramp or a line
   double over_likelihood =
       0;                ///< rmse over that of Method::whittle on the same records; NaN where it was not asked for
   double coverage = 0;  ///< [lower, upper_two_sided] holds the truth
@@ -67,6 +66,8 @@ struct AccuracyOptions {
   std::uint64_t seed = 1;
   std::vector<Method> methods = {Method::gls, Method::whittle};
   Options fit;  ///< terms, range and limits of every fit; its method is ignored
+  /// That all noise of the records is behind, of a bandwidth that the fits have to find: for the bound alone.
+  std::optional<noise::FrontEnd> unknown_front_end;
   /// Makes a record of `samples` rates of the truth, from its key; unset: noise::RecordGenerator. Called from many
   /// threads.
   std::function<std::vector<double>(noise::StreamKey key)> make;

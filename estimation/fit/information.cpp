@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <stdexcept>
-#include <variant>
-#include <vector>
+#include <utility>
 
 #include <Eigen/Cholesky>
 
@@ -21,16 +21,31 @@ constexpr double kPanelRatio = 1.25;
 constexpr double kMostSamples = 1e15;
 constexpr double kFewestSamples = 16;
 
-// Whether the bandwidths of filters are parameters too.
-enum class Bandwidths { known, unknown };
+// d ln gain/d ln bandwidth at a frequency.
+class BandwidthSlope {
+ public:
+  BandwidthSlope(const noise::FrontEnd& front_end, double dt)
+      : dt_(dt), above_(moved(front_end, kStep), dt), below_(moved(front_end, -kStep), dt) {}
+  double operator()(double f) const {
+    return std::log(above_.power_gain(f * dt_) / below_.power_gain(f * dt_)) / (2 * kStep);
+  }
+
+ private:
+  static constexpr double kStep = 1e-4;
+  static noise::FrontEnd moved(noise::FrontEnd front_end, double by) {
+    front_end.bandwidth *= std::exp(by);
+    return front_end;
+  }
+  double dt_;
+  noise::SampledFrontEnd above_, below_;
+};
 
 class Information {
  public:
-  Information(std::span<const noise::Process> processes, double samples, double dt, Bandwidths bandwidths)
-      : processes_(processes), samples_(samples), dt_(dt) {
-    for (std::size_t a = 0; a < processes.size() && bandwidths == Bandwidths::unknown; ++a)
-      if (const auto* filtered = std::get_if<noise::FilteredWhite>(&processes[a])) filters_.push_back({a, *filtered});
-    slope_.resize(static_cast<Eigen::Index>(processes.size() + filters_.size()));
+  Information(std::span<const noise::Process> processes, double samples, double dt,
+              std::optional<BandwidthSlope> bandwidth = {})
+      : processes_(processes), samples_(samples), dt_(dt), bandwidth_(std::move(bandwidth)) {
+    slope_.resize(static_cast<Eigen::Index>(processes.size() + (bandwidth_ ? 1 : 0)));
     matrix_.setZero(slope_.size(), slope_.size());
   }
 
@@ -55,27 +70,9 @@ class Information {
     auto share = slope_.head(count);
     for (Eigen::Index a = 0; a < count; ++a) share(a) = noise::psd(processes_[static_cast<std::size_t>(a)], f, dt_);
     share /= share.sum();
-    for (std::size_t j = 0; j < filters_.size(); ++j) {
-      const auto own = static_cast<Eigen::Index>(filters_[j].process);
-      slope_(count + static_cast<Eigen::Index>(j)) = share(own) * filters_[j].slope(f, dt_);
-    }
+    if (bandwidth_) slope_(count) = (*bandwidth_)(f);
     matrix_ += 0.5 * weight * slope_ * slope_.transpose();
   }
-
-  struct Filter {
-    std::size_t process;
-    noise::FilteredWhite white;
-    // d ln S/d ln bandwidth
-    [[nodiscard]] double slope(double f, double dt) const {
-      constexpr double kStep = 1e-4;
-      const auto moved = [&](double by) {
-        noise::FilteredWhite other = white;
-        other.front_end.bandwidth *= std::exp(by);
-        return std::log(noise::psd(other, f, dt));
-      };
-      return (moved(kStep) - moved(-kStep)) / (2 * kStep);
-    }
-  };
 
   void add_panel(double low, double high) {
     using Rule = boost::math::quadrature::gauss<double, 10>;  // abscissas of the half interval, symmetric
@@ -89,7 +86,7 @@ class Information {
 
   std::span<const noise::Process> processes_;
   double samples_, dt_;
-  std::vector<Filter> filters_;
+  std::optional<BandwidthSlope> bandwidth_;
   Eigen::VectorXd slope_;  // of ln S by the parameters: by ln theta that is a process' share of S
   Eigen::MatrixXd matrix_;
 };
@@ -111,8 +108,8 @@ void check(std::span<const noise::Process> processes, double samples, double dt)
 }
 
 Eigen::VectorXd bound(std::span<const noise::Process> processes, double samples, double dt,
-                      Bandwidths bandwidths = Bandwidths::known) {
-  const Eigen::MatrixXd information = Information(processes, samples, dt, bandwidths).compute();
+                      std::optional<BandwidthSlope> bandwidth = {}) {
+  const Eigen::MatrixXd information = Information(processes, samples, dt, std::move(bandwidth)).compute();
   // Unit diagonal first: the informations of N and K differ by decades.
   const Eigen::VectorXd length = information.diagonal().cwiseSqrt();
   const Eigen::MatrixXd unit = length.cwiseInverse().asDiagonal() * information * length.cwiseInverse().asDiagonal();
@@ -124,7 +121,7 @@ Eigen::VectorXd bound(std::span<const noise::Process> processes, double samples,
 
 Eigen::MatrixXd fisher_information(std::span<const noise::Process> processes, std::int64_t samples, double dt) {
   check(processes, static_cast<double>(samples), dt);
-  return Information(processes, static_cast<double>(samples), dt, Bandwidths::known).compute();
+  return Information(processes, static_cast<double>(samples), dt).compute();
 }
 
 Eigen::VectorXd relative_bound(std::span<const noise::Process> processes, std::int64_t samples, double dt) {
@@ -132,10 +129,10 @@ Eigen::VectorXd relative_bound(std::span<const noise::Process> processes, std::i
   return bound(processes, static_cast<double>(samples), dt);
 }
 
-Eigen::VectorXd relative_bound_unknown_bandwidth(std::span<const noise::Process> processes, std::int64_t samples,
-                                                 double dt) {
+Eigen::VectorXd relative_bound(std::span<const noise::Process> processes, const noise::FrontEnd& of_unknown_bandwidth,
+                               std::int64_t samples, double dt) {
   check(processes, static_cast<double>(samples), dt);
-  return bound(processes, static_cast<double>(samples), dt, Bandwidths::unknown);
+  return bound(processes, static_cast<double>(samples), dt, BandwidthSlope(of_unknown_bandwidth, dt));
 }
 
 double duration_for(std::span<const noise::Process> processes, std::size_t index, double relative_std, double dt) {

@@ -78,8 +78,10 @@ TEST(Recorder, TheNoiseOfTheLogHoldsWhatHoldingAndRoundingAdd) {
   constexpr int kRecords = 4000, kLength = 600;
   constexpr double kSigmas = 5;
   const FrontEnd filter{FrontEnd::Kind::first_order, 20};
-  for (const Recorder& recorder : {Recorder{.held = 2}, Recorder{.held = 3}, Recorder{.rounding = 1},
-                                   Recorder{.front_end = filter, .held = 3}, Recorder{.rounding = 0.5, .held = 2}}) {
+  for (const Recorder& recorder :
+       {Recorder{.held = 2}, Recorder{.held = 3}, Recorder{.rounding = 1}, Recorder{.front_end = filter, .held = 3},
+        Recorder{.rounding = 0.5, .held = 2}, Recorder{.decimation = 3}, Recorder{.front_end = filter, .decimation = 4},
+        Recorder{.front_end = filter, .decimation = 4, .held = 2}}) {
     const RecorderGenerator generator(kWhite, recorder, kLength, kDt);
     double squares = 0;
     for (std::uint64_t i = 0; i < kRecords; ++i) {

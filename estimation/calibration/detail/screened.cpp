@@ -23,6 +23,14 @@ void drop_modelled_line(std::vector<allan::SpectralLine>& lines, const fit::Resu
                 [&](const auto& l) { return std::abs(l.frequency_hz - line->shape) < width + 0.02 * line->shape; });
 }
 
+// Samples that stand out while the sensor moved are of the motion.
+void drop_outliers_of(std::vector<allan::Outlier>& outliers, const std::vector<allan::Motion>& motion) {
+  std::erase_if(outliers, [&](const auto& outlier) {
+    return std::ranges::any_of(
+        motion, [&](const auto& m) { return outlier.index >= m.first && outlier.index < m.first + m.count; });
+  });
+}
+
 // What lies in a hump is of the hump, unless it stands out of it like a line.
 void drop_lines_of(std::vector<allan::SpectralLine>& lines, const std::vector<allan::Hump>& humps) {
   constexpr double kLine = 50, kBeside = 1.25;  // times the spectrum beside it; of the hump's ends
@@ -114,6 +122,8 @@ void Screened::look_for_turns_and_motion() {
     std::fill_n(clean_.begin() + m.first, m.count, kMissing);
     if (masking_.motion) std::fill_n(masked_.begin() + m.first, m.count, kMissing);
   }
+  drop_outliers_of(findings_.outliers, findings_.motion);
+  findings_.outliers_masked = findings_.outliers_masked && !findings_.outliers.empty();
   if (masking_.motion) keep(findings_.first, findings_.samples);
 }
 

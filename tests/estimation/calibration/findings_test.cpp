@@ -147,6 +147,22 @@ TEST(Motion, LeavesNothingDescribedUnlessItIsMasked) {
   EXPECT_NEAR(masked.axes[0].fit[Term::white].value / kWhite, 1, 5 * 0.0046);
 }
 
+// A shake of 30 sigma at 5 Hz: its crests stand out like knocks, and are of the motion, with which they are masked.
+TEST(Motion, HoldsTheSamplesThatStandOutOfIt) {
+  auto y = white(kRows, kRate, 12);
+  const double sigma = kWhite * std::sqrt(kRate);
+  const auto shaken = static_cast<std::size_t>(kRate / 2);
+  for (std::size_t i = 0; i < shaken; ++i)
+    y[9000 + i] += 30 * sigma * std::sin(2 * std::numbers::pi * 5 * double(i) / kRate);
+  const auto record = allan::make_record({gyro_axis(std::move(y))}, kRate);
+  const auto masked = calibrate(record, {.mask = {.motion = true}});
+  ASSERT_EQ(masked.axes[0].findings->motion.size(), 1U);
+  EXPECT_TRUE(masked.axes[0].findings->outliers.empty());
+  EXPECT_TRUE(masked.axes[0].has_answer());
+  EXPECT_FALSE(masked.axes[0].is_spoilt());
+  EXPECT_NEAR(masked.axes[0].fit[Term::white].value / kWhite, 1, 5 * 0.0046);
+}
+
 TEST(SeveralSensors, LeaveNothingDescribed) {
   auto y = white(kRows, kRate, 9);
   for (std::size_t i = 1; i < y.size(); i += 2) y[i] *= 2;
