@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 #include <stdexcept>
@@ -90,6 +91,7 @@ SampledFrontEnd::SampledFrontEnd(FrontEnd front_end, double dt) {
       throw std::invalid_argument("a value that is no kind of front end");
   }
   if (residue_ == 0.) set_residue();
+  log_pole_ = pole_ == 0. ? Complex(-std::numeric_limits<double>::infinity(), 0) : std::log(pole_);
 }
 
 void SampledFrontEnd::set_first_order(const FrontEnd& front_end, double dt) {
@@ -174,7 +176,8 @@ double SampledFrontEnd::power_gain(double cycles) const {
 }
 
 Complex SampledFrontEnd::decayed(double lag) const {
-  return lag == 0 ? 1 : std::pow(pole_, lag);  // of a pole at 0 too
+  if (lag == 0) return 1;  // of a pole at 0 too
+  return std::polar(std::exp(log_pole_.real() * lag), log_pole_.imag() * lag);
 }
 
 double SampledFrontEnd::memory(double lag) const {

@@ -85,6 +85,7 @@ class SampledFrontEnd {
   double length_ = 1;                            // of a moving average, samples
   double b_[3] = {1, 0, 0}, a_[2] = {0, 0};      // the others
   std::complex<double> pole_ = 0, residue_ = 0;  // memory(h) = -Re(residue pole^h)
+  std::complex<double> log_pole_ = 0;            // powers by it take a tenth of std::pow's time
 };
 
 /// The mean of the last `length` samples, at least 1; where that is not whole, the oldest one counts by what is left of

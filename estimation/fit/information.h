@@ -29,8 +29,8 @@ namespace gyrobudget::inline v0::fit {
                                              double dt);
 
 /// The same behind a front end whose bandwidth is unknown: what any fit reaches that has to find it. (All of the noise
-/// passes it, so that a known one changes nothing.) The derivative of its gain's logarithm by that of the bandwidth is a
-/// central difference of step 1e-4, error below 1e-7.
+/// passes it, so that a known one changes nothing.) The derivative of its gain's logarithm by that of the bandwidth is
+/// a central difference of step 1e-4, error below 1e-7.
 [[nodiscard]] Eigen::VectorXd relative_bound(std::span<const noise::Process> processes,
                                              const noise::FrontEnd& of_unknown_bandwidth, std::int64_t samples,
                                              double dt);

@@ -82,22 +82,23 @@ class FilteredCost {
   SineLikelihood::Point point_;
 };
 
-// The least cost of one kind and sampling between two bandwidths, logarithms of bandwidth times dt.
+// The least cost of one kind and sampling between two bandwidths, logarithms of bandwidth times dt; to 1e-3 of them,
+// well below what a record tells.
 Candidate best_between(const SineLikelihood& flat, bool has_floor, FrontEnd front_end, double low, double high) {
   FilteredCost cost(flat, has_floor);
   const auto at = [&](double log_corner) {
     front_end.bandwidth = std::exp(log_corner) / flat.bins().dt;
     return cost(front_end);
   };
-  constexpr int kBits = 16;
+  constexpr int kBits = 12;
   std::uintmax_t budget = 40;
   const auto found = boost::math::tools::brent_find_minima(at, low, high, kBits, budget);
   front_end.bandwidth = std::exp(found.first) / flat.bins().dt;
   return {front_end, found.second};
 }
 
-// The same over all bandwidths.
-Candidate best_bandwidth(const SineLikelihood& flat, FrontEnd front_end) {
+// The logarithms between which the best bandwidth of a kind lies.
+std::pair<double, double> around_best(const SineLikelihood& flat, FrontEnd front_end) {
   const std::vector<double> grid = log_corners(front_end.kind);
   FilteredCost cost(flat, true);
   std::size_t best = 1;
@@ -107,19 +108,19 @@ Candidate best_bandwidth(const SineLikelihood& flat, FrontEnd front_end) {
     const double c = cost(front_end);
     if (c < least) least = c, best = std::clamp<std::size_t>(i, 1, grid.size() - 2);
   }
-  return best_between(flat, true, front_end, grid[best + 1], grid[best - 1]);
+  return {grid[best + 1], grid[best - 1]};
 }
 
-std::vector<FrontEnd> kinds_to_try(std::optional<FrontEnd::Kind> kind) {
-  using Kind = FrontEnd::Kind;
+// The best of every way of sampling a kind. They differ near half the rate alone, so that one of them says where to
+// look for the others too, a little further about.
+void add_best(std::vector<Candidate>& found, const SineLikelihood& flat, FrontEnd::Kind kind) {
   using Sampling = FrontEnd::Sampling;
-  std::vector<FrontEnd> tried;
-  for (const Kind k : {Kind::first_order, Kind::second_order}) {
-    for (const Sampling s : {Sampling::analogue, Sampling::bilinear, Sampling::held}) tried.push_back({k, 0, s});
-  }
-  tried.push_back({Kind::moving_average, 0, Sampling::analogue});
-  if (kind) std::erase_if(tried, [&](const FrontEnd& f) { return f.kind != *kind; });
-  return tried;
+  constexpr double kBeside = 0.2;
+  const auto [low, high] = around_best(flat, {kind, 0, Sampling::analogue});
+  found.push_back(best_between(flat, true, {kind, 0, Sampling::analogue}, low, high));
+  if (kind == FrontEnd::Kind::moving_average) return;
+  for (const Sampling sampling : {Sampling::bilinear, Sampling::held})
+    found.push_back(best_between(flat, true, {kind, 0, sampling}, low - kBeside, high + kBeside));
 }
 
 }  // namespace
@@ -220,7 +221,9 @@ FrontEnd search_front_end(SineBins bins, std::span<const noise::Process> process
   std::vector<Candidate> found;
   const auto cheapest = [&] { return std::ranges::min_element(found, {}, &Candidate::cost)->front_end; };
   const SineLikelihood all(bins, with_floor, false);
-  for (const FrontEnd& tried : kinds_to_try(kind)) found.push_back(best_bandwidth(all, tried));
+  using Kind = FrontEnd::Kind;
+  for (const Kind k : {Kind::first_order, Kind::second_order, Kind::moving_average})
+    if (!kind || *kind == k) add_best(found, all, k);
   leave_out_stop_band(bins, cheapest());
   const SineLikelihood seen(std::move(bins), processes, false);
   constexpr double kReach = 0.1;

@@ -68,7 +68,8 @@ TEST_F(Inspect, ATextWithoutUnitsSaysWhatCalibrateNeeds) {
 
 TEST_F(Inspect, AnArrayHasItsColumns) {
   const std::vector<double> x{1, 2, 3}, y{4, 4, 4};
-  const std::vector<LogColumn> columns{{.name = "x", .unit = "1", .values = x}, {.name = "y", .unit = "1", .values = y}};
+  const std::vector<LogColumn> columns{{.name = "x", .unit = "1", .values = x},
+                                       {.name = "y", .unit = "1", .values = y}};
   write_log(path("a.npy"), columns, 100, {}, Format::npy);
   const Inspection log = inspect(path("a.npy"));
   EXPECT_EQ(log.streams[0].samples, 3);
