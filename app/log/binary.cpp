@@ -14,8 +14,8 @@
 #include <cstring>
 #include <limits>
 
+#include "compression.h"
 #include "layout.h"
-#include "unpack.h"
 
 namespace gyrobudget::inline v0::log {
 namespace {
@@ -156,7 +156,7 @@ std::optional<Format> format_named(std::string_view wanted) {
 }
 
 Format format_of(std::string_view full_path) {
-  const std::string_view path = without_packing(full_path);
+  const std::string_view path = without_compression(full_path);
   const std::string ending = text::lower(path.substr(std::min(path.size(), path.rfind('.') + 1)));
   return path.find('.') == std::string_view::npos ? Format::csv : format_named(ending).value_or(Format::csv);
 }

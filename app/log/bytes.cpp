@@ -20,7 +20,7 @@
 namespace gyrobudget::inline v0::log {
 namespace {
 
-constexpr std::size_t kBlock = std::size_t{1} << 20;  // bytes per read or step of an unpacker
+constexpr std::size_t kBlock = std::size_t{1} << 20;  // bytes per read or step of a decompressor
 
 /// Watches a text while it grows, so that what is no log is refused before it fills the memory.
 class Guard {
@@ -51,10 +51,10 @@ class Unpacking {
   Unpacking(std::string_view name, Content content, std::string_view packed)
       : name_(name),
         content_(content),
-        packing_(packing_of(packed)),
+        compression_(compression_of(packed)),
         packed_(packed),
         most_(kMostGrowth * packed.size() + kLeastCap),
-        unpacker_(make_unpacker(packing_, name)) {}
+        decompressor_(make_decompressor(compression_, name)) {}
 
   Pages run() {
     Pages unpacked;
@@ -67,7 +67,7 @@ class Unpacking {
       if (!ended) continue;
       to_next_frame();
       if (packed_.empty()) return unpacked;
-      unpacker_->restart();
+      decompressor_->restart();
     }
   }
   /// The data stop in the middle; what was whole was kept.
@@ -80,12 +80,12 @@ class Unpacking {
   /// @returns whether a frame has ended
   bool step(Pages& unpacked) {
     const std::size_t before = packed_.size();
-    const Unpacker::Step step = unpacker_->step(packed_, std::span(unpacked.room(kBlock), kBlock));
+    const Decompressor::Step step = decompressor_->step(packed_, std::span(unpacked.room(kBlock), kBlock));
     unpacked.grow(step.written);
     const std::size_t size = unpacked.text().size();
     if (!step.damage.empty()) {
       text::fail(name_, fmt::format("the {} data are damaged after {} bytes of {} ({}); fetch the file again",
-                                    log::name(packing_), size, what(), step.damage));
+                                    log::name(compression_), size, what(), step.damage));
     }
     const bool stuck = step.written == 0 && packed_.size() == before && !step.ended;  // it wants more than there is
     if (!stuck) return step.ended;
@@ -99,39 +99,40 @@ class Unpacking {
     constexpr std::string_view kSkippable = "\x2a\x4d\x18";  // behind a byte from 0x50 to 0x5f, in zstd and lz4
     const bool skippable = packed_.size() > kSkippable.size() && (packed_[0] & 0xf0) == 0x50 &&
                            packed_.substr(1).starts_with(kSkippable) &&
-                           (packing_ == Packing::zstd || packing_ == Packing::lz4);
-    if (packed_.empty() || packing_of(packed_) == packing_ || skippable) return;
+                           (compression_ == Compression::zstd || compression_ == Compression::lz4);
+    if (packed_.empty() || compression_of(packed_) == compression_ || skippable) return;
     if (packed_.find_first_not_of('\0') == std::string_view::npos) {
       packed_ = {};
       return;
     }
     text::fail(name_, fmt::format("the {} data end, but the file goes on with something else; fetch the file again",
-                                  log::name(packing_)));
+                                  log::name(compression_)));
   }
 
   [[nodiscard]] std::string_view what() const { return content_ == Content::text ? "text" : "content"; }
 
   [[noreturn]] void fail_truncated(std::size_t size) const {
-    const std::string rescue = content_ == Content::text
-                                   ? fmt::format(", or rescue its whole lines with {} | head -n -1", command(packing_))
-                                   : "";
+    const std::string rescue =
+        content_ == Content::text
+            ? fmt::format(", or rescue its whole lines with {} | head -n -1", command(compression_))
+            : "";
     text::fail(name_, fmt::format("the {} data stop in the middle, after {} bytes of {}; fetch the file again{}",
-                                  log::name(packing_), size, what(), rescue));
+                                  log::name(compression_), size, what(), rescue));
   }
 
   [[noreturn]] void fail_too_large() const {
     text::fail(
         name_,
         fmt::format("unpacks to more than {} bytes, {} times its own size; it is no log, or else unpack it first ({})",
-                    most_, kMostGrowth, command(packing_)));
+                    most_, kMostGrowth, command(compression_)));
   }
 
   std::string_view name_;
   Content content_;
-  Packing packing_;
+  Compression compression_;
   std::string_view packed_;
   std::size_t most_;
-  std::unique_ptr<Unpacker> unpacker_;
+  std::unique_ptr<Decompressor> decompressor_;
   bool cut_ = false;
 };
 
@@ -188,7 +189,7 @@ Bytes::Bytes(const std::string& path, Content content) : name_(text::input_name(
   const text::InputFile file(path);
   try {
     load(file.descriptor(), content);
-    if (packing_of(pages_.text()) != Packing::none) unpack(content);
+    if (compression_of(pages_.text()) != Compression::none) unpack(content);
   } catch (const std::system_error& error) {
     text::fail_unreadable(name_, error.code().value());
   } catch (const std::bad_alloc&) {
@@ -217,12 +218,12 @@ void Bytes::load(int descriptor, Content content) {
     if (got < 0) throw std::system_error(errno, std::generic_category());
     if (got == 0) return;
     pages_.grow(static_cast<std::size_t>(got));
-    if (content == Content::text && packing_of(pages_.text()) == Packing::none) guard.check(pages_.text());
+    if (content == Content::text && compression_of(pages_.text()) == Compression::none) guard.check(pages_.text());
   }
 }
 
 void Bytes::unpack(Content content) {
-  packing_ = packing_of(pages_.text());
+  compression_ = compression_of(pages_.text());
   Unpacking unpacking(name_, content, pages_.text());
   pages_ = unpacking.run();
   cut_ = unpacking.cut();

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <utility>
 
-#include "unpack.h"
+#include "compression.h"
 
 namespace gyrobudget::inline v0::log {
 
@@ -65,8 +65,8 @@ class Bytes {
   [[nodiscard]] const std::string& name() const { return name_; }
   /// All of it, a byte order mark left out.
   [[nodiscard]] std::string_view text() const { return text_; }
-  [[nodiscard]] Packing packing() const { return packing_; }  ///< what it was packed in
-  [[nodiscard]] bool cut() const { return cut_; }             ///< packed data of a recording stop in the middle
+  [[nodiscard]] Compression compression() const { return compression_; }  ///< what it was packed in
+  [[nodiscard]] bool cut() const { return cut_; }  ///< packed data of a recording stop in the middle
   /// This part will not be read soon.
   void release(std::string_view part) const noexcept { pages_.release(part); }
 
@@ -77,7 +77,7 @@ class Bytes {
   std::string name_;
   Pages pages_;
   std::string_view text_;
-  Packing packing_ = Packing::none;
+  Compression compression_ = Compression::none;
   bool cut_ = false;
 };
 

@@ -1,33 +1,113 @@
 // SPDX-License-Identifier: MIT
 #include "recording.h"
 
+#include "gyrobudget/app/text/text.h"
+
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <array>
 #include <filesystem>
+#include <system_error>
+
+#include "bytes.h"
+#include "compression.h"
+#include "formats/dataflash.h"
+#include "formats/hdf5.h"
+#include "formats/mat.h"
+#include "formats/npz.h"
+#include "formats/ulog.h"
 
 namespace gyrobudget::inline v0::log {
 namespace {
 
-/// How a format is known and opened.
+/// How a format is known and opened: from bytes, which may have been unpacked, or by a path.
 struct RecordedFormat {
   std::string_view name;
   bool (*is)(std::string_view head);
-  std::unique_ptr<Recording> (*open)(const std::string& path);
+  std::unique_ptr<Recording> (*open)(std::shared_ptr<const Bytes> bytes) = nullptr;
+  std::unique_ptr<Recording> (*open_path)(const std::string& path) = nullptr;
 };
 
+// --- What is no log of ours -----------------------------------------------------------------------------------------
+
+bool is_blackbox(std::string_view head) { return head.starts_with("H Product:Blackbox"); }
+
+std::unique_ptr<Recording> refuse_blackbox(std::shared_ptr<const Bytes> bytes) {
+  text::fail(
+      bytes->name(),
+      "is a log of Betaflight's or INAV's blackbox, which is not read; decode it first: blackbox_decode LOG, and read the CSV");
+}
+
+/// A time of eight bytes, big-endian microseconds since 1970, then a message of MAVLink 1 or 2.
+bool is_tlog(std::string_view head) {
+  constexpr std::size_t kTime = 8, kShortest = kTime + 12;
+  constexpr unsigned char kVersion1 = 0xfe, kVersion2 = 0xfd;
+  if (head.size() < kShortest) return false;
+  const auto byte = [&](std::size_t at) { return static_cast<unsigned char>(head[at]); };
+  if (byte(kTime) != kVersion1 && byte(kTime) != kVersion2) return false;
+  std::uint64_t us = 0;
+  for (std::size_t i = 0; i < kTime; ++i) us = us << 8 | byte(i);
+  constexpr std::uint64_t kYear2000 = 946'684'800'000'000, kYear2100 = 4'102'444'800'000'000;
+  return us > kYear2000 && us < kYear2100;
+}
+
+std::unique_ptr<Recording> refuse_tlog(std::shared_ptr<const Bytes> bytes) {
+  text::fail(
+      bytes->name(),
+      "is a telemetry log of MAVLink (.tlog), too slow and uneven for a sensor's noise; read the log of the autopilot itself (.BIN, .ulg), or export it: mavlogdump.py --format csv --types RAW_IMU LOG");
+}
+
+std::unique_ptr<Recording> refuse_zip(std::shared_ptr<const Bytes> bytes) {
+  text::fail(bytes->name(), "is a zip archive or a spreadsheet; unpack it, or save the sheet as CSV");
+}
+
 /// The first that says yes is taken.
-constexpr std::array<RecordedFormat, 0> kFormats{};
+constexpr std::array kFormats{
+    RecordedFormat{"PX4 ULog", is_ulog, open_ulog},
+    RecordedFormat{"ArduPilot dataflash", is_dataflash, open_dataflash},
+    RecordedFormat{"ArduPilot dataflash, as text", is_dataflash_text, open_dataflash_text},
+    RecordedFormat{"MATLAB 5 to 7", is_mat, open_mat},
+    RecordedFormat{"MATLAB 7.3", is_matlab_73, open_hdf5},
+    RecordedFormat{"HDF5", is_hdf5, open_hdf5},
+    RecordedFormat{"NumPy npz", is_npz, open_npz},
+    RecordedFormat{"NumPy array", is_other_npy, open_other_npy},
+    RecordedFormat{"Betaflight blackbox", is_blackbox, refuse_blackbox},
+    RecordedFormat{"MAVLink telemetry", is_tlog, refuse_tlog},
+    RecordedFormat{"zip archive", is_other_zip, refuse_zip},
+};
+
+const RecordedFormat* format_of_head(std::string_view head) {
+  for (const RecordedFormat& format : kFormats)
+    if (format.is(head)) return &format;
+  return nullptr;
+}
+
+constexpr std::size_t kHead = 4096;
 
 std::string head_of(const std::string& path) {
-  constexpr std::size_t kHead = 4096;
   std::string head(kHead, '\0');
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   const auto got = descriptor < 0 ? 0 : ::read(descriptor, head.data(), head.size());
   if (descriptor >= 0) ::close(descriptor);
   head.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
   return head;
+}
+
+/// The first bytes of what is packed, which may need a large block of the file.
+std::string head_of_packed(const std::string& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  std::error_code error;
+  const auto size = std::filesystem::file_size(path, error);
+  if (descriptor < 0 || error) return {};
+  Pages pages;
+  try {
+    pages = Pages::map_file(descriptor, static_cast<std::size_t>(size));
+  } catch (const std::system_error&) {  // whoever reads it next says so
+  }
+  ::close(descriptor);
+  return unpacked_head(pages.text(), kHead);
 }
 
 }  // namespace
@@ -39,18 +119,21 @@ std::string_view name(StreamKind kind) {
 }
 
 std::string_view recorded_format(std::string_view head) {
-  for (const RecordedFormat& format : kFormats)
-    if (format.is(head)) return format.name;
-  return {};
+  const RecordedFormat* format = format_of_head(head);
+  return format ? format->name : std::string_view();
 }
 
 std::unique_ptr<Recording> open_recording(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) return nullptr;
   const std::string head = head_of(path);
-  for (const RecordedFormat& format : kFormats)
-    if (format.is(head)) return format.open(path);
-  return nullptr;
+  const Compression compression = compression_of(head);
+  const RecordedFormat* format = format_of_head(compression == Compression::none ? head : head_of_packed(path));
+  if (!format) return nullptr;
+  if (format->open) return format->open(std::make_shared<const Bytes>(path, Content::recording));
+  if (compression == Compression::none) return format->open_path(path);
+  text::fail(path, fmt::format("holds a {} in {} data; unpack it first ({})", format->name, name(compression),
+                               command(compression)));
 }
 
 }  // namespace gyrobudget::inline v0::log

@@ -20,10 +20,10 @@
 
 #include "binary.h"
 #include "bytes.h"
+#include "compression.h"
 #include "grid.h"
 #include "layout.h"
 #include "table.h"
-#include "unpack.h"
 
 namespace gyrobudget::inline v0::log {
 namespace {
@@ -181,11 +181,11 @@ class LogStream::Reader {
   virtual void take(std::vector<std::vector<double>>& columns) = 0;
 
   void refuse_packed() const {
-    const Packing packing = packing_of(inlet_.bytes());
-    if (packing == Packing::none) return;
+    const Compression compression = compression_of(inlet_.bytes());
+    if (compression == Compression::none) return;
     text::fail(inlet_.name(),
                fmt::format("is {}, which is not read as a stream; unpack it: {} LOG | gyrobudget allan -",
-                           log::name(packing), command(packing)));
+                           log::name(compression), command(compression)));
   }
 
   void choose(Choice choice) {

@@ -93,6 +93,7 @@ void ArrayRecording::list_streams() {
   // The members of each group by their length; groups as they come in the file.
   std::vector<std::string> groups;
   std::map<std::string, std::map<std::int64_t, std::vector<std::size_t>, std::greater<>>> by_length;
+  NamesByReason turned;
   for (std::size_t i = 0; i < arrays_.size(); ++i) {
     const Array& array = arrays_[i];
     if (array.shape.rows < 2) continue;
@@ -100,11 +101,12 @@ void ArrayRecording::list_streams() {
     if (is_new) groups.push_back(array.group);
     found->second[array.shape.rows].push_back(i);
     if (array.shape.transposed && array.shape.columns > 1) {
-      const std::string full = array.group.empty() ? array.name : array.group + "." + array.name;
-      notes_.push_back(fmt::format("{}: {} x {} is taken as {} rows of {}", full, array.shape.columns, array.shape.rows,
-                                   array.shape.rows, array.shape.columns));
+      turned.add(fmt::format("{} x {} is taken as {} rows of {}", array.shape.columns, array.shape.rows,
+                             array.shape.rows, array.shape.columns),
+                 array.group.empty() ? array.name : array.group + "." + array.name);
     }
   }
+  turned.note(notes_);
   for (const std::string& group : groups) {
     bool is_longest = true;
     for (const auto& [rows, members] : by_length[group]) {
@@ -193,11 +195,10 @@ void MatlabObjects::note(std::vector<std::string>& notes) const {
   }
 }
 
-void LeftOut::add(std::string_view reason, std::string_view name) { arrays::add_to(of_reason_, reason, name); }
+void NamesByReason::add(std::string_view reason, std::string_view name) { arrays::add_to(of_reason_, reason, name); }
 
-void LeftOut::note(std::vector<std::string>& notes) const {
-  for (const auto& [reason, names] : of_reason_)
-    notes.push_back(fmt::format("left out, {}: {}", reason, arrays::few(names)));
+void NamesByReason::note(std::vector<std::string>& notes) const {
+  for (const auto& [reason, names] : of_reason_) notes.push_back(fmt::format("{}: {}", reason, arrays::few(names)));
 }
 
 // --- Bytes ----------------------------------------------------------------------------------------------------------

@@ -83,8 +83,8 @@ class MatlabObjects {
   std::vector<std::pair<std::string, std::vector<std::string>>> of_class_;
 };
 
-/// What was left out, by the reason: "cells: a, b and 3 more are left out".
-class LeftOut {
+/// Arrays of which the same is to be said: "left out, cells: a, b and 3 more".
+class NamesByReason {
  public:
   void add(std::string_view reason, std::string_view name);
   void note(std::vector<std::string>& notes) const;

@@ -28,6 +28,7 @@ constexpr std::uint8_t kFormatType = 0x80;
 constexpr std::size_t kFormatBytes = 89;  // of a message that tells a format
 constexpr std::size_t kBatchSamples = 32;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+constexpr std::size_t kNowhere = std::numeric_limits<std::size_t>::max();
 
 // --- Formats of messages --------------------------------------------------------------------------------------------
 
@@ -165,7 +166,7 @@ struct Message {
 
 struct Losses {
   std::size_t skipped = 0;  ///< bytes, or lines of a text
-  std::optional<std::size_t> skipped_at, cut_at;
+  std::size_t skipped_at = kNowhere, cut_at = kNowhere;
 };
 
 /// What both walks share: they release what they have passed.
@@ -234,7 +235,7 @@ class BinaryWalk {
       if (length == 0 || length > left) continue;
       if (length == left || text_.substr(at_ + length).starts_with(kHead)) break;
     }
-    if (!losses_.skipped_at) losses_.skipped_at = from;
+    if (losses_.skipped_at == kNowhere) losses_.skipped_at = from;
     losses_.skipped += at_ - from;
   }
 
@@ -284,7 +285,7 @@ class TextWalk {
         message = {found->second, body};
         return true;
       }
-      if (!losses_.skipped_at) losses_.skipped_at = begin;
+      if (losses_.skipped_at == kNowhere) losses_.skipped_at = begin;
       ++losses_.skipped;
     }
     return false;
@@ -674,14 +675,14 @@ void Dataflash<Walk>::note(const Losses& losses, std::uint64_t short_rows) {
   const std::size_t size = bytes_->text().size();
   if (bytes_->cut())
     notes_.push_back(
-        fmt::format("the {} data stop in the middle: the log ends after {} bytes", name(bytes_->packing()), size));
-  if (losses.cut_at) {
+        fmt::format("the {} data stop in the middle: the log ends after {} bytes", name(bytes_->compression()), size));
+  if (losses.cut_at != kNowhere) {
     notes_.push_back(fmt::format("the file ends inside a message: {} at byte {} are left out",
-                                 counted(size - *losses.cut_at, "byte"), *losses.cut_at));
+                                 counted(size - losses.cut_at, "byte"), losses.cut_at));
   }
   if (losses.skipped > 0) {
     notes_.push_back(fmt::format("{} belong to no message and are left out, the first at byte {}",
-                                 counted(losses.skipped, kIsText ? "line" : "byte"), *losses.skipped_at));
+                                 counted(losses.skipped, kIsText ? "line" : "byte"), losses.skipped_at));
   }
   if (short_rows > 0) notes_.push_back(fmt::format("{} with too few values left out", counted(short_rows, "line")));
 }

@@ -25,6 +25,7 @@ constexpr std::string_view kMagic = "\x55\x4c\x6f\x67\x01\x12\x35"sv;
 constexpr std::size_t kHeader = 16, kMessageHead = 3;  // magic, version, time; size and type
 constexpr std::string_view kSync = "\x08\x00\x53\x2f\x73\x13\x20\x25\x0c\xbb\x12"sv;
 constexpr std::int64_t kMicrosecond = 1000;  // [ns]
+constexpr std::size_t kNowhere = std::numeric_limits<std::size_t>::max();
 
 // --- Messages -------------------------------------------------------------------------------------------------------
 
@@ -36,10 +37,10 @@ struct Message {
 
 /// What was passed over on the way through a file.
 struct Losses {
-  std::size_t damaged = 0;                ///< bytes
-  std::optional<std::size_t> damaged_at;  ///< the first
-  std::size_t cut_parts = 0;              ///< behind which more was appended
-  std::optional<std::size_t> cut_at;      ///< where the last message starts, which is not whole
+  std::size_t damaged = 0;            ///< bytes
+  std::size_t damaged_at = kNowhere;  ///< the first
+  std::size_t cut_parts = 0;          ///< behind which more was appended
+  std::size_t cut_at = kNowhere;      ///< where the last message starts, which is not whole
 };
 
 /// Goes through the messages of a file, and over what is damaged.
@@ -82,7 +83,7 @@ class Walk {
     const bool is_damage = found != std::string_view::npos || !may_be_cut;
     const std::size_t to = std::min(found, end);
     if (is_damage) {
-      if (!losses_.damaged_at) losses_.damaged_at = at_;
+      if (losses_.damaged_at == kNowhere) losses_.damaged_at = at_;
       losses_.damaged += to - at_;
     } else if (part_ < parts_.size()) {
       ++losses_.cut_parts;
@@ -622,17 +623,17 @@ void Ulog::note_selection(const Topic& topic, std::string_view data) {
 
 void Ulog::note_scan(const Losses& losses, std::uint64_t strangers) {
   if (bytes_->cut())
-    notes_.push_back(fmt::format("the {} data stop in the middle: the log ends after {} bytes", name(bytes_->packing()),
-                                 text_.size()));
-  if (losses.cut_at) {
+    notes_.push_back(fmt::format("the {} data stop in the middle: the log ends after {} bytes",
+                                 name(bytes_->compression()), text_.size()));
+  if (losses.cut_at != kNowhere) {
     notes_.push_back(fmt::format("the file ends inside a message: {} at byte {} are left out",
-                                 counted(text_.size() - *losses.cut_at, "byte"), *losses.cut_at));
+                                 counted(text_.size() - losses.cut_at, "byte"), losses.cut_at));
   }
   if (losses.cut_parts > 0)
     notes_.push_back(fmt::format("{} cut where data were appended", counted(losses.cut_parts, "message")));
   if (losses.damaged > 0) {
     notes_.push_back(fmt::format("{} are damaged and left out, the first at byte {}", counted(losses.damaged, "byte"),
-                                 *losses.damaged_at));
+                                 losses.damaged_at));
   }
   if (dropouts_ > 0) {
     notes_.push_back(fmt::format("the recorder lost data {}, {} ms in all, {} ms at the longest",

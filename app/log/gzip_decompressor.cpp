@@ -4,20 +4,20 @@
 #include <algorithm>
 #include <new>
 
-#include "unpack.h"
+#include "compression.h"
 
 namespace gyrobudget::inline v0::log {
 namespace {
 
 constexpr std::size_t kMostGzip = std::size_t{1} << 30;  // bytes a step, which zlib counts with 32 bits
 
-class GzipUnpacker : public Unpacker {
+class GzipDecompressor : public Decompressor {
  public:
-  GzipUnpacker() {
+  GzipDecompressor() {
     constexpr int kWindow = 15 + 16;  // 32 KiB, gzip header and check sum
     if (inflateInit2(&stream_, kWindow) != Z_OK) throw std::bad_alloc();
   }
-  ~GzipUnpacker() override { inflateEnd(&stream_); }
+  ~GzipDecompressor() override { inflateEnd(&stream_); }
 
   Step step(std::string_view& packed, std::span<char> out) override {
     const std::size_t offered = std::min(packed.size(), kMostGzip), room = std::min(out.size(), kMostGzip);
@@ -41,6 +41,6 @@ class GzipUnpacker : public Unpacker {
 
 }  // namespace
 
-std::unique_ptr<Unpacker> gzip_unpacker() { return std::make_unique<GzipUnpacker>(); }
+std::unique_ptr<Decompressor> gzip_decompressor() { return std::make_unique<GzipDecompressor>(); }
 
 }  // namespace gyrobudget::inline v0::log

@@ -1,22 +1,22 @@
 // SPDX-License-Identifier: MIT
-#include "unpack.h"
+#include "compression.h"
 
-#ifdef GYROBUDGET_WITH_LZ4
+#if GYROBUDGET_HAS_LZ4
 #include <lz4frame.h>
 
 #include <new>
 #endif
 
 namespace gyrobudget::inline v0::log {
-#ifdef GYROBUDGET_WITH_LZ4
+#if GYROBUDGET_HAS_LZ4
 namespace {
 
-class Lz4Unpacker : public Unpacker {
+class Lz4Decompressor : public Decompressor {
  public:
-  Lz4Unpacker() {
+  Lz4Decompressor() {
     if (LZ4F_isError(LZ4F_createDecompressionContext(&context_, LZ4F_VERSION)) != 0) throw std::bad_alloc();
   }
-  ~Lz4Unpacker() override { LZ4F_freeDecompressionContext(context_); }
+  ~Lz4Decompressor() override { LZ4F_freeDecompressionContext(context_); }
 
   Step step(std::string_view& packed, std::span<char> out) override {
     std::size_t taken = packed.size(), written = out.size();
@@ -33,9 +33,9 @@ class Lz4Unpacker : public Unpacker {
 
 }  // namespace
 
-std::unique_ptr<Unpacker> lz4_unpacker() { return std::make_unique<Lz4Unpacker>(); }
+std::unique_ptr<Decompressor> lz4_decompressor() { return std::make_unique<Lz4Decompressor>(); }
 #else
-std::unique_ptr<Unpacker> lz4_unpacker() { return nullptr; }
+std::unique_ptr<Decompressor> lz4_decompressor() { return nullptr; }
 #endif
 
 }  // namespace gyrobudget::inline v0::log

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "unpack.h"
+#include "compression.h"
 
-#ifdef GYROBUDGET_WITH_ZSTD
+#if GYROBUDGET_HAS_ZSTD
 #include <zstd.h>
 #include <zstd_errors.h>
 
@@ -9,15 +9,15 @@
 #endif
 
 namespace gyrobudget::inline v0::log {
-#ifdef GYROBUDGET_WITH_ZSTD
+#if GYROBUDGET_HAS_ZSTD
 namespace {
 
-class ZstdUnpacker : public Unpacker {
+class ZstdDecompressor : public Decompressor {
  public:
-  ZstdUnpacker() : stream_(ZSTD_createDStream()) {
+  ZstdDecompressor() : stream_(ZSTD_createDStream()) {
     if (!stream_) throw std::bad_alloc();
   }
-  ~ZstdUnpacker() override { ZSTD_freeDStream(stream_); }
+  ~ZstdDecompressor() override { ZSTD_freeDStream(stream_); }
 
   Step step(std::string_view& packed, std::span<char> out) override {
     ZSTD_inBuffer from{packed.data(), packed.size(), 0};
@@ -38,9 +38,9 @@ class ZstdUnpacker : public Unpacker {
 
 }  // namespace
 
-std::unique_ptr<Unpacker> zstd_unpacker() { return std::make_unique<ZstdUnpacker>(); }
+std::unique_ptr<Decompressor> zstd_decompressor() { return std::make_unique<ZstdDecompressor>(); }
 #else
-std::unique_ptr<Unpacker> zstd_unpacker() { return nullptr; }
+std::unique_ptr<Decompressor> zstd_decompressor() { return nullptr; }
 #endif
 
 }  // namespace gyrobudget::inline v0::log

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-#include "unpack.h"
+#include "compression.h"
 
-#ifdef GYROBUDGET_WITH_BZIP2
+#if GYROBUDGET_HAS_BZIP2
 #include <bzlib.h>
 
 #include <algorithm>
@@ -9,15 +9,15 @@
 #endif
 
 namespace gyrobudget::inline v0::log {
-#ifdef GYROBUDGET_WITH_BZIP2
+#if GYROBUDGET_HAS_BZIP2
 namespace {
 
 constexpr std::size_t kMostBzip2 = std::size_t{1} << 30;  // bytes a step, which the library counts with 32 bits
 
-class Bzip2Unpacker : public Unpacker {
+class Bzip2Decompressor : public Decompressor {
  public:
-  Bzip2Unpacker() { begin(); }
-  ~Bzip2Unpacker() override { BZ2_bzDecompressEnd(&stream_); }
+  Bzip2Decompressor() { begin(); }
+  ~Bzip2Decompressor() override { BZ2_bzDecompressEnd(&stream_); }
 
   Step step(std::string_view& packed, std::span<char> out) override {
     const std::size_t offered = std::min(packed.size(), kMostBzip2), room = std::min(out.size(), kMostBzip2);
@@ -49,9 +49,9 @@ class Bzip2Unpacker : public Unpacker {
 
 }  // namespace
 
-std::unique_ptr<Unpacker> bzip2_unpacker() { return std::make_unique<Bzip2Unpacker>(); }
+std::unique_ptr<Decompressor> bzip2_decompressor() { return std::make_unique<Bzip2Decompressor>(); }
 #else
-std::unique_ptr<Unpacker> bzip2_unpacker() { return nullptr; }
+std::unique_ptr<Decompressor> bzip2_decompressor() { return nullptr; }
 #endif
 
 }  // namespace gyrobudget::inline v0::log

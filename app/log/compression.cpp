@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-#include "unpack.h"
+#include "compression.h"
 
 #include "gyrobudget/app/text/text.h"
 
@@ -14,20 +14,22 @@ namespace {
 using namespace std::string_view_literals;
 
 /// What is to be known of each way to pack.
-struct PackingFacts {
-  Packing packing;
+struct CompressionFacts {
+  Compression compression;
   std::string_view name, command, ending, package;
-  std::unique_ptr<Unpacker> (*make)();
+  std::unique_ptr<Decompressor> (*make)();
 };
 
-constexpr std::array<PackingFacts, 5> kPackings{
-    {{Packing::none, "", "", "", "", nullptr},
-     {Packing::gzip, "gzip", "zcat", ".gz", "zlib1g-dev", gzip_unpacker},
-     {Packing::zstd, "zstd", "zstdcat", ".zst", "libzstd-dev", zstd_unpacker},
-     {Packing::bzip2, "bzip2", "bzcat", ".bz2", "libbz2-dev", bzip2_unpacker},
-     {Packing::lz4, "lz4", "lz4cat", ".lz4", "liblz4-dev", lz4_unpacker}}};
+constexpr std::array<CompressionFacts, 5> kCompressions{
+    {{Compression::none, "", "", "", "", nullptr},
+     {Compression::gzip, "gzip", "zcat", ".gz", "zlib1g-dev", gzip_decompressor},
+     {Compression::zstd, "zstd", "zstdcat", ".zst", "libzstd-dev", zstd_decompressor},
+     {Compression::bzip2, "bzip2", "bzcat", ".bz2", "libbz2-dev", bzip2_decompressor},
+     {Compression::lz4, "lz4", "lz4cat", ".lz4", "liblz4-dev", lz4_decompressor}}};
 
-const PackingFacts& facts(Packing packing) { return kPackings.at(static_cast<std::size_t>(packing)); }
+const CompressionFacts& facts(Compression compression) {
+  return kCompressions.at(static_cast<std::size_t>(compression));
+}
 
 /// Whether the text, as far as both go, is that of the mark.
 bool agrees(std::string_view text, std::string_view mark) {
@@ -45,28 +47,28 @@ bool is_bzip2(std::string_view head) {
 
 }  // namespace
 
-Packing packing_of(std::string_view head) {
-  if (head.starts_with("\x1f\x8b") && agrees(head, "\x1f\x8b\x08"sv)) return Packing::gzip;
-  if (head.starts_with("\x28\xb5\x2f\xfd"sv)) return Packing::zstd;
-  if (head.starts_with("\x04\x22\x4d\x18"sv)) return Packing::lz4;
-  return is_bzip2(head) ? Packing::bzip2 : Packing::none;
+Compression compression_of(std::string_view head) {
+  if (head.starts_with("\x1f\x8b") && agrees(head, "\x1f\x8b\x08"sv)) return Compression::gzip;
+  if (head.starts_with("\x28\xb5\x2f\xfd"sv)) return Compression::zstd;
+  if (head.starts_with("\x04\x22\x4d\x18"sv)) return Compression::lz4;
+  return is_bzip2(head) ? Compression::bzip2 : Compression::none;
 }
 
-std::string_view name(Packing packing) { return facts(packing).name; }
-std::string_view command(Packing packing) { return facts(packing).command; }
+std::string_view name(Compression compression) { return facts(compression).name; }
+std::string_view command(Compression compression) { return facts(compression).command; }
 
-std::string_view without_packing(std::string_view path) {
+std::string_view without_compression(std::string_view path) {
   const std::string lower = text::lower(path);
-  for (const PackingFacts& f : kPackings)
+  for (const CompressionFacts& f : kCompressions)
     if (!f.ending.empty() && lower.ends_with(f.ending)) return path.substr(0, path.size() - f.ending.size());
   constexpr std::string_view kLong = ".zstd";  // as rosbag2 has it
   return lower.ends_with(kLong) ? path.substr(0, path.size() - kLong.size()) : path;
 }
 
-std::unique_ptr<Unpacker> make_unpacker(Packing packing, std::string_view source) {
-  const PackingFacts& f = facts(packing);
-  std::unique_ptr<Unpacker> unpacker = f.make ? f.make() : nullptr;
-  if (unpacker) return unpacker;
+std::unique_ptr<Decompressor> make_decompressor(Compression compression, std::string_view source) {
+  const CompressionFacts& f = facts(compression);
+  std::unique_ptr<Decompressor> decompressor = f.make ? f.make() : nullptr;
+  if (decompressor) return decompressor;
   text::fail(
       source,
       fmt::format(
@@ -75,13 +77,13 @@ std::unique_ptr<Unpacker> make_unpacker(Packing packing, std::string_view source
 }
 
 std::string unpacked_head(std::string_view packed, std::size_t most) {
-  const PackingFacts& f = facts(packing_of(packed));
-  const std::unique_ptr<Unpacker> unpacker = f.make ? f.make() : nullptr;
+  const CompressionFacts& f = facts(compression_of(packed));
+  const std::unique_ptr<Decompressor> decompressor = f.make ? f.make() : nullptr;
   std::string head(most, '\0');
   std::size_t size = 0;
-  while (unpacker && size < most) {
+  while (decompressor && size < most) {
     const std::size_t before = packed.size();
-    const Unpacker::Step step = unpacker->step(packed, std::span(head).subspan(size));
+    const Decompressor::Step step = decompressor->step(packed, std::span(head).subspan(size));
     size += step.written;
     if (step.ended || !step.damage.empty() || (step.written == 0 && packed.size() == before)) break;
   }
