@@ -54,9 +54,9 @@ enum class Content {
 /// read to their end, and gzip, zstd, bzip2 and lz4 are unpacked, into memory: as much as the content is long.
 class Bytes {
  public:
-  /// @throws InputError where it cannot be read, is a folder or empty, or is packed data that are damaged, truncated, of
-  /// a kind that this build cannot unpack, or of more than a thousand times their size; as text also where it is binary,
-  /// or begins with a line of more than kLongestLine bytes (found without reading further).
+  /// @throws InputError where it cannot be read, is a folder or empty, or is packed data that are damaged, truncated,
+  /// of a kind that this build cannot unpack, or of more than a thousand times their size; as text also where it is
+  /// binary, or begins with a line of more than kLongestLine bytes (found without reading further).
   explicit Bytes(const std::string& path, Content = Content::text);
   /// A piece of an input that is read piece by piece. It refers to the text.
   Bytes(std::string name, std::string_view piece) : name_(std::move(name)), text_(piece) {}

@@ -208,7 +208,7 @@ struct ByteStream::Inflating {
   std::string_view packed;
   std::vector<char> buffer = std::vector<char>(kMost);
   std::size_t first = 0, last = 0;  ///< of the buffer: not taken yet
-  bool ended = false;
+  bool ended = false, whole = false;
 
   explicit Inflating(std::string_view bytes, int window) : packed(bytes) {
     if (inflateInit2(&stream, window) != Z_OK) throw std::bad_alloc();
@@ -234,6 +234,7 @@ struct ByteStream::Inflating {
       packed.remove_prefix(offered - stream.avail_in);
       last = buffer.size() - stream.avail_out;
       ended = status != Z_OK;
+      whole = status == Z_STREAM_END;
     }
   }
 };
@@ -261,15 +262,21 @@ std::string_view ByteStream::take(std::size_t size) {
     bytes = plain_.substr(0, size);
     plain_.remove_prefix(bytes.size());
   }
-  taken_ += bytes.size();
+  pass(bytes);
   return bytes;
+}
+
+void ByteStream::pass(std::string_view bytes) {
+  taken_ += bytes.size();
+  if (!watched_) return;
+  crc_ = static_cast<std::uint32_t>(::crc32_z(crc_, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
 bool ByteStream::skip(std::uint64_t size) {
   if (!inflating_) {
     const auto step = static_cast<std::size_t>(std::min<std::uint64_t>(size, plain_.size()));
+    pass(plain_.substr(0, step));
     plain_.remove_prefix(step);
-    taken_ += step;
     return step == size;
   }
   while (size > 0) {
@@ -278,6 +285,12 @@ bool ByteStream::skip(std::uint64_t size) {
     size -= got;
   }
   return true;
+}
+
+bool ByteStream::finish() {
+  while (!take(kMost).empty()) {
+  }
+  return !inflating_ || inflating_->whole;
 }
 
 // --- Matrices -------------------------------------------------------------------------------------------------------

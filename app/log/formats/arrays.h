@@ -111,14 +111,23 @@ class ByteStream {
   /// @returns whether there were so many
   bool skip(std::uint64_t size);
   [[nodiscard]] std::uint64_t taken() const { return taken_; }
+  /// Goes to the end. @returns whether what was inflated came to its own, with the check sum that zlib's format has.
+  bool finish();
+  /// From here on, what is taken or skipped goes into a check sum.
+  void watch() { watched_ = true; }
+  /// CRC-32 of what was watched.
+  [[nodiscard]] std::uint32_t crc() const { return crc_; }
 
  private:
   struct Inflating;
   std::string_view inflate(std::size_t size);
+  void pass(std::string_view bytes);
 
   std::string_view plain_;
   std::unique_ptr<Inflating> inflating_;
   std::uint64_t taken_ = 0;
+  std::uint32_t crc_ = 0;
+  bool watched_ = false;
 };
 
 /// Numbers one behind the other.

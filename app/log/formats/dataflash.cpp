@@ -835,7 +835,7 @@ Rows Dataflash<Walk>::read_batches(std::size_t stream, std::span<const std::size
   Walk walk(*bytes_, catalogue);
   Values values(kIsText);
   Batches batches;
-  std::uint64_t pieces = 0;
+  std::uint64_t pieces = 0, last_us = 0;
   double rate_hz = 0;
   Message message;
   while (walk.next(message)) {
@@ -850,12 +850,13 @@ Rows Dataflash<Walk>::read_batches(std::size_t stream, std::span<const std::size
     if (!piece.batch || piece.batch->is_gyroscope != (source.definition == 1) ||
         piece.batch->instance != source.instance)
       continue;
-    if (piece.first == 0) ++pieces;
+    if (pieces == 0 || piece.batch->start_us != last_us) ++pieces;
+    last_us = piece.batch->start_us;
     rate_hz = piece.batch->rate_hz;
     append_batch(definition, values, piece, fields, rows);
   }
   rows.notes.push_back(fmt::format(
-      "{} batches of {:.6g} Hz nominal, with gaps between them: good for spectra, not for long averaging times", pieces,
+      "{} pieces at {:.6g} Hz nominal, with gaps between them: good for spectra, not for long averaging times", pieces,
       rate_hz));
   return rows;
 }

@@ -6,10 +6,7 @@
 #include <fmt/format.h>
 
 #if GYROBUDGET_HAS_HDF5
-#include <fcntl.h>
 #include <hdf5.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -75,58 +72,64 @@ class Handle {
   herr_t (*close_)(hid_t);
 };
 
-/// A file that the library has open: the one that was given, or what was unpacked.
+// What the library asks for while it takes the bytes of a file as they are, where they are: it copies nothing, and does
+// not write.
+extern "C" {
+void* gyrobudget_image(std::size_t /*size*/, H5FD_file_image_op_t /*operation*/, void* bytes) { return bytes; }
+void* gyrobudget_image_copy(void* to, const void* /*from*/, std::size_t /*size*/, H5FD_file_image_op_t /*operation*/,
+                            void* /*bytes*/) {
+  return to;
+}
+void* gyrobudget_image_resize(void* /*old*/, std::size_t /*size*/, H5FD_file_image_op_t /*operation*/,
+                              void* /*bytes*/) {
+  return nullptr;
+}
+herr_t gyrobudget_image_free(void* /*image*/, H5FD_file_image_op_t /*operation*/, void* /*bytes*/) { return 0; }
+void* gyrobudget_image_data(void* bytes) { return bytes; }
+herr_t gyrobudget_image_data_free(void* /*bytes*/) { return 0; }
+}
+
+/// A file that the library has open, by its bytes: it was mapped or unpacked.
 class File {
  public:
-  explicit File(std::shared_ptr<const Bytes> bytes) : bytes_(std::move(bytes)), name_(bytes_->name()) {
+  explicit File(std::shared_ptr<const Bytes> bytes) : bytes_(std::move(bytes)) {
     if (bytes_->cut())
-      text::fail(name_,
+      text::fail(name(),
                  fmt::format("the {} data stop in the middle, and a part of an HDF5 file is no file; fetch it again",
                              log::name(bytes_->compression())));
-    const std::string path = bytes_->compression() == Compression::none ? name_ : unpacked_path();
-    bytes_.reset();  // what was unpacked is in the other file now
     const Library held;
     const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-    H5Pset_file_locking(access.id(), 0, 1);  // or media that cannot be written cannot be read
-    file_ = H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.id());
+    char* image = const_cast<char*>(bytes_->text().data());  // the library's interface; only read
+    H5FD_file_image_callbacks_t callbacks{gyrobudget_image,
+                                          gyrobudget_image_copy,
+                                          gyrobudget_image_resize,
+                                          gyrobudget_image_free,
+                                          gyrobudget_image_data,
+                                          gyrobudget_image_data_free,
+                                          image};
+    constexpr std::size_t kIncrement = std::size_t{1} << 16;
+    static std::uint64_t opened = 0;
+    if (H5Pset_fapl_core(access.id(), kIncrement, 0) >= 0 &&
+        H5Pset_file_image_callbacks(access.id(), &callbacks) >= 0 &&
+        H5Pset_file_image(access.id(), image, bytes_->text().size()) >= 0)
+      file_ = H5Fopen(fmt::format("recording {}", ++opened).c_str(), H5F_ACC_RDONLY, access.id());
     if (file_ >= 0) return;
-    if (copy_ >= 0) ::close(copy_);
     text::fail(
-        name_,
+        name(),
         "cannot be opened as HDF5: it is cut or damaged, or was not closed when it was written; copy it again, or try h5clear -s and h5repack");
   }
   ~File() {
     const Library held;
     H5Fclose(file_);
-    if (copy_ >= 0) ::close(copy_);
   }
   File(const File&) = delete;
   File& operator=(const File&) = delete;
   [[nodiscard]] hid_t id() const { return file_; }
-  [[nodiscard]] const std::string& name() const { return name_; }
+  [[nodiscard]] const std::string& name() const { return bytes_->name(); }
+  void release() const { bytes_->release(bytes_->text()); }
 
  private:
-  /// A file in memory with what was unpacked.
-  std::string unpacked_path() {
-    copy_ = ::memfd_create("unpacked", MFD_CLOEXEC);
-    std::string_view rest = bytes_->text();
-    while (copy_ >= 0 && !rest.empty()) {
-      const ssize_t written = ::write(copy_, rest.data(), rest.size());
-      if (written <= 0) {
-        ::close(std::exchange(copy_, -1));
-        break;
-      }
-      rest.remove_prefix(static_cast<std::size_t>(written));
-    }
-    if (copy_ < 0)
-      text::fail(name_,
-                 fmt::format("cannot be unpacked to memory; unpack it first ({})", command(bytes_->compression())));
-    return fmt::format("/proc/self/fd/{}", copy_);
-  }
-
   std::shared_ptr<const Bytes> bytes_;
-  std::string name_;
-  int copy_ = -1;
   hid_t file_ = -1;
 };
 
@@ -425,8 +428,9 @@ class Reader {
                                                                            const Extent& extent, bool may_round) const {
     return [file = file_, path, name, extent, may_round](std::span<const WantedColumn> columns) {
       const Library held;
-      if (!DataSet(file->id(), path, extent).read(columns))
-        text::fail(file->name(), fmt::format("the data of {} are damaged; copy the file again", name));
+      const bool sound = DataSet(file->id(), path, extent).read(columns);
+      file->release();
+      if (!sound) text::fail(file->name(), fmt::format("the data of {} are damaged; copy the file again", name));
       constexpr double kExact = 9007199254740992;  // 2^53
       return may_round && std::ranges::any_of(columns, [](const WantedColumn& c) {
                return std::ranges::any_of(c.out, [](double v) { return v > kExact || v < -kExact; });

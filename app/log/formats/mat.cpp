@@ -247,8 +247,9 @@ class Reader {
            ByteStream stream = place.stream();
            const bool there = stream.skip(at);
            const MatrixReading reading = there ? read_matrix(stream, layout, columns) : MatrixReading{false};
+           const bool sound = reading.whole && (!place.compressed || stream.finish());
            bytes->release(place.bytes);
-           if (reading.whole) return reading.rounded;
+           if (sound) return reading.rounded;
            text::fail(
                bytes->name(),
                fmt::format("the data of {} are damaged; fetch the file again, or save it again with '-v6'", full));

@@ -30,6 +30,7 @@ constexpr int kRawWindow = -15;
 struct Member {
   std::string name;
   std::uint16_t method = 0, flags = 0;
+  std::uint32_t crc = 0;
   std::uint64_t packed = 0, size = 0;  ///< bytes
   std::string_view data;
 };
@@ -64,6 +65,7 @@ std::size_t read_local(std::string_view zip, std::size_t at, Member& member) {
     member.name = zip.substr(at + kLocalBytes, name);
     member.flags = load<std::uint16_t>(zip, at + 6);
     member.method = load<std::uint16_t>(zip, at + 8);
+    member.crc = load<std::uint32_t>(zip, at + 14);
     member.packed = load<std::uint32_t>(zip, at + 18);
     member.size = load<std::uint32_t>(zip, at + 22);
     if (!widen(zip.substr(at + kLocalBytes + name, extra), {&member.size, &member.packed})) return 0;
@@ -107,6 +109,7 @@ Directory read_directory(std::string_view zip) {
     Member member;
     member.flags = load<std::uint16_t>(zip, at + 8);
     member.method = load<std::uint16_t>(zip, at + 10);
+    member.crc = load<std::uint32_t>(zip, at + 16);
     member.packed = load<std::uint32_t>(zip, at + 20);
     member.size = load<std::uint32_t>(zip, at + 24);
     std::uint64_t local = load<std::uint32_t>(zip, at + 42);
@@ -160,6 +163,7 @@ std::optional<std::pair<NumberType, bool>> number_type(std::string_view descr) {
 struct Place {
   std::string_view data;
   bool deflated = false;
+  std::optional<std::uint32_t> crc = {};  ///< that an archive tells
 
   [[nodiscard]] ByteStream stream() const { return deflated ? ByteStream(data, kRawWindow) : ByteStream(data); }
   [[nodiscard]] std::uint64_t most() const {
@@ -189,13 +193,15 @@ Parsed parse(const Place& place, const NpyHeader& header, const std::string& nam
   const auto shape = array_shape(header.shape);
   if (!shape) return {{}, "empty, of more than two dimensions, or wide"};
   const MatrixLayout layout{type->first, type->second, *shape, header.fortran_order != shape->transposed};
-  if (layout.bytes() > place.most()) return {{}, "cut"};
+  if (layout.bytes() + (place.deflated ? 0 : header.bytes) > place.most()) return {{}, "cut"};
   const auto read = [place, layout, name, skipped = header.bytes, bytes](std::span<const WantedColumn> columns) {
     ByteStream stream = place.stream();
+    if (place.crc) stream.watch();
     const bool there = stream.skip(skipped);
     const MatrixReading reading = there ? read_matrix(stream, layout, columns) : MatrixReading{false};
+    const bool sound = reading.whole && (!place.crc || (stream.finish() && stream.crc() == *place.crc));
     bytes->release(place.data);
-    if (reading.whole) return reading.rounded;
+    if (sound) return reading.rounded;
     text::fail(bytes->name(),
                fmt::format("the data of {} stop in the middle or are damaged; save it again with numpy", name));
   };
@@ -253,7 +259,7 @@ std::unique_ptr<Recording> open_npz(std::shared_ptr<const Bytes> bytes) {
       leave_out(encrypted ? "encrypted" : "packed in a way that NumPy has not", name);
       continue;
     }
-    const npz::Place place{member.data, member.method == npz::kDeflated};
+    const npz::Place place{member.data, member.method == npz::kDeflated, member.crc};
     try {
       npz::Parsed parsed = npz::parse(place, npz::header_of(place, bytes->name()), name, bytes);
       if (parsed.array) {

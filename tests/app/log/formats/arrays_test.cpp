@@ -28,6 +28,10 @@ std::string row(std::initializer_list<Number> values) {
   return bytes;
 }
 
+U32 checksum(const std::string& text) {
+  return static_cast<U32>(::crc32(0, reinterpret_cast<const Bytef*>(text.data()), static_cast<uInt>(text.size())));
+}
+
 /// An archive with its directory.
 class Zip {
  public:
@@ -37,7 +41,8 @@ class Zip {
     const std::string extra = zip64 ? packed(U16{1}, U16{16}) + packed(U64{content.size()}, U64{data.size()}) : "";
     const U32 packed_size = zip64 ? 0xffffffff : static_cast<U32>(data.size());
     const U32 size = zip64 ? 0xffffffff : static_cast<U32>(content.size());
-    const std::string common = packed(U16{20}, U16{0}) + packed(method) + packed(U32{0}, U32{0}, packed_size, size) +
+    const std::string common = packed(U16{20}, U16{0}) + packed(method) +
+                               packed(U32{0}, checksum(content), packed_size, size) +
                                packed(static_cast<U16>(name.size()), static_cast<U16>(extra.size()));
     directory_ += "PK\x01\x02" + packed(U16{20}) + common + packed(U16{0}, U16{0}, U16{0}) +
                   packed(U32{0}, static_cast<U32>(bytes_.size())) + name + extra;
@@ -158,6 +163,16 @@ TEST_F(Arrays, AnArchiveWithoutItsEndGivesWholeArrays) {
   const auto cut = open(zip.without_directory().substr(0, zip.without_directory().size() - 4));
   EXPECT_EQ(info(*cut, "t").count, 4);
   cut_everywhere(zip.bytes());
+}
+
+TEST_F(Arrays, DamagedDataAreAnErrorWhenTheyAreRead) {
+  std::string body;
+  for (int i = 0; i < 1000; ++i) body += packed(std::sin(i * i));
+  for (const bool deflate : {false, true}) {
+    std::string bytes = Zip().add("t.npy", npy("<f8", "(1000,)", body), deflate).bytes();
+    bytes[bytes.size() / 2] ^= 0x20;
+    EXPECT_CONTAINS(refusal(bytes), "the data of t stop in the middle or are damaged");
+  }
 }
 
 TEST_F(Arrays, DirectoriesOfStrangers) {

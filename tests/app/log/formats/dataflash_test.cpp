@@ -192,7 +192,7 @@ TEST_F(Dataflash, BatchesOfRawSamples) {
   EXPECT_EQ(rows.stamps_ns[39], 1'039'000'000);
   EXPECT_EQ(rows.columns[0][40], (1000 + 32) / 100.);
   EXPECT_EQ(rows.stamps_ns[40], 3'032'000'000);
-  expect_note(rows.notes, "at 1000 Hz nominal");
+  expect_note(rows.notes, "2 pieces at 1000 Hz nominal, with gaps between them");
 }
 
 TEST_F(Dataflash, MarksWithinMessagesMeanNothing) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "gyrobudget/app/log/recording.h"
+#include "gyrobudget/app/text/error.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -119,10 +120,7 @@ class RecordingTest : public TemporaryFolder {
     return recording;
   }
   [[nodiscard]] std::string refusal(const std::string& bytes, const std::string& name = "log") const {
-    return message_of<text::InputError>([&] {
-      const auto recording = log::open_recording(file(name, bytes));
-      read_all(*recording);
-    });
+    return message_of<text::InputError>([&] { read_all(*open(bytes, name)); });
   }
   /// A file of the real ones; empty where they are not there.
   static std::string real(const std::string& name) {
