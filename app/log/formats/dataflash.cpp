@@ -190,6 +190,9 @@ class BinaryWalk {
  public:
   BinaryWalk(const Bytes& bytes, Catalogue& catalogue) : text_(bytes.text()), catalogue_(catalogue), releaser_(bytes) {
     of_type_.fill(Catalogue::kNone);
+    of_type_[kFormatType] = catalogue_.define("", [] {
+      return make_definition(kFormatType, kFormatBytes, "FMT", "BBnNZ", "Type,Length,Name,Format,Columns", false);
+    });
   }
 
   bool next(Message& message) {
@@ -249,11 +252,6 @@ class BinaryWalk {
                              until_nul(body.substr(kFormat, kLabels - kFormat)), until_nul(body.substr(kLabels)),
                              false);
     });
-    if (of_type_[kFormatType] == Catalogue::kNone) {
-      of_type_[kFormatType] = catalogue_.define("", [] {
-        return make_definition(kFormatType, kFormatBytes, "FMT", "BBnNZ", "Type,Length,Name,Format,Columns", false);
-      });
-    }
   }
 
   std::string_view text_;
