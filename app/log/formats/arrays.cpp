@@ -239,14 +239,27 @@ struct ByteStream::Inflating {
   }
 };
 
-ByteStream::ByteStream(std::string_view plain) : plain_(plain) {}
-ByteStream::ByteStream(std::string_view packed, int window) : inflating_(std::make_unique<Inflating>(packed, window)) {}
+ByteStream::ByteStream(const Bytes& file, std::string_view plain) : file_(&file), unreleased_(plain), plain_(plain) {}
+ByteStream::ByteStream(const Bytes& file, std::string_view packed, int window)
+    : file_(&file), unreleased_(packed), inflating_(std::make_unique<Inflating>(packed, window)) {}
 ByteStream::~ByteStream() = default;
 ByteStream::ByteStream(ByteStream&&) noexcept = default;
 ByteStream& ByteStream::operator=(ByteStream&&) noexcept = default;
 
+/// @param rest  of the bytes of the file
+void ByteStream::release(std::string_view rest) {
+  constexpr std::size_t kPart = std::size_t{1} << 22;
+  const std::size_t passed = unreleased_.size() - rest.size();
+  if (passed < kPart) return;
+  file_->release(unreleased_.substr(0, passed));
+  unreleased_ = rest;
+}
+
 std::string_view ByteStream::inflate(std::size_t size) {
-  if (inflating_->last - inflating_->first < size) inflating_->fill();
+  if (inflating_->last - inflating_->first < size) {
+    inflating_->fill();
+    release(inflating_->packed);
+  }
   const std::size_t got = std::min(size, inflating_->last - inflating_->first);
   const std::string_view bytes(inflating_->buffer.data() + inflating_->first, got);
   inflating_->first += got;
@@ -259,6 +272,7 @@ std::string_view ByteStream::take(std::size_t size) {
   if (inflating_) {
     bytes = inflate(size);
   } else {
+    release(plain_);  // what was given last time is used
     bytes = plain_.substr(0, size);
     plain_.remove_prefix(bytes.size());
   }

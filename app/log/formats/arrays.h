@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "../bytes.h"
 #include "../recording.h"
 #include "number_type.h"
 
@@ -98,10 +99,11 @@ class ByteStream {
  public:
   static constexpr std::size_t kMost = std::size_t{1} << 16;  ///< bytes at a time
 
-  explicit ByteStream(std::string_view plain);
+  /// @param file  which the bytes are a part of: what was passed may leave memory
+  ByteStream(const Bytes& file, std::string_view plain);
   /// @param window  zlib's: 15 for its own format, -15 without any
   /// @throws std::bad_alloc
-  ByteStream(std::string_view packed, int window);
+  ByteStream(const Bytes& file, std::string_view packed, int window);
   ~ByteStream();
   ByteStream(ByteStream&&) noexcept;
   ByteStream& operator=(ByteStream&&) noexcept;
@@ -122,7 +124,10 @@ class ByteStream {
   struct Inflating;
   std::string_view inflate(std::size_t size);
   void pass(std::string_view bytes);
+  void release(std::string_view rest);
 
+  const Bytes* file_;
+  std::string_view unreleased_;
   std::string_view plain_;
   std::unique_ptr<Inflating> inflating_;
   std::uint64_t taken_ = 0;

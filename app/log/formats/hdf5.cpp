@@ -203,7 +203,7 @@ class DataSet {
         space_(set_.good() ? H5Dget_space(set_.id()) : -1, H5Sclose) {}
 
   /// @returns false where the library cannot
-  bool read(std::span<const WantedColumn> columns) {
+  bool read(const File& file, std::span<const WantedColumn> columns) {
     if (!set_.good() || !space_.good()) return false;
     const bool by_columns = !extent_.columns || *extent_.columns < extent_.rows;
     const auto rows = static_cast<std::size_t>(extent_.shape.rows);
@@ -211,6 +211,7 @@ class DataSet {
       const std::size_t count = std::min(block(by_columns), rows - row);
       if (!(by_columns ? read_columns(row, count, columns) : read_rows(row, count, columns))) return false;
       row += count;
+      file.release();
     }
     return true;
   }
@@ -428,8 +429,7 @@ class Reader {
                                                                            const Extent& extent, bool may_round) const {
     return [file = file_, path, name, extent, may_round](std::span<const WantedColumn> columns) {
       const Library held;
-      const bool sound = DataSet(file->id(), path, extent).read(columns);
-      file->release();
+      const bool sound = DataSet(file->id(), path, extent).read(*file, columns);
       if (!sound) text::fail(file->name(), fmt::format("the data of {} are damaged; copy the file again", name));
       constexpr double kExact = 9007199254740992;  // 2^53
       return may_round && std::ranges::any_of(columns, [](const WantedColumn& c) {

@@ -109,6 +109,7 @@ class Elements {
     return data;
   }
   [[nodiscard]] std::uint64_t at() const { return stream_.taken(); }
+  [[nodiscard]] bool finish() { return stream_.finish(); }
   [[nodiscard]] bool big_endian() const { return big_endian_; }
 
  private:
@@ -120,8 +121,12 @@ class Elements {
 struct Place {
   std::string_view bytes;
   bool compressed = false;
+  /// All of it was inflated and agreed with its check sum. Set once, while it is listed.
+  std::shared_ptr<bool> is_sound = std::make_shared<bool>(false);
 
-  [[nodiscard]] ByteStream stream() const { return compressed ? ByteStream(bytes, kZlibWindow) : ByteStream(bytes); }
+  [[nodiscard]] ByteStream stream(const Bytes& file) const {
+    return compressed ? ByteStream(file, bytes, kZlibWindow) : ByteStream(file, bytes);
+  }
   /// No more can come out of it.
   [[nodiscard]] std::uint64_t most() const {
     constexpr std::uint64_t kMostGrowth = 1100;
@@ -141,7 +146,7 @@ class Reader {
 
   std::unique_ptr<Recording> run() {
     big_endian_ = text_[kOrderAt] == 'M';
-    const Elements header(ByteStream(text_), big_endian_);
+    const Elements header(ByteStream(*bytes_, text_), big_endian_);
     subsystem_ = header.u32(text_, kSubsystemAt);  // blanks where there is none, which is no place of a small file
     for (std::size_t at = kHeader; at < text_.size();) at = variable(at);
     return finish();
@@ -151,7 +156,7 @@ class Reader {
   /// @returns where the next one begins
   std::size_t variable(std::size_t at) {
     const std::size_t left = text_.size() - at;
-    const Elements e(ByteStream(text_), big_endian_);
+    const Elements e(ByteStream(*bytes_, text_), big_endian_);
     const std::uint32_t type = left < kTag ? 0 : e.u32(text_, at), size = left < kTag ? 0 : e.u32(text_, at + 4);
     if (left < kTag || size > left - kTag) {
       notes_.push_back(fmt::format("the file ends inside a variable that begins at byte {}: it is left out", at));
@@ -161,7 +166,7 @@ class Reader {
     if (type == kMatrix && at != subsystem_) read(place, 0, at);
     if (type == kCompressed) {
       try {
-        Elements inner(place.stream(), big_endian_);
+        Elements inner(place.stream(*bytes_), big_endian_);
         if (inner.tag().type == kMatrix && at != subsystem_) read(place, kTag, at);
       } catch (const Damage&) {
         damaged(at);
@@ -173,9 +178,11 @@ class Reader {
 
   void read(const Place& place, std::uint64_t skipped, std::size_t at) {
     try {
-      Elements elements(place.stream(), big_endian_);
+      Elements elements(place.stream(*bytes_), big_endian_);
       elements.skip(skipped);
-      matrix(elements, place, "", "", 0);
+      const bool all = matrix(elements, place, "", "", 0);
+      if (place.compressed && all) *place.is_sound = elements.finish();
+      if (place.compressed && all && !*place.is_sound) throw Damage{};
     } catch (const Damage&) {
       damaged(at);
     }
@@ -207,7 +214,8 @@ class Reader {
   }
 
   /// @param field  its name where it is one of a struct's, whose matrices have none
-  void matrix(Elements& elements, const Place& place, const std::string& group, const std::string& field, int depth) {
+  /// @returns whether it was gone through to its end, as structs are
+  bool matrix(Elements& elements, const Place& place, const std::string& group, const std::string& field, int depth) {
     constexpr std::size_t kMostName = 1024;
     const Head h = head(elements);
     const std::string name = field.empty() ? h.name : field;
@@ -228,6 +236,7 @@ class Reader {
                                       : "of a class that is not known",
                 full);
     }
+    return h.type == kStruct;
   }
 
   void numbers(Elements& elements, const Place& place, const Head& h, const std::string& group,
@@ -244,10 +253,10 @@ class Reader {
     if (layout.bytes() > tag.size || layout.bytes() + at > place.most() + kTag) throw Damage{};
     arrays_.push_back(
         {group, name, *shape, "", [place, at, layout, full, bytes = bytes_](auto columns) {
-           ByteStream stream = place.stream();
+           ByteStream stream = place.stream(*bytes);
            const bool there = stream.skip(at);
            const MatrixReading reading = there ? read_matrix(stream, layout, columns) : MatrixReading{false};
-           const bool sound = reading.whole && (!place.compressed || stream.finish());
+           const bool sound = reading.whole && (!place.compressed || *place.is_sound || stream.finish());
            bytes->release(place.bytes);
            if (sound) return reading.rounded;
            text::fail(

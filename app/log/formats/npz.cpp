@@ -165,19 +165,21 @@ struct Place {
   bool deflated = false;
   std::optional<std::uint32_t> crc = {};  ///< that an archive tells
 
-  [[nodiscard]] ByteStream stream() const { return deflated ? ByteStream(data, kRawWindow) : ByteStream(data); }
+  [[nodiscard]] ByteStream stream(const Bytes& file) const {
+    return deflated ? ByteStream(file, data, kRawWindow) : ByteStream(file, data);
+  }
   [[nodiscard]] std::uint64_t most() const {
     constexpr std::uint64_t kMostGrowth = 1100;
     return deflated ? kMostGrowth * data.size() : data.size();
   }
 };
 
-NpyHeader header_of(const Place& place, std::string_view source) {
+NpyHeader header_of(const Place& place, const Bytes& file) {
   constexpr std::size_t kPrefix = 12;
-  const std::string prefix(place.stream().take(kPrefix));
-  const std::size_t size = npy_header_bytes(source, prefix);
-  ByteStream stream = place.stream();
-  return parse_npy_header(source, stream.take(size));
+  const std::string prefix(place.stream(file).take(kPrefix));
+  const std::size_t size = npy_header_bytes(file.name(), prefix);
+  ByteStream stream = place.stream(file);
+  return parse_npy_header(file.name(), stream.take(size));
 }
 
 /// An array and where its numbers are; what is wrong with it otherwise.
@@ -195,7 +197,7 @@ Parsed parse(const Place& place, const NpyHeader& header, const std::string& nam
   const MatrixLayout layout{type->first, type->second, *shape, header.fortran_order != shape->transposed};
   if (layout.bytes() + (place.deflated ? 0 : header.bytes) > place.most()) return {{}, "cut"};
   const auto read = [place, layout, name, skipped = header.bytes, bytes](std::span<const WantedColumn> columns) {
-    ByteStream stream = place.stream();
+    ByteStream stream = place.stream(*bytes);
     if (place.crc) stream.watch();
     const bool there = stream.skip(skipped);
     const MatrixReading reading = there ? read_matrix(stream, layout, columns) : MatrixReading{false};
@@ -261,7 +263,7 @@ std::unique_ptr<Recording> open_npz(std::shared_ptr<const Bytes> bytes) {
     }
     const npz::Place place{member.data, member.method == npz::kDeflated, member.crc};
     try {
-      npz::Parsed parsed = npz::parse(place, npz::header_of(place, bytes->name()), name, bytes);
+      npz::Parsed parsed = npz::parse(place, npz::header_of(place, *bytes), name, bytes);
       if (parsed.array) {
         arrays.push_back(std::move(*parsed.array));
       } else {
@@ -277,7 +279,7 @@ std::unique_ptr<Recording> open_npz(std::shared_ptr<const Bytes> bytes) {
 
 std::unique_ptr<Recording> open_other_npy(std::shared_ptr<const Bytes> bytes) {
   const npz::Place place{bytes->text()};
-  npz::Parsed parsed = npz::parse(place, npz::header_of(place, bytes->name()), "array", bytes);
+  npz::Parsed parsed = npz::parse(place, npz::header_of(place, *bytes), "array", bytes);
   if (!parsed.array)
     text::fail(bytes->name(),
                fmt::format("holds an array that is {}; copy the file again, or save it as numbers", parsed.reason));
