@@ -221,23 +221,30 @@ class DataSet {
 
   /// With a cache that holds a row of chunks, or each would be unpacked for each column.
   Handle open(hid_t file, const std::string& path) {
-    const Handle first(H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose);
-    if (!first.good()) return {-1, H5Dclose};
-    const Handle creation(H5Dget_create_plist(first.id()), H5Pclose), type(H5Dget_type(first.id()), H5Tclose);
     const Handle access(H5Pcreate(H5P_DATASET_ACCESS), H5Pclose);
-    std::vector<hsize_t> chunk(extent_.lengths.size());
-    if (!chunk.empty() && H5Pget_layout(creation.id()) == H5D_CHUNKED &&
-        H5Pget_chunk(creation.id(), static_cast<int>(chunk.size()), chunk.data()) > 0) {
-      chunk_rows_ = std::max<hsize_t>(1, chunk[extent_.rows]);
-      double bytes = static_cast<double>(H5Tget_size(type.id()));
-      for (const hsize_t length : chunk) bytes *= static_cast<double>(length);
-      if (extent_.columns)
-        bytes *= std::ceil(static_cast<double>(extent_.shape.columns) / static_cast<double>(chunk[*extent_.columns]));
-      constexpr double kLeast = 1 << 20, kMost = 1 << 28;
-      constexpr std::size_t kSlots = 4099;
-      H5Pset_chunk_cache(access.id(), kSlots, static_cast<std::size_t>(std::clamp(2 * bytes, kLeast, kMost)), 1);
-    }
+    const double bytes = look_at_chunks(file, path);
+    constexpr double kLeast = 1 << 20, kMost = 1 << 30;
+    constexpr std::size_t kSlots = 4099;
+    H5Pset_chunk_cache(access.id(), kSlots, static_cast<std::size_t>(std::clamp(2 * bytes, kLeast, kMost)), 1);
     return {H5Dopen2(file, path.c_str(), access.id()), H5Dclose};
+  }
+
+  /// The set is closed again: the library keeps the cache with which it was opened first.
+  /// @returns bytes of the chunks beside each other that hold all columns
+  double look_at_chunks(hid_t file, const std::string& path) {
+    const Handle set(H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose);
+    if (!set.good()) return 0;
+    const Handle creation(H5Dget_create_plist(set.id()), H5Pclose), type(H5Dget_type(set.id()), H5Tclose);
+    std::vector<hsize_t> chunk(extent_.lengths.size());
+    const bool is_chunked = !chunk.empty() && H5Pget_layout(creation.id()) == H5D_CHUNKED &&
+                            H5Pget_chunk(creation.id(), static_cast<int>(chunk.size()), chunk.data()) > 0;
+    if (!is_chunked) return 0;
+    chunk_rows_ = std::max<hsize_t>(1, chunk[extent_.rows]);
+    auto bytes = static_cast<double>(H5Tget_size(type.id()));
+    for (const hsize_t length : chunk) bytes *= static_cast<double>(length);
+    if (extent_.columns)
+      bytes *= std::ceil(static_cast<double>(extent_.shape.columns) / static_cast<double>(chunk[*extent_.columns]));
+    return bytes;
   }
 
   /// Rows at a time: whole chunks where they are not too long.
@@ -262,8 +269,10 @@ class DataSet {
     if (!start.empty() &&
         H5Sselect_hyperslab(space_.id(), H5S_SELECT_SET, start.data(), nullptr, count.data(), nullptr) < 0)
       return false;
-    const hsize_t size = rows * columns;
-    const Handle memory(H5Screate_simple(1, &size, nullptr), H5Sclose);
+    // Of the same shape, or the library would go from number to number.
+    const Handle memory(
+        start.empty() ? H5Screate(H5S_SCALAR) : H5Screate_simple(static_cast<int>(count.size()), count.data(), nullptr),
+        H5Sclose);
     return H5Dread(set_.id(), H5T_NATIVE_DOUBLE, memory.id(), space_.id(), H5P_DEFAULT, out) >= 0;
   }
 
@@ -288,7 +297,8 @@ class DataSet {
 };
 
 /// Why numbers of a data set cannot be had; empty where they can.
-std::string obstacle(hid_t set, std::uint64_t bytes) {
+/// @param size  bytes of one of its numbers
+std::string obstacle(hid_t set, std::int64_t numbers, std::size_t size) {
   const Handle creation(H5Dget_create_plist(set), H5Pclose);
   if (H5Pget_layout(creation.id()) == H5D_VIRTUAL || H5Pget_external_count(creation.id()) > 0)
     return "kept in other files";
@@ -305,8 +315,15 @@ std::string obstacle(hid_t set, std::uint64_t bytes) {
                          clean_name(name.data()));
     }
   }
-  constexpr std::uint64_t kMostGrowth = 1100, kAlways = 1 << 16;
-  return bytes > kMostGrowth * H5Dget_storage_size(set) + kAlways ? "never filled" : "";
+  // A chunk is unpacked whole, however little of it there is.
+  std::array<hsize_t, H5S_MAX_RANK> chunk{};
+  const int dimensions =
+      H5Pget_layout(creation.id()) == H5D_CHUNKED ? H5Pget_chunk(creation.id(), H5S_MAX_RANK, chunk.data()) : 0;
+  double chunk_bytes = dimensions > 0 ? static_cast<double>(size) : 0;
+  for (int i = 0; i < dimensions; ++i) chunk_bytes *= static_cast<double>(chunk[static_cast<std::size_t>(i)]);
+  constexpr double kMostGrowth = 1100, kAlways = 1 << 16;
+  const double most = kMostGrowth * static_cast<double>(H5Dget_storage_size(set)) + kAlways;
+  return static_cast<double>(numbers) * static_cast<double>(size) > most || chunk_bytes > most ? "never filled" : "";
 }
 
 // --- Groups ---------------------------------------------------------------------------------------------------------
@@ -412,9 +429,9 @@ class Reader {
     std::vector<std::int64_t> lengths;
     const auto extent = extent_of(space.id(), is_matlab_, lengths);
     if (!extent) return leave_out("empty, of more than two dimensions, or wide", full);
-    const auto bytes = static_cast<std::uint64_t>(extent->shape.rows) *
-                       static_cast<std::uint64_t>(extent->shape.columns) * H5Tget_size(type.id());
-    if (const std::string why = obstacle(set, bytes); !why.empty()) return leave_out(why, full);
+    if (const std::string why = obstacle(set, extent->shape.rows * extent->shape.columns, H5Tget_size(type.id()));
+        !why.empty())
+      return leave_out(why, full);
     const bool may_round = of == H5T_INTEGER && H5Tget_size(type.id()) >= sizeof(std::int64_t);
     arrays_.push_back({group, name, extent->shape, unit_of(set), reading(path, full, *extent, may_round)});
   }
