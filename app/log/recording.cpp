@@ -40,17 +40,24 @@ std::unique_ptr<Recording> refuse_blackbox(std::shared_ptr<const Bytes> bytes) {
       "is a log of Betaflight's or INAV's blackbox, which is not read; decode it first: blackbox_decode LOG, and read the CSV");
 }
 
-/// A time of eight bytes, big-endian microseconds since 1970, then a message of MAVLink 1 or 2.
+/// Times of eight bytes, big-endian microseconds since 1970, each before a message of MAVLink 1 or 2.
 bool is_tlog(std::string_view head) {
   constexpr std::size_t kTime = 8, kShortest = kTime + 12;
   constexpr unsigned char kVersion1 = 0xfe, kVersion2 = 0xfd;
-  if (head.size() < kShortest) return false;
   const auto byte = [&](std::size_t at) { return static_cast<unsigned char>(head[at]); };
-  if (byte(kTime) != kVersion1 && byte(kTime) != kVersion2) return false;
-  std::uint64_t us = 0;
-  for (std::size_t i = 0; i < kTime; ++i) us = us << 8 | byte(i);
-  constexpr std::uint64_t kYear2000 = 946'684'800'000'000, kYear2100 = 4'102'444'800'000'000;
-  return us > kYear2000 && us < kYear2100;
+  const auto is_start = [&](std::size_t at) {
+    std::uint64_t us = 0;
+    for (std::size_t i = 0; i < kTime; ++i) us = us << 8 | byte(at + i);
+    constexpr std::uint64_t kYear2000 = 946'684'800'000'000, kYear2100 = 4'102'444'800'000'000;
+    const bool is_mark = byte(at + kTime) == kVersion1 || byte(at + kTime) == kVersion2;
+    return is_mark && us > kYear2000 && us < kYear2100;
+  };
+  if (head.size() < kShortest || !is_start(0)) return false;
+  constexpr std::size_t kFrame1 = 8, kFrame2 = 12, kSignature = 13;
+  const bool is_signed = (byte(kTime + 2) & 1) != 0;
+  const std::size_t frame = byte(kTime) == kVersion1 ? kFrame1 : kFrame2 + (is_signed ? kSignature : 0);
+  const std::size_t next = kTime + frame + byte(kTime + 1);
+  return next + kShortest > head.size() || is_start(next);
 }
 
 std::unique_ptr<Recording> refuse_tlog(std::shared_ptr<const Bytes> bytes) {

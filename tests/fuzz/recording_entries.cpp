@@ -90,15 +90,15 @@ std::string ulog() {
   const auto message = [](char type, const std::string& content) {
     return packed(static_cast<U16>(content.size())) + type + content;
   };
-  std::string bytes = std::string("\x55\x4c\x6f\x67\x01\x12\x35\x01", 8) + packed(U64{1});
-  bytes += message('B', std::string(8, '\0') + '\1' + std::string(7, '\0') + packed(U64{420}, U64{0}, U64{0}));
+  std::string bytes = "\x55\x4c\x6f\x67\x01\x12\x35\x01" + packed(U64{1});
+  bytes += message('B', packed(U64{0}, U64{1}, U64{420}, U64{0}, U64{0}));
   bytes += message(
       'F',
       "sensor_gyro_fifo:uint64_t timestamp;float dt;float scale;uint8_t samples;int16_t[2] x;int16_t[2] y;int16_t[2] z;");
   bytes += message('F', "sensor_combined:uint64_t timestamp;inner[2] gyro_rad;uint32_t gyro_integral_dt;") +
            message('F', "inner:float a;");
-  bytes += message('A', std::string("\0\1\0", 3) + "sensor_combined") +
-           message('A', std::string("\1\2\0", 3) + "sensor_gyro_fifo");
+  bytes += message('A', packed(U8{0}) + packed(U16{1}) + std::string("sensor_combined")) +
+           message('A', packed(U8{1}) + packed(U16{2}) + std::string("sensor_gyro_fifo"));
   for (int i = 0; i < 4; ++i) {
     bytes += message('D', packed(U16{1}) + packed(U64(4000 * i)) + packed(1.F, 2.F, U32{4000}));
     bytes += message(
@@ -147,13 +147,14 @@ std::string mat(bool compress) {
   }
   const std::string opaque =
       element(14, element(6, packed(U32{17}, U32{0})) + element(1, "TT") + element(1, "MCOS") + element(1, "table"));
-  return padded("MATLAB 5.0 MAT-file", 124) + std::string("\0\1IM", 4) + opaque + variable;
+  return padded("MATLAB 5.0 MAT-file", 124) + packed(U16{0x100}) + "IM" + opaque + variable;
 }
 
 std::string npy(const char* descr, const char* shape, std::size_t bytes) {
   std::string header = std::string("{'descr': '") + descr + "', 'fortran_order': True, 'shape': " + shape + ", }";
   header.resize(117, ' ');
-  return "\x93NUMPY" + std::string("\1\0\x76\0", 4) + header + '\n' + std::string(bytes, '@');
+  header += '\n';
+  return "\x93NUMPY" + packed(U8{1}, U8{0}, U16{118}) + header + std::string(bytes, '@');
 }
 
 std::string npz() {
@@ -168,7 +169,7 @@ std::string npz() {
                                packed(U32{0}, crc, static_cast<U32>(data.size()), static_cast<U32>(content.size())) +
                                packed(U16{5}, U16{0});
     directory +=
-        "PK\x01\x02" + packed(U16{20}) + common + std::string(10, '\0') + packed(static_cast<U32>(bytes.size())) + name;
+        "PK\x01\x02" + packed(U16{20}) + common + padded("", 10) + packed(static_cast<U32>(bytes.size())) + name;
     bytes += "PK\x03\x04" + common + name + data;
   }
   return bytes + directory + "PK\x05\x06" + packed(U16{0}, U16{0}, U16{2}, U16{2}) +

@@ -269,7 +269,11 @@ class TextWalk {
 
   bool next(Message& message) {
     while (at_ < text_.size()) {
-      const std::size_t begin = at_, end = std::min(text_.find('\n', at_), text_.size());
+      const std::size_t begin = at_, end = text_.find('\n', at_);
+      if (end == std::string_view::npos) {  // its last number may be cut
+        losses_.cut_at = begin;
+        return false;
+      }
       at_ = end + 1;
       releaser_.passed(std::min(at_, text_.size()));
       const std::string_view line = text::trim(text_.substr(begin, end - begin));
@@ -675,11 +679,11 @@ void Dataflash<Walk>::note(const Losses& losses, std::uint64_t short_rows) {
     notes_.push_back(
         fmt::format("the {} data stop in the middle: the log ends after {} bytes", name(bytes_->compression()), size));
   if (losses.cut_at != kNowhere) {
-    notes_.push_back(fmt::format("the file ends inside a message: {} at byte {} are left out",
+    notes_.push_back(fmt::format("the file ends inside a {}: {} from byte {} on left out", kIsText ? "line" : "message",
                                  counted(size - losses.cut_at, "byte"), losses.cut_at));
   }
   if (losses.skipped > 0) {
-    notes_.push_back(fmt::format("{} belong to no message and are left out, the first at byte {}",
+    notes_.push_back(fmt::format("left out as of no message: {}, the first at byte {}",
                                  counted(losses.skipped, kIsText ? "line" : "byte"), losses.skipped_at));
   }
   if (short_rows > 0) notes_.push_back(fmt::format("{} with too few values left out", counted(short_rows, "line")));
@@ -872,9 +876,12 @@ Rows Dataflash<Walk>::read(std::size_t stream, std::span<const std::size_t> fiel
   const Column* logged = definition.column("TimeUS");
   if (rows.clock == "SampleUS" && logged && logged->is_whole() && is_constant(rows.stamps_ns)) {
     const auto place = static_cast<std::size_t>(logged - definition.columns.data());
-    rows.stamps_ns = read_messages(stream, {}, place).stamps_ns;
-    rows.notes.push_back(
-        fmt::format("{} tells no time: {} stands in", std::exchange(rows.clock, logged->label), logged->label));
+    Rows logged_rows = read_messages(stream, {}, place);
+    if (logged_rows.stamps_ns.size() == rows.stamps_ns.size()) {
+      rows.stamps_ns = std::move(logged_rows.stamps_ns);
+      rows.notes.push_back(
+          fmt::format("{} tells no time: {} stands in", std::exchange(rows.clock, logged->label), logged->label));
+    }
   }
   if (rows.clock == "TimeMS" || rows.clock == "T") rows.notes.emplace_back("stamps are whole milliseconds");
   const double interval = median_interval_s(rows.stamps_ns);

@@ -626,13 +626,13 @@ void Ulog::note_scan(const Losses& losses, std::uint64_t strangers) {
     notes_.push_back(fmt::format("the {} data stop in the middle: the log ends after {} bytes",
                                  name(bytes_->compression()), text_.size()));
   if (losses.cut_at != kNowhere) {
-    notes_.push_back(fmt::format("the file ends inside a message: {} at byte {} are left out",
+    notes_.push_back(fmt::format("the file ends inside a message: {} from byte {} on left out",
                                  counted(text_.size() - losses.cut_at, "byte"), losses.cut_at));
   }
   if (losses.cut_parts > 0)
     notes_.push_back(fmt::format("{} cut where data were appended", counted(losses.cut_parts, "message")));
   if (losses.damaged > 0) {
-    notes_.push_back(fmt::format("{} are damaged and left out, the first at byte {}", counted(losses.damaged, "byte"),
+    notes_.push_back(fmt::format("left out as damaged: {}, the first at byte {}", counted(losses.damaged, "byte"),
                                  losses.damaged_at));
   }
   if (dropouts_ > 0) {
@@ -737,9 +737,12 @@ Rows Ulog::read(std::size_t stream, std::span<const std::size_t> fields) const {
   Rows rows = go(clock, leaves);
   rows.clock = streams_[stream].clock;
   if (clock && plan.publication && clock->name != plan.publication->name && is_constant(rows.stamps_ns)) {
-    rows.stamps_ns = go(&*plan.publication, {}).stamps_ns;
-    rows.clock = plan.publication->name;
-    rows.notes.push_back(fmt::format("{} tells no time: {} stands in", clock->name, rows.clock));
+    Rows published = go(&*plan.publication, {});
+    if (published.stamps_ns.size() == rows.stamps_ns.size()) {
+      rows.stamps_ns = std::move(published.stamps_ns);
+      rows.clock = plan.publication->name;
+      rows.notes.push_back(fmt::format("{} tells no time: {} stands in", clock->name, rows.clock));
+    }
   }
   if (short_[stream] > 0)
     rows.notes.push_back(fmt::format("{} shorter than the format left out", counted(short_[stream], "message")));

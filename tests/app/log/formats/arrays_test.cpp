@@ -224,7 +224,9 @@ TEST_F(Arrays, OtherToolsAreNamed) {
   const std::string blackbox = "H Product:Blackbox flight data recorder by Nicholas Sherlock\nH Data version:2\n";
   EXPECT_EQ(log::recorded_format(blackbox), "Betaflight blackbox");
   EXPECT_CONTAINS(refusal(blackbox), "blackbox_decode");
-  const std::string tlog = std::string("\x00\x05\xf0\x00\x00\x00\x00\x00\xfe\x09", 10) + std::string(20, 'x');
+  const std::string stamp("\x00\x05\xf0\x00\x00\x00\x00\x00", 8);
+  const std::string tlog = stamp + "\xfe\x09" + std::string(15, 'x') + stamp + "\xfd\x02" + std::string(30, '\0');
+  EXPECT_EQ(log::recorded_format(stamp + "\xfe\x09" + std::string(60, 'x')), "");  // no message follows
   EXPECT_EQ(log::recorded_format(tlog), "MAVLink telemetry");
   EXPECT_CONTAINS(refusal(tlog), "mavlogdump.py");
   const std::string zip = Zip().add("Gyroscope.csv", "t,x\n").bytes();

@@ -220,9 +220,8 @@ TEST_F(Dataflash, DamageIsSkippedToWhatIsFollowedByAMessage) {
           "cut");
   const auto recording = open(log.bytes());
   EXPECT_THAT(read(*recording, "IMU", {"GyrX"}).columns[0], testing::ElementsAre(1, 2, 3));
-  expect_note(recording->notes(),
-              "50 bytes belong to no message and are left out, the first at byte " + std::to_string(at));
-  expect_note(recording->notes(), "ends inside a message: 6 bytes at byte");
+  expect_note(recording->notes(), "left out as of no message: 50 bytes, the first at byte " + std::to_string(at));
+  expect_note(recording->notes(), "ends inside a message: 6 bytes from byte");
 }
 
 TEST_F(Dataflash, FormatsThatChangeOrDisagree) {
@@ -261,9 +260,13 @@ TEST_F(Dataflash, AsText) {
   EXPECT_THAT(rows.stamps_ns, testing::ElementsAre(1'700'000'000'000'001'000, 1'700'000'000'002'501'000));
   EXPECT_EQ(info(*recording, "IMU[1]").count, 1);
   EXPECT_EQ(info(*recording, "MSG").count, 1);
+  // A number that may be cut is none.
+  const auto cut = open(text.substr(0, text.find(", 3\r\n") + 3));
+  EXPECT_EQ(info(*cut, "IMU[0]").count, 1);
+  expect_note(cut->notes(), "the file ends inside a line");
   EXPECT_EQ(field(*recording, "IMU[1]", "GyrX").unit, "rad/s");
   expect_note(recording->notes(), "1 line with too few values");
-  expect_note(recording->notes(), "1 line belong to no message");
+  expect_note(recording->notes(), "left out as of no message: 1 line, the first at byte ");
   cut_everywhere(text);
 }
 

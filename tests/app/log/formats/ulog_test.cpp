@@ -231,7 +231,7 @@ TEST_F(Ulog, DamageIsPassedToTheNextMark) {
   log.raw(std::string(50, '\0')).raw(kUlogSync).data(0, combined(5000, 2));
   const auto zeros = open(log.bytes());
   EXPECT_EQ(zeros->streams()[0].count, 2);
-  expect_note(zeros->notes(), "50 bytes are damaged and left out, the first at byte " + std::to_string(at));
+  expect_note(zeros->notes(), "left out as damaged: 50 bytes, the first at byte " + std::to_string(at));
   // A length that is far beyond what is left is damage where a mark follows, the end of the file where none does.
   UlogWriter lost;
   lost.format(kCombined)
@@ -251,7 +251,7 @@ TEST_F(Ulog, DamageIsPassedToTheNextMark) {
           "\xff\xff"
           "D0000");
   expect_note(open(cut.bytes())->notes(),
-              "ends inside a message: 7 bytes at byte " + std::to_string(cut.bytes().size() - 7));
+              "ends inside a message: 7 bytes from byte " + std::to_string(cut.bytes().size() - 7));
 }
 
 TEST_F(Ulog, FormatsOfStrangers) {
