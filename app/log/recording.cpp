@@ -22,12 +22,12 @@
 namespace gyrobudget::inline v0::log {
 namespace {
 
-/// How a format is known and opened: from bytes, which may have been unpacked, or by a path.
+/// How a format is known and opened: by its path, or from bytes, which may have been unpacked.
 struct RecordedFormat {
   std::string_view name;
   bool (*is)(std::string_view head);
-  std::unique_ptr<Recording> (*open)(std::shared_ptr<const Bytes> bytes) = nullptr;
-  std::unique_ptr<Recording> (*open_path)(const std::string& path) = nullptr;
+  std::unique_ptr<Recording> (*open)(const std::string& path);
+  std::unique_ptr<Recording> (*open_bytes)(std::shared_ptr<const Bytes> bytes) = nullptr;
 };
 
 // --- What is no log of ours -----------------------------------------------------------------------------------------
@@ -71,19 +71,19 @@ std::unique_ptr<Recording> refuse_zip(std::shared_ptr<const Bytes> bytes) {
 }
 
 /// The first that says yes is taken.
-constexpr std::array kFormats{
-    RecordedFormat{"PX4 ULog", is_ulog, open_ulog},
-    RecordedFormat{"ArduPilot dataflash", is_dataflash, open_dataflash},
-    RecordedFormat{"ArduPilot dataflash, as text", is_dataflash_text, open_dataflash_text},
-    RecordedFormat{"MATLAB 5 to 7", is_mat, open_mat},
-    RecordedFormat{"MATLAB 7.3", is_matlab_73, open_hdf5},
-    RecordedFormat{"HDF5", is_hdf5, open_hdf5},
-    RecordedFormat{"NumPy npz", is_npz, open_npz},
-    RecordedFormat{"NumPy array", is_other_npy, open_other_npy},
-    RecordedFormat{"Betaflight blackbox", is_blackbox, refuse_blackbox},
-    RecordedFormat{"MAVLink telemetry", is_tlog, refuse_tlog},
-    RecordedFormat{"zip archive", is_other_zip, refuse_zip},
-};
+constexpr auto kFormats = std::to_array<RecordedFormat>({
+    {"PX4 ULog", is_ulog, nullptr, open_ulog},
+    {"ArduPilot dataflash", is_dataflash, nullptr, open_dataflash},
+    {"ArduPilot dataflash, as text", is_dataflash_text, nullptr, open_dataflash_text},
+    {"MATLAB 5 to 7", is_mat, nullptr, open_mat},
+    {"MATLAB 7.3", is_matlab_73, nullptr, open_hdf5},
+    {"HDF5", is_hdf5, nullptr, open_hdf5},
+    {"NumPy npz", is_npz, nullptr, open_npz},
+    {"NumPy array", is_other_npy, nullptr, open_other_npy},
+    {"Betaflight blackbox", is_blackbox, nullptr, refuse_blackbox},
+    {"MAVLink telemetry", is_tlog, nullptr, refuse_tlog},
+    {"zip archive", is_other_zip, nullptr, refuse_zip},
+});
 
 const RecordedFormat* format_of_head(std::string_view head) {
   for (const RecordedFormat& format : kFormats)
@@ -137,8 +137,8 @@ std::unique_ptr<Recording> open_recording(const std::string& path) {
   const Compression compression = compression_of(head);
   const RecordedFormat* format = format_of_head(compression == Compression::none ? head : head_of_packed(path));
   if (!format) return nullptr;
-  if (format->open) return format->open(std::make_shared<const Bytes>(path, Content::recording));
-  if (compression == Compression::none) return format->open_path(path);
+  if (format->open_bytes) return format->open_bytes(std::make_shared<const Bytes>(path, Content::recording));
+  if (compression == Compression::none) return format->open(path);
   text::fail(path, fmt::format("holds a {} in {} data; unpack it first ({})", format->name, name(compression),
                                command(compression)));
 }
