@@ -23,19 +23,22 @@ constexpr std::int64_t kMostColumns = 4096;  // a picture has more, a log has no
 constexpr std::int64_t kMostNumbers = std::int64_t{1} << 40;
 
 /// "a, b, c and 3 more"
-std::string few(const std::vector<std::string>& names) {
-  constexpr std::size_t kShown = 5;
-  std::vector<std::string> shown(names.begin(),
-                                 names.begin() + static_cast<std::ptrdiff_t>(std::min(names.size(), kShown)));
-  if (names.size() > kShown) shown.push_back(fmt::format("{} more", names.size() - kShown));
+std::string few(const NameList& names) {
+  std::vector<std::string> shown = names.shown;
+  if (names.more > 0) shown.push_back(fmt::format("{} more", names.more));
   return text::listing(shown);
 }
 
-void add_to(std::vector<std::pair<std::string, std::vector<std::string>>>& lists, std::string_view key,
-            std::string_view name) {
-  auto found = std::ranges::find(lists, key, [](const auto& list) { return std::string_view(list.first); });
-  if (found == lists.end()) found = lists.insert(lists.end(), {std::string(key), {}});
-  found->second.emplace_back(name);
+void add_to(std::vector<NameList>& lists, std::string_view of, std::string_view name) {
+  auto list = std::ranges::find(lists, of, &NameList::of);
+  constexpr std::size_t kShown = 5, kMostLists = 64;
+  if (list == lists.end() && lists.size() == kMostLists) return;  // strangers may think of more
+  if (list == lists.end()) list = lists.insert(lists.end(), {std::string(of), {}, 0});
+  if (list->shown.size() < kShown) {
+    list->shown.emplace_back(name);
+  } else {
+    ++list->more;
+  }
 }
 
 /// How MATLAB turns an object of a class into numbers.
@@ -185,7 +188,8 @@ void MatlabObjects::add(std::string_view variable, std::string_view class_name) 
 }
 
 void MatlabObjects::note(std::vector<std::string>& notes) const {
-  for (const auto& [class_name, variables] : of_class_) {
+  for (const NameList& variables : of_class_) {
+    const std::string& class_name = variables.of;
     const auto* known = std::ranges::find(arrays::kExports, class_name, &arrays::Export::class_name);
     const std::string_view command = known == std::end(arrays::kExports)
                                          ? "save what it holds as arrays of numbers, save('log.mat', ..., '-v7')"
@@ -198,7 +202,7 @@ void MatlabObjects::note(std::vector<std::string>& notes) const {
 void NamesByReason::add(std::string_view reason, std::string_view name) { arrays::add_to(of_reason_, reason, name); }
 
 void NamesByReason::note(std::vector<std::string>& notes) const {
-  for (const auto& [reason, names] : of_reason_) notes.push_back(fmt::format("{}: {}", reason, arrays::few(names)));
+  for (const NameList& names : of_reason_) notes.push_back(fmt::format("{}: {}", names.of, arrays::few(names)));
 }
 
 // --- Bytes ----------------------------------------------------------------------------------------------------------

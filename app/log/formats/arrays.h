@@ -45,6 +45,9 @@ struct Array {
   std::function<bool(std::span<const WantedColumn>)> read;
 };
 
+/// A file may have no more arrays; a log has some tens.
+inline constexpr std::size_t kMostArrays = std::size_t{1} << 16;
+
 /// Arrays of a group that are equally long are a stream.
 class ArrayRecording : public Recording {
  public:
@@ -73,6 +76,13 @@ class ArrayRecording : public Recording {
   std::shared_ptr<const void> keeper_;
 };
 
+/// Names of which the same is to be said; of many, the first.
+struct NameList {
+  std::string of;  ///< what they have in common
+  std::vector<std::string> shown;
+  std::size_t more = 0;
+};
+
 /// Objects that only MATLAB can read, by their class.
 class MatlabObjects {
  public:
@@ -81,7 +91,7 @@ class MatlabObjects {
   void note(std::vector<std::string>& notes) const;
 
  private:
-  std::vector<std::pair<std::string, std::vector<std::string>>> of_class_;
+  std::vector<NameList> of_class_;
 };
 
 /// Arrays of which the same is to be said: "left out, cells: a, b and 3 more".
@@ -91,7 +101,7 @@ class NamesByReason {
   void note(std::vector<std::string>& notes) const;
 
  private:
-  std::vector<std::pair<std::string, std::vector<std::string>>> of_reason_;
+  std::vector<NameList> of_reason_;
 };
 
 /// Bytes one behind the other: those of a file, or inflated on the way.

@@ -491,6 +491,7 @@ class Reader {
     if (const std::string why = obstacle(set, extent->shape.rows * extent->shape.columns, H5Tget_size(type.id()));
         !why.empty())
       return leave_out(why, full);
+    if (arrays_.size() == kMostArrays) return leave_out("more arrays than a log has", full);
     if (is_trial_) return try_first_row(path, *extent);
     const bool may_round = of == H5T_INTEGER && H5Tget_size(type.id()) >= sizeof(std::int64_t);
     arrays_.push_back({group, name, extent->shape, unit_of(set), reading(path, full, *extent, may_round)});

@@ -245,6 +245,7 @@ class Reader {
     const auto shape = array_shape(h.dimensions);
     if ((h.flags & kComplex) != 0) return leave_out("complex", full);
     if (!shape) return leave_out(h.dimensions.size() > 2 ? "of more than two dimensions" : "empty or wide", full);
+    if (arrays_.size() == kMostArrays) return leave_out("more arrays than a log has", full);
     const Tag tag = elements.tag();
     const auto type = number_type(tag.type);  // often smaller than the class
     if (!type) throw Damage{};

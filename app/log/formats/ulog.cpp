@@ -450,9 +450,14 @@ class Subscriptions {
 
  private:
   std::size_t place(std::string_view name, std::uint8_t instance) {
-    const auto [found, is_new] = places_.try_emplace({name, instance}, places_.size());
-    if (is_new && topics_) topics_->push_back({name, instance, std::nullopt});
-    return is_new && known_ && found->second >= known_->size() ? kNone : found->second;
+    constexpr std::size_t kMostTopics = std::size_t{1} << 14;  // a log has some hundreds
+    const auto known = places_.find({name, instance});
+    if (known != places_.end()) return known->second;
+    const std::size_t next = places_.size();
+    if (next == kMostTopics || (known_ && next == known_->size())) return kNone;
+    places_.emplace(std::pair{name, instance}, next);
+    if (topics_) topics_->push_back({name, instance, std::nullopt});
+    return next;
   }
 
   std::vector<Topic>* topics_ = nullptr;
