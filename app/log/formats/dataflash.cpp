@@ -12,6 +12,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 #include "number_type.h"
@@ -303,7 +304,8 @@ class TextWalk {
       cell = text::trim(body.substr(0, end));
       body.remove_prefix(std::min(end + 1, body.size()));
     }
-    const auto& [type_text, length, name, format] = cells;
+    const std::string_view type_text = cells[0], name = cells[2],
+                           format = cells[3];  // its length is that of the binary
     unsigned type = 0;
     const auto parsed = std::from_chars(type_text.data(), type_text.data() + type_text.size(), type);
     constexpr unsigned kLastType = 0xff;
