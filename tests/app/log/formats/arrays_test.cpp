@@ -204,6 +204,20 @@ TEST_F(Arrays, OneArrayThatReadLogRefuses) {
   EXPECT_EQ(log::recorded_format(npy(">f8", "(4, 3)", kGyro)), "NumPy array");
 }
 
+TEST_F(Arrays, MemoryIsThatOfTheNumbers) {
+  constexpr int kRows = 5'000'000;
+  for (const bool deflate : {false, true}) {
+    std::string path;
+    {
+      const std::string shape = "(" + std::to_string(kRows) + ", 1)";
+      const std::string body(8 * kRows, 'x');
+      path = file("log.npz",
+                  Zip().add("a.npy", npy("<f8", shape, body), deflate).add("b.npy", npy(">f8", shape, body)).bytes());
+    }
+    expect_little_memory(path, "arrays");
+  }
+}
+
 TEST_F(Arrays, RealNumPy) {
   const std::vector<double> means{0.301787157, 0.263545729, -0.105215530, -0.518938411, 1.81944909, 2.38339583};
   const std::vector<double> deviations{2.89680, 6.66490, 1.66369, 6.68042, 5.34805, 7.59485};

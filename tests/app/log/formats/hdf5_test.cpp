@@ -176,6 +176,42 @@ TEST_F(Hdf5, LinksCirclesAndWhatWasNeverFilled) {
   expect_note(recording->notes(), "left out, never filled: huge");
 }
 
+TEST_F(Hdf5, FiltersThatAreNotHereAreNamed) {
+  constexpr H5Z_filter_t kFilter = 300;
+  const auto pass = [](unsigned, std::size_t, const unsigned*, std::size_t bytes, std::size_t*, void**) {
+    return bytes;
+  };
+  const H5Z_class2_t filter{H5Z_CLASS_T_VERS, kFilter, 1, 1, "of a stranger", nullptr, nullptr, pass};
+  const std::string path = this->path("log.h5");
+  {
+    Writer file(path);
+    H5Zregister(&filter);
+    const hsize_t rows = 4;
+    const hid_t space = H5Screate_simple(1, &rows, nullptr), creation = H5Pcreate(H5P_DATASET_CREATE);
+    H5Pset_chunk(creation, 1, &rows);
+    H5Pset_filter(creation, kFilter, 0, 0, nullptr);
+    const hid_t data = H5Dcreate2(file.id(), "/x", H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, creation, H5P_DEFAULT);
+    H5Dwrite(data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, counted_up(4).data());
+    H5Dclose(data), H5Pclose(creation), H5Sclose(space);
+  }
+  EXPECT_EQ(log::open_recording(path)->streams().size(), 1U);
+  H5Zunregister(kFilter);
+  const auto without = log::open_recording(path);
+  EXPECT_TRUE(without->streams().empty());
+  expect_note(without->notes(), "left out, packed by the filter 300 (of a stranger), which is not here");
+}
+
+TEST_F(Hdf5, MemoryIsThatOfTheNumbers) {
+  const std::string path = this->path("log.h5");
+  {
+    Writer file(path);
+    constexpr hsize_t kRows = 2'000'000;
+    file.set("/w", {kRows, 3}, counted_up(3 * kRows), {16384, 3});
+    file.set("/t", {kRows}, counted_up(kRows));
+  }
+  expect_little_memory(path, "arrays");
+}
+
 TEST_F(Hdf5, CutIsAnError) {
   const std::string path = this->path("log.h5");
   {

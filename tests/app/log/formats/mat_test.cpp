@@ -196,6 +196,21 @@ TEST_F(Mat, CutEverywhere) {
               "ends inside a variable that begins at byte " + std::to_string(bytes.size()));
 }
 
+TEST_F(Mat, MemoryIsThatOfTheNumbers) {
+  constexpr int kRows = 1'000'000;
+  for (const bool packs : {false, true}) {
+    const MatFile m;
+    std::string path;
+    {
+      std::vector<double> values(3 * kRows);
+      for (std::size_t i = 0; i < values.size(); ++i) values[i] = static_cast<double>(i % 1000);
+      const std::string variable = m.doubles({kRows, 3}, "w", values);
+      path = file("log.mat", m.head() + (packs ? m.compressed(variable) : variable));
+    }
+    expect_little_memory(path, "w");
+  }
+}
+
 // --- Real ones ------------------------------------------------------------------------------------------------------
 
 const std::vector<std::string> kImu{"wb[0]", "wb[1]", "wb[2]", "fb[0]", "fb[1]", "fb[2]"};

@@ -111,6 +111,42 @@ inline std::int64_t read_all(const log::Recording& recording) {
   return rows;
 }
 
+/// Bytes of memory at the peak of some work, beyond those before; below 0 where the system does not tell.
+template <class Work>
+double peak_bytes(const Work& work) {
+  const auto peak = [] {
+    std::ifstream status("/proc/self/status");
+    constexpr double kKilobyte = 1024;
+    for (std::string line; std::getline(status, line);)
+      if (line.rfind("VmHWM:", 0) == 0) return kKilobyte * std::stod(line.substr(6));
+    return 0.;
+  };
+  {
+    std::ofstream reset("/proc/self/clear_refs");
+    reset << "5" << std::flush;
+    if (!reset) return -1;
+  }
+  const double before = peak();
+  work();
+  return peak() - before;
+}
+
+/// Reads all fields of a stream in no more than so many times the memory of its numbers, and what blocks take.
+inline void expect_little_memory(const std::string& path, const std::string& stream, double most = 1.1) {
+  double kept = 0;
+  const double peak = peak_bytes([&] {
+    const auto recording = log::open_recording(path);
+    const std::size_t place = stream_named(*recording, stream);
+    std::vector<std::size_t> fields(recording->streams()[place].fields.size());
+    std::iota(fields.begin(), fields.end(), std::size_t{0});
+    const log::Rows rows = recording->read(place, fields);
+    kept = 8. * static_cast<double>(rows.stamps_ns.size() + rows.columns.size() * rows.columns.front().size());
+  });
+  constexpr double kBlocks = 8 << 20;
+  EXPECT_GT(kept, kBlocks);
+  EXPECT_LT(peak, most * kept + kBlocks) << kept;
+}
+
 /// A test with files of its own, and the real ones.
 class RecordingTest : public TemporaryFolder {
  protected:

@@ -292,6 +292,17 @@ TEST_F(Ulog, CutEverywhere) {
   cut_everywhere(log.bytes());
 }
 
+TEST_F(Ulog, MemoryIsThatOfTheNumbers) {
+  std::string path;
+  {
+    UlogWriter log;
+    log.format(kCombined).subscribe(0, "sensor_combined");
+    for (int i = 0; i < 500'000; ++i) log.data(0, combined(4000 * i, 1));
+    path = file("log.ulg", log.bytes());
+  }
+  expect_little_memory(path, "sensor_combined", 1.3);  // a part of the file is in memory too
+}
+
 // --- Real ones; numbers by two other readers ------------------------------------------------------------------------
 
 TEST_F(Ulog, RealCube) {
