@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "memory_file.h"
 #include "recording_entries.h"
@@ -214,62 +215,67 @@ std::string two_stretches(int rows, int start) {
   return text;
 }
 
+const std::vector<Entry>& other_entries() {
+  static const std::vector<Entry> kEntries = {
+      {"log",
+       read_log,
+       {with_options(
+            0, "time (s),gyro_x (deg/s),acc_x (m/s^2)\n0.00,0.25,-9.81\n0.01,-1.5e-3,nan\n0.02,3,9.8\n0.03,4,1\n"),
+        with_options(0,
+                     "#timestamp [ns],w_RS_S_x [rad s^-1]\n1403636579758555392,-0.099134701513277898\n"
+                     "1403636579763555584,0.1\n1403636579768555520,0.2\n1403636579773555456,0.3\n"),
+        with_options(3, "# a comment\r\n1 2  3\r\n4\t5 6\r\n\r\n7 8 9\r\n"),
+        with_options(3, "0,1;0,2\n-0,3;0,4\n0,5;0,1\n"),
+        with_options(0, "\xef\xbb\xbft;w (rad/s)\n0;1,5\n0,1;-2,5e1\n0,2;3\n0,2;4\n0,5;4\n"),
+        with_options(17, "\"x (deg)\",\"y (rad)\"\n\"1\",\"4\"\n\"2\",\"5\"\n\"3\",\"6\"\n"),
+        with_options(35, "x\n0.1\n6.2\n0.3\n\n0.2\n12345678901234567890\n1e308\n"),
+        with_options(0, "secs,nsecs,gyro_x (deg/s)\n1,0,1\n1,500000000,2\n2,0,3\n2,500000000,4\n"),
+        with_options(2, "\x1f\x8b\x08")}},
+      {"binary",
+       read_binary,
+       {with_options(0, npy("{'descr': '<f8', 'fortran_order': False, 'shape': (3,), }", 24)),
+        with_options(4, npy("{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3), }", 24)),
+        with_options(0, npy("{'shape': (99999999999999999999,), 'descr': '<f8', 'fortran_order': True}", 8)),
+        with_options(17, std::string(16, 'x')), with_options(2, std::string(24, '\x7f'))}},
+      {"segments",
+       read_cut,
+       {with_options(0, two_stretches(40, 100)), with_options(64, two_stretches(40, 100)),
+        with_options(80, two_stretches(33, -5)), with_options(3, "1\nnan\n2\n")}},
+      {"sensor",
+       read_sensor,
+       {"name: IFOG\ngyro:\n  arw: 5.4e-4 deg/sqrt(h)\n  bias_instability: 1.7e-3 deg/h\n  rrw: 4.32e-2 deg/h/sqrt(h)\n"
+        "  gauss_markov: [{sigma: 0.1 deg/h, correlation_time: 300 s}]\n"
+        "  sinusoid: [{amplitude: 2 deg/h, frequency: 50 mHz, phase: 0 deg}]\naccelerometer:\n  vrw: 0.05 m/s/sqrt(h)\n",
+        "%YAML:1.0\n---\nimu0:\n  accelerometer_noise_density: 2.0e-3\n  gyroscope_noise_density: 1.7e-4\n"
+        "  accelerometer_random_walk: 3e-3\n  gyroscope_random_walk: 1.9e-5\n  update_rate: 200.0\n",
+        "gyr_n: 0.004\ngyr_w: 2.0e-6\nacc_n: 0.08\nacc_w: 0.00004\n",
+        "type: IMU\nGyr:\n  unit: \" rad/s\"\n  avg-axis:\n    gyr_n: 1.8e-3\n    gyr_w: 2.5e-5\n"}},
+      {"curve",
+       read_curve,
+       {with_options(0, "tau (s),adev (deg/h),lower (deg/h)\n0.01,90,80\n0.02,64.5,60\n0.04,45,40\n"),
+        with_options(1, "tau adev\n1 2e-3\n2 1.5e-3\n4 1e-3\n"),
+        with_options(3, "tau_s;x;y\n0,1;1,5;2\n0,2;1,25;3\n")}},
+      {"scene",
+       read_scene,
+       {"site: alcantara\nimu: {file: a.csv, axes: [y, x, -z], columns: {gyro_x: gx (0.1 arcsec)}}\nalignment: {position_sigma: [1 m, 1 m, 2 m], velocity_sigma: 1 cm/s, attitude: self, duration: 5 min}\naids:\n  gnss: {file: g.csv, position: {sigma: 2 m, correlated: {sigma: 1 m, time: 5 min}}, velocity: 5 cm/s, outages: [[1 s, 2 s]]}\n  pad: {rest: 5 mm/s}\nreference: gnss\n",
+        "site: {latitude: -2 deg, longitude: 3 deg, height: 0 m}\ntrajectory: ascent:duration=50\nfilter: {form: joseph, gate: 1e-6, order: 4}\nsolution: {rate: 10 Hz, at: [83 s]}\nuntil: 20 min\n",
+        "imu: {file: -}\nalignment: {position: ins, velocity: ins, attitude: {heading: 3 deg}, level_sigma: 1 deg, heading_sigma: 1 deg, velocity_sigma: 1 m/s}\naids: {ins: {file: a, position: 1 m, attitude: {sigma: 1 deg, bias_sigma: 1 deg}}}\n"}},
+      {"vehicle",
+       read_vehicle,
+       {std::string(files::vehicle_help()),
+        "lift_off_mass: {value: 28 t, origin: sourced, reason: published}\npropellant: 12 t\nburn_time: 83 s\nspecific_impulse: 277 s\ncentre_of_mass: [[0, 7 m], [1, 10 m]]\nroll_inertia: 7e3 kg m^2\npitch_inertia: {points: [[0, 4e5 kg m^2], [0.5, 3e5 kg m^2], [1, 2e5 kg m^2]], interpolation: smooth}\nbending: none\n"}},
+      {"unit",
+       parse_unit,
+       {"deg/sqrt(h)", "rad s^-1", "m/s^2/sqrt(Hz)", "\xc2\xb0/h/\xe2\x88\x9ah", "ug*s^(1/2)", "5.4e-4 deg/sqrt(h)",
+        "300 s", "1.5 h^1/2", "(((m)))", "mrad/s", "1", "%"}}};
+  return kEntries;
+}
+
 }  // namespace
 
 const std::vector<Entry>& entries() {
   static const std::vector<Entry> kEntries = [] {
-    std::vector<Entry> all = {
-        {"log",
-         read_log,
-         {with_options(
-              0, "time (s),gyro_x (deg/s),acc_x (m/s^2)\n0.00,0.25,-9.81\n0.01,-1.5e-3,nan\n0.02,3,9.8\n0.03,4,1\n"),
-          with_options(0,
-                       "#timestamp [ns],w_RS_S_x [rad s^-1]\n1403636579758555392,-0.099134701513277898\n"
-                       "1403636579763555584,0.1\n1403636579768555520,0.2\n1403636579773555456,0.3\n"),
-          with_options(3, "# a comment\r\n1 2  3\r\n4\t5 6\r\n\r\n7 8 9\r\n"),
-          with_options(3, "0,1;0,2\n-0,3;0,4\n0,5;0,1\n"),
-          with_options(0, "\xef\xbb\xbft;w (rad/s)\n0;1,5\n0,1;-2,5e1\n0,2;3\n0,2;4\n0,5;4\n"),
-          with_options(17, "\"x (deg)\",\"y (rad)\"\n\"1\",\"4\"\n\"2\",\"5\"\n\"3\",\"6\"\n"),
-          with_options(35, "x\n0.1\n6.2\n0.3\n\n0.2\n12345678901234567890\n1e308\n"),
-          with_options(0, "secs,nsecs,gyro_x (deg/s)\n1,0,1\n1,500000000,2\n2,0,3\n2,500000000,4\n"),
-          with_options(2, "\x1f\x8b\x08")}},
-        {"binary",
-         read_binary,
-         {with_options(0, npy("{'descr': '<f8', 'fortran_order': False, 'shape': (3,), }", 24)),
-          with_options(4, npy("{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3), }", 24)),
-          with_options(0, npy("{'shape': (99999999999999999999,), 'descr': '<f8', 'fortran_order': True}", 8)),
-          with_options(17, std::string(16, 'x')), with_options(2, std::string(24, '\x7f'))}},
-        {"segments",
-         read_cut,
-         {with_options(0, two_stretches(40, 100)), with_options(64, two_stretches(40, 100)),
-          with_options(80, two_stretches(33, -5)), with_options(3, "1\nnan\n2\n")}},
-        {"sensor",
-         read_sensor,
-         {"name: IFOG\ngyro:\n  arw: 5.4e-4 deg/sqrt(h)\n  bias_instability: 1.7e-3 deg/h\n  rrw: 4.32e-2 deg/h/sqrt(h)\n"
-          "  gauss_markov: [{sigma: 0.1 deg/h, correlation_time: 300 s}]\n"
-          "  sinusoid: [{amplitude: 2 deg/h, frequency: 50 mHz, phase: 0 deg}]\naccelerometer:\n  vrw: 0.05 m/s/sqrt(h)\n",
-          "%YAML:1.0\n---\nimu0:\n  accelerometer_noise_density: 2.0e-3\n  gyroscope_noise_density: 1.7e-4\n"
-          "  accelerometer_random_walk: 3e-3\n  gyroscope_random_walk: 1.9e-5\n  update_rate: 200.0\n",
-          "gyr_n: 0.004\ngyr_w: 2.0e-6\nacc_n: 0.08\nacc_w: 0.00004\n",
-          "type: IMU\nGyr:\n  unit: \" rad/s\"\n  avg-axis:\n    gyr_n: 1.8e-3\n    gyr_w: 2.5e-5\n"}},
-        {"curve",
-         read_curve,
-         {with_options(0, "tau (s),adev (deg/h),lower (deg/h)\n0.01,90,80\n0.02,64.5,60\n0.04,45,40\n"),
-          with_options(1, "tau adev\n1 2e-3\n2 1.5e-3\n4 1e-3\n"),
-          with_options(3, "tau_s;x;y\n0,1;1,5;2\n0,2;1,25;3\n")}},
-        {"scene",
-         read_scene,
-         {"site: alcantara\nimu: {file: a.csv, axes: [y, x, -z], columns: {gyro_x: gx (0.1 arcsec)}}\nalignment: {position_sigma: [1 m, 1 m, 2 m], velocity_sigma: 1 cm/s, attitude: self, duration: 5 min}\naids:\n  gnss: {file: g.csv, position: {sigma: 2 m, correlated: {sigma: 1 m, time: 5 min}}, velocity: 5 cm/s, outages: [[1 s, 2 s]]}\n  pad: {rest: 5 mm/s}\nreference: gnss\n",
-          "site: {latitude: -2 deg, longitude: 3 deg, height: 0 m}\ntrajectory: ascent:duration=50\nfilter: {form: joseph, gate: 1e-6, order: 4}\nsolution: {rate: 10 Hz, at: [83 s]}\nuntil: 20 min\n",
-          "imu: {file: -}\nalignment: {position: ins, velocity: ins, attitude: {heading: 3 deg}, level_sigma: 1 deg, heading_sigma: 1 deg, velocity_sigma: 1 m/s}\naids: {ins: {file: a, position: 1 m, attitude: {sigma: 1 deg, bias_sigma: 1 deg}}}\n"}},
-        {"vehicle",
-         read_vehicle,
-         {std::string(files::vehicle_help()),
-          "lift_off_mass: {value: 28 t, origin: sourced, reason: published}\npropellant: 12 t\nburn_time: 83 s\nspecific_impulse: 277 s\ncentre_of_mass: [[0, 7 m], [1, 10 m]]\nroll_inertia: 7e3 kg m^2\npitch_inertia: {points: [[0, 4e5 kg m^2], [0.5, 3e5 kg m^2], [1, 2e5 kg m^2]], interpolation: smooth}\nbending: none\n"}},
-        {"unit",
-         parse_unit,
-         {"deg/sqrt(h)", "rad s^-1", "m/s^2/sqrt(Hz)", "\xc2\xb0/h/\xe2\x88\x9ah", "ug*s^(1/2)", "5.4e-4 deg/sqrt(h)",
-          "300 s", "1.5 h^1/2", "(((m)))", "mrad/s", "1", "%"}}};
+    std::vector<Entry> all = other_entries();
     for (Entry& entry : recording_entries()) all.push_back(std::move(entry));
     return all;
   }();
