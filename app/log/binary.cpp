@@ -14,6 +14,7 @@
 #include <cstring>
 #include <limits>
 
+#include "compression.h"
 #include "layout.h"
 
 namespace gyrobudget::inline v0::log {
@@ -36,14 +37,8 @@ class HeaderParser {
  public:
   HeaderParser(std::string_view name, std::string_view text) : name_(name), text_(text) {}
 
-  struct Header {
-    std::string_view descr;
-    bool fortran_order = false;
-    std::vector<std::int64_t> shape;
-  };
-
-  Header read() {
-    Header header;
+  NpyHeader read() {
+    NpyHeader header;
     unsigned seen = 0;
     expect('{');
     while (!accept('}')) {
@@ -160,7 +155,8 @@ std::optional<Format> format_named(std::string_view wanted) {
   return std::nullopt;
 }
 
-Format format_of(std::string_view path) {
+Format format_of(std::string_view full_path) {
+  const std::string_view path = without_compression(full_path);
   const std::string ending = text::lower(path.substr(std::min(path.size(), path.rfind('.') + 1)));
   return path.find('.') == std::string_view::npos ? Format::csv : format_named(ending).value_or(Format::csv);
 }
@@ -188,14 +184,20 @@ std::size_t npy_header_bytes(std::string_view name, std::string_view head) {
   return kLongPrefix + little_endian(head.substr(kMagic.size() + 2, 4));
 }
 
-BinaryLayout read_npy_header(std::string_view name, std::string_view bytes) {
+NpyHeader parse_npy_header(std::string_view name, std::string_view bytes) {
   const std::size_t size = npy_header_bytes(name, bytes);
   if (bytes.size() < size) {
     text::fail(name, fmt::format("ends after {} bytes, inside a header of {}; it is a damaged copy: copy it again",
                                  bytes.size(), size));
   }
   const std::size_t prefix = bytes[kMagic.size()] == 1 ? kShortPrefix : kLongPrefix;
-  const auto header = HeaderParser(name, bytes.substr(prefix, size - prefix)).read();
+  NpyHeader header = HeaderParser(name, bytes.substr(prefix, size - prefix)).read();
+  header.bytes = size;
+  return header;
+}
+
+BinaryLayout read_npy_header(std::string_view name, std::string_view bytes) {
+  const NpyHeader header = parse_npy_header(name, bytes);
   const auto& shape = header.shape;
   if (shape.empty() || shape.size() > 2) {
     text::fail(
@@ -209,7 +211,7 @@ BinaryLayout read_npy_header(std::string_view name, std::string_view bytes) {
         name,
         "holds an array in Fortran order, expected C order (sample after sample); save numpy.ascontiguousarray(array)");
   }
-  BinaryLayout layout{is_double(name, header.descr), size, shape.size() == 2 ? shape[1] : 1, shape[0]};
+  BinaryLayout layout{is_double(name, header.descr), header.bytes, shape.size() == 2 ? shape[1] : 1, shape[0]};
   constexpr std::int64_t kMostColumns = 1 << 16;
   if (layout.columns < 1 || layout.columns > kMostColumns) {
     text::fail(name, fmt::format("holds {} columns, expected 1 to {}; its rows are samples: save array.T",

@@ -31,7 +31,18 @@ struct BinaryLayout {
 /// @throws InputError for what is no .npy, or a version that is not known.
 [[nodiscard]] std::size_t npy_header_bytes(std::string_view name, std::string_view head);
 
-/// What the whole header says.
+/// The dictionary in the header of a .npy.
+struct NpyHeader {
+  std::string descr;  ///< "<f8"
+  bool fortran_order = false;
+  std::vector<std::int64_t> shape;
+  std::size_t bytes = 0;  ///< of the header
+};
+
+/// Any array's. @throws InputError for a header that ends early or is not as NumPy writes it, and records of fields.
+[[nodiscard]] NpyHeader parse_npy_header(std::string_view name, std::string_view bytes);
+
+/// What the whole header says of a log.
 /// @throws InputError for a header that ends early or is not as NumPy writes it, numbers that are not little-endian f4
 /// or f8, Fortran order, or an array of other than one or two dimensions.
 [[nodiscard]] BinaryLayout read_npy_header(std::string_view name, std::string_view bytes);

@@ -8,18 +8,19 @@
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <cerrno>
 #include <cstdint>
+#include <memory>
 #include <new>
+#include <span>
 #include <system_error>
 
 namespace gyrobudget::inline v0::log {
 namespace {
 
-constexpr std::size_t kBlock = std::size_t{1} << 20;  // bytes per read or inflate
+constexpr std::size_t kBlock = std::size_t{1} << 20;  // bytes per read or step of a decompressor
 
 /// Watches a text while it grows, so that what is no log is refused before it fills the memory.
 class Guard {
@@ -42,70 +43,97 @@ class Guard {
   std::int64_t lines_ = 0;
 };
 
-// --- gzip ------------------------------------------------------------------------------------------------------
+// --- Packed inputs ---------------------------------------------------------------------------------------------
 
-bool is_gzip(std::string_view bytes) { return bytes.starts_with("\x1f\x8b"); }
-
-/// One gzip stream; a file may hold several, one behind the other.
-class Inflater {
+/// Unpacks an input that may have several frames, one behind the other.
+class Unpacking {
  public:
-  explicit Inflater(std::string_view name) : name_(name) {
-    constexpr int kWindow = 15 + 16;  // 32 KiB, gzip header and check sum
-    if (inflateInit2(&stream_, kWindow) != Z_OK) throw std::bad_alloc();
-  }
-  ~Inflater() { inflateEnd(&stream_); }
-  Inflater(const Inflater&) = delete;
-  Inflater& operator=(const Inflater&) = delete;
+  Unpacking(std::string_view name, Content content, std::string_view packed)
+      : name_(name),
+        content_(content),
+        compression_(compression_of(packed)),
+        packed_(packed),
+        most_(kMostGrowth * packed.size() + kLeastCap),
+        decompressor_(make_decompressor(compression_, name)) {}
 
-  Pages unpack(std::string_view bytes) {
-    Pages text;
+  Pages run() {
+    Pages unpacked;
     Guard guard(name_);
     for (;;) {
-      const int status = step(bytes, text);
-      guard.check(text.text());
-      if (status != Z_STREAM_END) continue;
-      bytes = next_member(bytes);
-      if (bytes.empty()) return text;
-      inflateReset(&stream_);
+      const bool ended = step(unpacked);
+      if (content_ == Content::text) guard.check(unpacked.text());
+      if (unpacked.text().size() > most_) fail_too_large();
+      if (cut_) return unpacked;
+      if (!ended) continue;
+      to_next_frame();
+      if (packed_.empty()) return unpacked;
+      decompressor_->restart();
     }
   }
+  /// The data stop in the middle; what was whole was kept.
+  [[nodiscard]] bool cut() const { return cut_; }
 
  private:
-  int step(std::string_view& bytes, Pages& text) {
-    const std::size_t offered = std::min(bytes.size(), kBlock);
-    stream_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));  // zlib's interface; only read
-    stream_.avail_in = static_cast<uInt>(offered);
-    stream_.next_out = reinterpret_cast<Bytef*>(text.room(kBlock));
-    stream_.avail_out = static_cast<uInt>(kBlock);
-    const int status = inflate(&stream_, Z_NO_FLUSH);
-    if (status == Z_MEM_ERROR) throw std::bad_alloc();
-    if (status != Z_OK && status != Z_STREAM_END && status != Z_BUF_ERROR) {
-      text::fail(name_, fmt::format("the gzip data are damaged after {} bytes of text ({}); fetch the file again",
-                                    text.text().size(), stream_.msg ? stream_.msg : "check sum"));
+  // No log of numbers that change is packed so well; gzip cannot do more than the one, whatever it holds.
+  static constexpr std::size_t kMostGrowth = 1100, kLeastCap = std::size_t{1} << 26;
+
+  /// @returns whether a frame has ended
+  bool step(Pages& unpacked) {
+    const std::size_t before = packed_.size();
+    const Decompressor::Step step = decompressor_->step(packed_, std::span(unpacked.room(kBlock), kBlock));
+    unpacked.grow(step.written);
+    const std::size_t size = unpacked.text().size();
+    if (!step.damage.empty()) {
+      text::fail(name_, fmt::format("the {} data are damaged after {} bytes of {} ({}); fetch the file again",
+                                    log::name(compression_), size, what(), step.damage));
     }
-    text.grow(kBlock - stream_.avail_out);
-    bytes.remove_prefix(offered - stream_.avail_in);
-    if (status == Z_BUF_ERROR && bytes.empty()) fail_truncated(text.text().size());  // it wants more than there is
-    return status;
+    const bool stuck = step.written == 0 && packed_.size() == before && !step.ended;  // it wants more than there is
+    if (!stuck) return step.ended;
+    if (content_ != Content::recording) fail_truncated(size);
+    cut_ = true;
+    return false;
   }
 
-  /// What follows the end of a member: another one, or padding with zeros, which is legal.
-  std::string_view next_member(std::string_view rest) const {
-    if (rest.empty() || is_gzip(rest)) return rest;
-    if (rest.find_first_not_of('\0') == std::string_view::npos) return {};
-    text::fail(name_, "the gzip data end, but the file goes on with something else; fetch the file again");
+  /// What follows the end of a frame: another one, or padding with zeros, which is legal.
+  void to_next_frame() {
+    constexpr std::string_view kSkippable = "\x2a\x4d\x18";  // behind a byte from 0x50 to 0x5f, in zstd and lz4
+    const bool skippable = packed_.size() > kSkippable.size() && (packed_[0] & 0xf0) == 0x50 &&
+                           packed_.substr(1).starts_with(kSkippable) &&
+                           (compression_ == Compression::zstd || compression_ == Compression::lz4);
+    if (packed_.empty() || compression_of(packed_) == compression_ || skippable) return;
+    if (packed_.find_first_not_of('\0') == std::string_view::npos) {
+      packed_ = {};
+      return;
+    }
+    text::fail(name_, fmt::format("the {} data end, but the file goes on with something else; fetch the file again",
+                                  log::name(compression_)));
   }
+
+  [[nodiscard]] std::string_view what() const { return content_ == Content::text ? "text" : "content"; }
 
   [[noreturn]] void fail_truncated(std::size_t size) const {
+    const std::string rescue =
+        content_ == Content::text
+            ? fmt::format(", or rescue its whole lines with {} | head -n -1", command(compression_))
+            : "";
+    text::fail(name_, fmt::format("the {} data stop in the middle, after {} bytes of {}; fetch the file again{}",
+                                  log::name(compression_), size, what(), rescue));
+  }
+
+  [[noreturn]] void fail_too_large() const {
     text::fail(
         name_,
-        fmt::format(
-            "the gzip data stop in the middle, after {} bytes of text; fetch the file again, or rescue its whole lines with zcat | head -n -1",
-            size));
+        fmt::format("unpacks to more than {} bytes, {} times its own size; it is no log, or else unpack it first ({})",
+                    most_, kMostGrowth, command(compression_)));
   }
 
   std::string_view name_;
-  z_stream stream_ = {};
+  Content content_;
+  Compression compression_;
+  std::string_view packed_;
+  std::size_t most_;
+  std::unique_ptr<Decompressor> decompressor_;
+  bool cut_ = false;
 };
 
 }  // namespace
@@ -161,7 +189,7 @@ Bytes::Bytes(const std::string& path, Content content) : name_(text::input_name(
   const text::InputFile file(path);
   try {
     load(file.descriptor(), content);
-    if (content == Content::text && is_gzip(pages_.text())) unpack();
+    if (compression_of(pages_.text()) != Compression::none) unpack(content);
   } catch (const std::system_error& error) {
     text::fail_unreadable(name_, error.code().value());
   } catch (const std::bad_alloc&) {
@@ -169,7 +197,7 @@ Bytes::Bytes(const std::string& path, Content content) : name_(text::input_name(
   }
   text_ = pages_.text();
   if (text_.empty()) text::fail(name_, "is empty, expected a log or a sensor file; check how it was written");
-  if (content == Content::bytes) return;
+  if (content != Content::text) return;
   text::check_text(name_, text_);
   if (text_.starts_with("\xef\xbb\xbf")) text_.remove_prefix(3);
   if (line_end(text_, 0) == std::string_view::npos) fail_long_line(name_, 1, text_);
@@ -190,13 +218,15 @@ void Bytes::load(int descriptor, Content content) {
     if (got < 0) throw std::system_error(errno, std::generic_category());
     if (got == 0) return;
     pages_.grow(static_cast<std::size_t>(got));
-    if (content == Content::text && !is_gzip(pages_.text())) guard.check(pages_.text());
+    if (content == Content::text && compression_of(pages_.text()) == Compression::none) guard.check(pages_.text());
   }
 }
 
-void Bytes::unpack() {
-  pages_ = Inflater(name_).unpack(pages_.text());
-  unpacked_ = true;
+void Bytes::unpack(Content content) {
+  compression_ = compression_of(pages_.text());
+  Unpacking unpacking(name_, content, pages_.text());
+  pages_ = unpacking.run();
+  cut_ = unpacking.cut();
 }
 
 void fail_long_line(std::string_view name, std::int64_t line, std::string_view start) {

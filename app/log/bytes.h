@@ -9,6 +9,8 @@
 #include <string_view>
 #include <utility>
 
+#include "compression.h"
+
 namespace gyrobudget::inline v0::log {
 
 /// No line of a text may be longer: a guard against files that are no logs at all.
@@ -42,14 +44,19 @@ class Pages {
   bool is_file_ = false;
 };
 
-enum class Content { text, bytes };
+enum class Content {
+  text,
+  bytes,      ///< of a binary log
+  recording,  ///< as bytes; where packed data stop in the middle, what is whole is kept
+};
 
-/// An input as text, or as the bytes of a binary log. A regular file is mapped, not copied. A pipe, a device and "-"
-/// (standard input) are read to their end, and gzip is unpacked, into memory: as much as the text is long.
+/// An input as text, or as bytes. A regular file is mapped, not copied. A pipe, a device and "-" (standard input) are
+/// read to their end, and gzip, zstd, bzip2 and lz4 are unpacked, into memory: as much as the content is long.
 class Bytes {
  public:
-  /// @throws InputError where it cannot be read, is a folder or empty; as text also where it is binary, a damaged or
-  /// truncated gzip, or begins with a line of more than kLongestLine bytes (found without reading further).
+  /// @throws InputError where it cannot be read, is a folder or empty, or is packed data that are damaged, truncated,
+  /// of a kind that this build cannot unpack, or of more than a thousand times their size; as text also where it is
+  /// binary, or begins with a line of more than kLongestLine bytes (found without reading further).
   explicit Bytes(const std::string& path, Content = Content::text);
   /// A piece of an input that is read piece by piece. It refers to the text.
   Bytes(std::string name, std::string_view piece) : name_(std::move(name)), text_(piece) {}
@@ -58,18 +65,20 @@ class Bytes {
   [[nodiscard]] const std::string& name() const { return name_; }
   /// All of it, a byte order mark left out.
   [[nodiscard]] std::string_view text() const { return text_; }
-  [[nodiscard]] bool unpacked() const { return unpacked_; }  ///< it was gzip
+  [[nodiscard]] Compression compression() const { return compression_; }  ///< what it was packed in
+  [[nodiscard]] bool cut() const { return cut_; }  ///< packed data of a recording stop in the middle
   /// This part will not be read soon.
   void release(std::string_view part) const noexcept { pages_.release(part); }
 
  private:
   void load(int descriptor, Content);
-  void unpack();
+  void unpack(Content);
 
   std::string name_;
   Pages pages_;
   std::string_view text_;
-  bool unpacked_ = false;
+  Compression compression_ = Compression::none;
+  bool cut_ = false;
 };
 
 /// End of the line that starts at `begin`: the position of its '\n', or the size of the text.

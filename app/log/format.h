@@ -17,7 +17,8 @@ enum class Format {
 
 [[nodiscard]] std::string_view name(Format);
 [[nodiscard]] std::optional<Format> format_named(std::string_view);
-/// What the ending of a path says, whether in capitals or not: .npy, .f64 and .f32; text for all others.
+/// What the ending of a path says, whether in capitals or not: .npy, .f64 and .f32, also before .gz, .zst, .bz2 and
+/// .lz4; text for all others.
 [[nodiscard]] Format format_of(std::string_view path);
 
 }  // namespace gyrobudget::inline v0::log

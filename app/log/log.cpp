@@ -119,10 +119,15 @@ void append(std::vector<std::string>& notes, std::vector<std::string> more) {
   std::ranges::move(more, std::back_inserter(notes));
 }
 
+void note_compression(const Bytes& source, std::vector<std::string>& notes) {
+  if (source.compression() != Compression::none)
+    notes.push_back(fmt::format("{} was unpacked into memory", name(source.compression())));
+}
+
 /// Notes on how the text was read, where it was not the obvious way.
 std::vector<std::string> notes_on_text(const Bytes& source, const Layout& layout, const Table& table) {
   std::vector<std::string> notes;
-  if (source.unpacked()) notes.emplace_back("gzip was unpacked into memory");
+  note_compression(source, notes);
   if (layout.dialect.decimal_comma) notes.emplace_back("commas are read as decimal marks");
   if (table.inner_blank > 0)
     notes.push_back(fmt::format("{} blank lines among the rows are skipped", table.inner_blank));
@@ -265,6 +270,7 @@ Raw read_binary(const LogOptions& options, Format format, std::optional<double> 
   const std::int64_t rows = count_rows(source.name(), layout, body.size());
   check_length(source.name(), rows, options.input, "sample", "");
   Raw raw{source.name(), choose_binary_columns(source.name(), layout, options), {}, {}, {}, {}};
+  note_compression(source, raw.notes);
   put_beside(raw.choice);
   raw.table.rows = static_cast<std::size_t>(rows);
   raw.table.complete = false;

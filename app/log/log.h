@@ -50,10 +50,12 @@ inline constexpr double kLargestJitter = 0.25;  ///< rms of the stamps about the
 /// Reads a log as people have them.
 ///
 /// **Text**: cells parted by commas, semicolons, tabs or blanks; comment lines (#, %, //) and blank lines anywhere; a
-/// header with units in brackets, also as a comment, or none; LF or CR LF; byte order mark; gzip; decimal commas where
-/// they are not delimiters too. Empty cells, NaN, Inf, NA and the like are missing samples. Numbers are correctly
+/// header with units in brackets, also as a comment, or none; LF or CR LF; byte order mark; decimal commas where they
+/// are not delimiters too. Empty cells, NaN, Inf, NA and the like are missing samples. Numbers are correctly
 /// rounded; a chosen cell that holds text, a row with more or fewer cells than the others, and a number beyond double
 /// are errors, and the first one in the file is reported.
+///
+/// **Packed**: any log may be packed by gzip, zstd, bzip2 or lz4, as far as the build has their libraries.
 ///
 /// **Columns**: a unit comes from the header, `gyro_x (deg/s)`, or from LogOptions::unit. Its dimension tells gyros
 /// from accelerometers. Without LogOptions::columns every column is read that has a unit of the kind that
@@ -82,7 +84,7 @@ inline constexpr double kLargestJitter = 0.25;  ///< rms of the stamps about the
 /// are named "column 1" and so on. What is not finite is missing.
 ///
 /// **Memory**: a plain file is mapped and parsed in chunks on all cores; the peak is about the numbers read, as
-/// doubles. gzip, pipes and standard input take the length of the text beside that.
+/// doubles. Packed inputs, pipes and standard input take the length of the content beside that.
 ///
 ///     const allan::Record record = log::read_log({.path = "log.csv", .rate_hz = 100, .unit = "deg/s"});
 ///

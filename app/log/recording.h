@@ -66,7 +66,7 @@ class Recording {
 };
 
 /// The format that the first bytes of a file, at least 512 where it has so many, are of; empty for text, raw numbers,
-/// .npy, and what no reader knows.
+/// what read_log takes of .npy, packed data (open_recording looks into those), and what no reader knows.
 [[nodiscard]] std::string_view recorded_format(std::string_view head);
 
 /// Opens a recording, recognised by its content and never by its name: a file, or the folder of a rosbag2.

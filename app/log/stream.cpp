@@ -20,6 +20,7 @@
 
 #include "binary.h"
 #include "bytes.h"
+#include "compression.h"
 #include "grid.h"
 #include "layout.h"
 #include "table.h"
@@ -179,6 +180,14 @@ class LogStream::Reader {
   /// Moves all whole rows from the inlet into the columns.
   virtual void take(std::vector<std::vector<double>>& columns) = 0;
 
+  void refuse_packed() const {
+    const Compression compression = compression_of(inlet_.bytes());
+    if (compression == Compression::none) return;
+    text::fail(inlet_.name(),
+               fmt::format("is {}, which is not read as a stream; unpack it: {} LOG | gyrobudget allan -",
+                           log::name(compression), command(compression)));
+  }
+
   void choose(Choice choice) {
     choice_ = std::move(choice);
     for (const DataColumn& c : choice_.data) columns_.push_back({c.name, c.signal});
@@ -204,6 +213,7 @@ class LogStream::Binary : public LogStream::Reader {
   Binary(const LogOptions& options, Format format) : Reader(options) {
     if (format == Format::npy) {
       wait_for(12);  // longest prefix; a file that ends before it is told so
+      refuse_packed();
       wait_for(npy_header_bytes(inlet_.name(), inlet_.bytes().substr(0, 12)));
     }
     layout_ = binary_layout(inlet_.name(), inlet_.bytes(), format, options.file_columns);
@@ -218,6 +228,7 @@ class LogStream::Binary : public LogStream::Reader {
   }
 
   void take(std::vector<std::vector<double>>& columns) override {
+    if (bytes_ == 0 && layout_.offset == 0) refuse_packed();
     const std::size_t rows = inlet_.bytes().size() / layout_.row_bytes();
     std::vector<std::span<double>> spans;
     for (auto& column : columns) {
@@ -246,9 +257,7 @@ class LogStream::Text : public LogStream::Reader {
   explicit Text(const LogOptions& options) : Reader(options) {
     wait_for_rows();
     if (inlet_.bytes().empty()) text::fail(inlet_.name(), "is empty, expected a log; check how it was written");
-    if (inlet_.bytes().starts_with("\x1f\x8b")) {
-      text::fail(inlet_.name(), "is gzip, which is not read as a stream; unpack it: zcat LOG | gyrobudget allan -");
-    }
+    refuse_packed();
     text::check_text(inlet_.name(), inlet_.bytes());
     if (inlet_.bytes().starts_with("\xef\xbb\xbf")) inlet_.drop(3);
     const Bytes head(inlet_.name(), whole_lines());

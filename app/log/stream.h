@@ -14,10 +14,10 @@ namespace gyrobudget::inline v0::log {
 /// A log read piece by piece, in memory that does not grow with its length: pipes without end, files larger than
 /// memory.
 ///
-/// It is read as by read_log, with these differences. gzip and angles are refused (unpack, or difference them first).
-/// The rate of a text with time stamps is LogOptions::rate_hz, or that of its first rows. From there the stamps are
-/// followed one by one: one that is late by half an interval or more leaves missing samples before it, one that repeats
-/// masks its sample, time that goes back is an error.
+/// It is read as by read_log, with these differences. Packed logs and angles are refused (unpack, or difference them
+/// first). The rate of a text with time stamps is LogOptions::rate_hz, or that of its first rows. From there the stamps
+/// are followed one by one: one that is late by half an interval or more leaves missing samples before it, one that
+/// repeats masks its sample, time that goes back is an error.
 ///
 ///     LogStream log({.path = "-", .rate_hz = 100, .unit = "deg/s", .format = Format::f64});
 ///     std::vector<std::vector<double>> rates;

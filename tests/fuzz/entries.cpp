@@ -8,34 +8,18 @@
 #include "gyrobudget/app/sensor_file/sensor_file.h"
 #include "gyrobudget/noise/units.h"
 
-#include <sys/mman.h>
-#include <unistd.h>
-
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <optional>
 #include <stdexcept>
+#include <utility>
+
+#include "memory_file.h"
+#include "recording_entries.h"
 
 namespace gyrobudget::fuzz {
 namespace {
-
-/// Bytes as a file in memory: readers map it like any other.
-class MemoryFile {
- public:
-  explicit MemoryFile(std::string_view bytes) : descriptor_(::memfd_create("fuzz", MFD_CLOEXEC)) {
-    if (descriptor_ < 0 || ::write(descriptor_, bytes.data(), bytes.size()) != ssize_t(bytes.size())) {
-      throw std::runtime_error("no file in memory");
-    }
-  }
-  ~MemoryFile() { ::close(descriptor_); }
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
-  [[nodiscard]] std::string path() const { return "/proc/self/fd/" + std::to_string(descriptor_); }
-
- private:
-  int descriptor_;
-};
 
 void promise(bool kept, const char* what) {
   if (!kept) throw std::logic_error(what);
@@ -231,9 +215,7 @@ std::string two_stretches(int rows, int start) {
   return text;
 }
 
-}  // namespace
-
-const std::vector<Entry>& entries() {
+const std::vector<Entry>& other_entries() {
   static const std::vector<Entry> kEntries = {
       {"log",
        read_log,
@@ -286,6 +268,17 @@ const std::vector<Entry>& entries() {
        parse_unit,
        {"deg/sqrt(h)", "rad s^-1", "m/s^2/sqrt(Hz)", "\xc2\xb0/h/\xe2\x88\x9ah", "ug*s^(1/2)", "5.4e-4 deg/sqrt(h)",
         "300 s", "1.5 h^1/2", "(((m)))", "mrad/s", "1", "%"}}};
+  return kEntries;
+}
+
+}  // namespace
+
+const std::vector<Entry>& entries() {
+  static const std::vector<Entry> kEntries = [] {
+    std::vector<Entry> all = other_entries();
+    for (Entry& entry : recording_entries()) all.push_back(std::move(entry));
+    return all;
+  }();
   return kEntries;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // Readers on inputs near those that people have: bytes flipped, cut, repeated, swapped, or replaced by words that mean
 // something. The same inputs in every run; tests/fuzz also builds them as libFuzzer programs (preset fuzz).
+#include "gyrobudget/app/log/recording.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,6 +14,8 @@
 #include <string_view>
 
 #include "entries.h"
+#include "memory_file.h"
+#include "recording_entries.h"
 
 namespace gyrobudget::fuzz {
 namespace {
@@ -125,6 +129,19 @@ TEST_P(Mutations, NothingButWhatIsDocumentedLeaves) {
     for (int i = 0; i < kMutantsPerSeed; ++i) {
       const std::string input = mutator.mutant(seed);
       ASSERT_EQ(fault(entry, input), "") << entry.name << ": " << testing::PrintToString(input);
+    }
+  }
+}
+
+TEST(Seeds, OfRecordingsAreRead) {
+  for (const Entry& entry : recording_entries()) {
+    for (const std::string& seed : entry.seeds) {
+      const MemoryFile file(seed);
+      const auto recording = log::open_recording(file.path());
+      ASSERT_TRUE(recording) << entry.name;
+      EXPECT_TRUE(std::ranges::any_of(recording->streams(), [](const log::StreamInfo& s) {
+        return s.count > 1 && !s.fields.empty();
+      })) << entry.name;
     }
   }
 }
