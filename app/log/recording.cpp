@@ -7,6 +7,12 @@
 #include <array>
 #include <filesystem>
 
+#include "formats/mcap.h"
+#include "formats/ros1_bag.h"
+#include "formats/rosbag2.h"
+#include "formats/sqlite_source.h"
+#include "formats/unpacker.h"
+
 namespace gyrobudget::inline v0::log {
 namespace {
 
@@ -18,7 +24,13 @@ struct RecordedFormat {
 };
 
 /// The first that says yes is taken.
-constexpr std::array<RecordedFormat, 0> kFormats{};
+constexpr auto kFormats = std::to_array<RecordedFormat>({
+    {"ROS 1 bag", is_ros1_bag, open_ros1_bag},
+    {"ROS 1 bag of an older version", is_old_ros1_bag, open_old_ros1_bag},
+    {"MCAP", is_mcap, open_mcap},
+    {"rosbag2", is_sqlite, open_rosbag2_database},
+    {"zstd", is_zstd, open_packed_recording},
+});
 
 std::string head_of(const std::string& path) {
   constexpr std::size_t kHead = 4096;
@@ -46,6 +58,7 @@ std::string_view recorded_format(std::string_view head) {
 
 std::unique_ptr<Recording> open_recording(const std::string& path) {
   std::error_code error;
+  if (std::filesystem::is_directory(path, error)) return open_rosbag2_folder(path);
   if (!std::filesystem::is_regular_file(path, error)) return nullptr;
   const std::string head = head_of(path);
   for (const RecordedFormat& format : kFormats)
