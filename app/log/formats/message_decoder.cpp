@@ -49,9 +49,9 @@ double value_at(const char* at, Primitive primitive) {
 
 MessageDecoder::MessageDecoder(const MessageType& type, Encoding encoding, std::span<const std::size_t> members)
     : type_(type), encoding_(encoding), members_(members.begin(), members.end()) {
-  for (std::size_t guard = 0; guard < type.guards.size(); ++guard) {
-    const auto has_it = [&](std::size_t member) { return type.members.at(member).guard == guard + 1; };
-    if (std::ranges::any_of(members_, has_it)) guards_.push_back(guard);
+  for (std::size_t mark = 0; mark < type.marks.size(); ++mark) {
+    const auto has_it = [&](std::size_t member) { return type.members.at(member).mark == mark + 1; };
+    if (std::ranges::any_of(members_, has_it)) marks_.push_back(mark);
   }
   constexpr std::size_t kCdr = 8, kXcdr2 = 4;  // the largest alignment
   if (encoding == Encoding::ros1) packed_ = layout(1, 0);
@@ -73,7 +73,7 @@ MessageDecoder::Layout MessageDecoder::layout(std::size_t most_alignment, std::s
   Layout result;
   result.size = at - phase;
   for (const std::size_t member : members_) result.members.push_back(offsets[member]);
-  for (const std::size_t guard : guards_) result.guards.push_back(offsets[type_.guards[guard].member]);
+  for (const std::size_t mark : marks_) result.marks.push_back(offsets[type_.marks[mark].member]);
   return result;
 }
 
@@ -136,13 +136,13 @@ void MessageDecoder::take(std::string_view body, const Layout& layout, std::span
     const double value = value_at<kSwapped>(body.data() + layout.members[i], type_.members[members_[i]].primitive);
     values[i] = std::isfinite(value) ? value : kNaN;
   }
-  for (std::size_t i = 0; i < guards_.size(); ++i) {
-    const Guard& guard = type_.guards[guards_[i]];
-    const Primitive primitive = type_.members[guard.member].primitive;
-    if (value_at<kSwapped>(body.data() + layout.guards[i], primitive) != guard.absent) continue;
-    ++absent[guards_[i]];
+  for (std::size_t i = 0; i < marks_.size(); ++i) {
+    const AbsenceMark& mark = type_.marks[marks_[i]];
+    const Primitive primitive = type_.members[mark.member].primitive;
+    if (value_at<kSwapped>(body.data() + layout.marks[i], primitive) != mark.absent) continue;
+    ++absent[marks_[i]];
     for (std::size_t k = 0; k < values.size(); ++k) {
-      if (type_.members[members_[k]].guard == guards_[i] + 1) values[k] = kNaN;
+      if (type_.members[members_[k]].mark == marks_[i] + 1) values[k] = kNaN;
     }
   }
 }

@@ -30,7 +30,7 @@ class MessageDecoder {
 
   /// @param stamp_ns  gets the header's stamp [ns] @param values  one for each member: NaN where the message says that
   /// it has none, or what it has is not finite
-  /// @param absent  counts, for each guard of the type, the messages in which it held
+  /// @param absent  counts, for each mark of the type, the messages in which it held
   Decoded decode(std::string_view message, std::int64_t& stamp_ns, std::span<double> values,
                  std::span<std::int64_t> absent) const;
 
@@ -38,7 +38,7 @@ class MessageDecoder {
   /// Where numbers stand behind the header: what alignment makes of a header of some length.
   struct Layout {
     std::vector<std::uint32_t> members;  ///< as asked for
-    std::vector<std::uint32_t> guards;
+    std::vector<std::uint32_t> marks;
     std::size_t size = 0;
   };
   static constexpr std::size_t kPhases = 8;  // of the header's end
@@ -56,7 +56,7 @@ class MessageDecoder {
   const MessageType& type_;
   Encoding encoding_;
   std::vector<std::size_t> members_;
-  std::vector<std::size_t> guards_;  ///< that one of the members has
+  std::vector<std::size_t> marks_;  ///< that one of the members has
   Layout packed_;
   std::vector<Layout> aligned_;  ///< CDR's by phase, then those of XCDR2
 };

@@ -40,7 +40,7 @@ StreamInfo stream_of(const Topic& topic, std::string name) {
   info.kind = type->kind;
   info.clock = kHeaderClock;
   for (const std::size_t member : offered_members(*type)) {
-    const auto& [member_name, unit, primitive, guard] = type->members[member];
+    const auto& [member_name, unit, primitive, mark] = type->members[member];
     info.fields.push_back({member_name, unit, unit.empty() ? "" : fmt::format("{} has it so", type->name)});
   }
   return info;
@@ -107,7 +107,7 @@ class RowSink : public MessageSink {
         cdr_(type, Encoding::cdr, members),
         values_(members.size()),
         columns_(members.size()),
-        absent_(type.guards.size()) {
+        absent_(type.marks.size()) {
     stamps_.reserve(static_cast<std::size_t>(rows));
     for (auto& column : columns_) column.reserve(static_cast<std::size_t>(rows));
   }
@@ -150,7 +150,7 @@ class RowSink : public MessageSink {
   MessageDecoder ros1_, cdr_;
   std::vector<double> values_;
   std::vector<std::vector<double>> columns_;
-  std::vector<std::int64_t> absent_;        ///< by guard
+  std::vector<std::int64_t> absent_;        ///< by mark
   std::array<std::int64_t, 3> left_out_{};  ///< by Decoded
   Stamps stamps_;
   const MessageSource* source_ = nullptr;
@@ -175,7 +175,7 @@ void RowSink::tell_absent(Findings& findings) const {
   for (std::size_t i = 0; i < absent_.size(); ++i) {
     if (absent_[i] == 0) continue;
     findings.add(fmt::format("{} rows say that they have no such value ({}): NaN", text::count_text(absent_[i]),
-                             type_.guards[i].words));
+                             type_.marks[i].words));
   }
 }
 

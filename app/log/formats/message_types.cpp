@@ -20,7 +20,7 @@ class TypeBuilder {
   }
 
   TypeBuilder& number(std::string name, std::string unit = {}, Primitive primitive = Primitive::f64) {
-    type_.members.push_back({std::move(name), std::move(unit), primitive, guard_});
+    type_.members.push_back({std::move(name), std::move(unit), primitive, mark_});
     return *this;
   }
   TypeBuilder& vector(const std::string& name, const std::string& unit, std::string_view parts = kXyz) {
@@ -35,15 +35,15 @@ class TypeBuilder {
     }
     return *this;
   }
-  /// What follows, up to end_guard(), is absent where a member, that many places on, holds `absent`.
-  TypeBuilder& guard(std::ptrdiff_t places_on, double absent, std::string words) {
+  /// What follows, up to end_mark(), is absent where a member, that many places on, holds `absent`.
+  TypeBuilder& mark(std::ptrdiff_t places_on, double absent, std::string words) {
     const auto member = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(type_.members.size()) + places_on);
-    type_.guards.push_back({member, absent, std::move(words)});
-    guard_ = type_.guards.size();
+    type_.marks.push_back({member, absent, std::move(words)});
+    mark_ = type_.marks.size();
     return *this;
   }
-  TypeBuilder& end_guard() {
-    guard_ = 0;
+  TypeBuilder& end_mark() {
+    mark_ = 0;
     return *this;
   }
   TypeBuilder& goes_on() {
@@ -54,14 +54,14 @@ class TypeBuilder {
 
  private:
   MessageType type_;
-  std::size_t guard_ = 0;
+  std::size_t mark_ = 0;
 };
 
 MessageType imu() {
   TypeBuilder imu("sensor_msgs/Imu", StreamKind::imu, "6a62c6daae103f4ff57a132d6f95cec2");
   const auto part = [&](const std::string& name, const std::string& unit, std::string_view parts) {
     const auto covariance = static_cast<std::ptrdiff_t>(parts.size());
-    imu.guard(covariance, -1, fmt::format("{}_covariance[0] is -1", name)).vector(name, unit, parts).end_guard();
+    imu.mark(covariance, -1, fmt::format("{}_covariance[0] is -1", name)).vector(name, unit, parts).end_mark();
   };
   part("orientation", "", "xyzw");
   imu.covariance("orientation_covariance", "rad^2");
@@ -73,17 +73,17 @@ MessageType imu() {
 }
 
 MessageType nav_sat_fix() {
-  constexpr std::ptrdiff_t kStatus = -2, kCovarianceType = 9;  // from where their guards begin
+  constexpr std::ptrdiff_t kStatus = -2, kCovarianceType = 9;  // from where their marks begin
   return TypeBuilder("sensor_msgs/NavSatFix", StreamKind::gnss, "2d3a8cd499b9b4a0249fb98fd05cfa48")
       .number("status.status", "", Primitive::i8)
       .number("status.service", "", Primitive::u16)
-      .guard(kStatus, -1, "status.status is -1, no fix")
+      .mark(kStatus, -1, "status.status is -1, no fix")
       .number("latitude", "deg")
       .number("longitude", "deg")
       .number("altitude", "m")
-      .guard(kCovarianceType, 0, "position_covariance_type is 0, unknown")
+      .mark(kCovarianceType, 0, "position_covariance_type is 0, unknown")
       .covariance("position_covariance", "m^2")
-      .end_guard()
+      .end_mark()
       .number("position_covariance_type", "", Primitive::u8)
       .done();
 }

@@ -35,11 +35,11 @@ struct Member {
   std::string name;  ///< "angular_velocity.x"; empty for one that is not offered: covariances beside the diagonal
   std::string unit;
   Primitive primitive = Primitive::f64;
-  std::size_t guard = 0;  ///< place in MessageType::guards, from 1; 0 for none
+  std::size_t mark = 0;  ///< place in MessageType::marks, from 1; 0 for none
 };
 
 /// By convention a message says that it has not got a part of itself: some other member then is `absent`.
-struct Guard {
+struct AbsenceMark {
   std::size_t member = 0;
   double absent = 0;
   std::string words;  ///< "orientation_covariance[0] is -1"
@@ -51,7 +51,7 @@ struct MessageType {
   std::string md5sum;  ///< of ROS 1, where it is known
   StreamKind kind = StreamKind::other;
   std::vector<Member> members;
-  std::vector<Guard> guards;
+  std::vector<AbsenceMark> marks;
   bool goes_on = false;  ///< behind the members there is more, of any length
 };
 
