@@ -44,9 +44,12 @@ class FilterSink : public RecordSink {
 
   void message(std::uint32_t id, std::int64_t record_ns, std::string_view data) override {
     if (id != id_ || !is_known_) look_up(id);
-    if (is_wanted_) sink_.take({topic_, record_ns, data});
+    if (!is_wanted_) return;
+    ++passed_;
+    sink_.take({topic_, record_ns, data});
   }
   void declaration(std::string_view /*record*/) override {}
+  [[nodiscard]] std::int64_t passed() const { return passed_; }
 
  private:
   void look_up(std::uint32_t id) {
@@ -62,6 +65,7 @@ class FilterSink : public RecordSink {
   MessageSink& sink_;
   std::uint32_t id_ = 0;
   std::size_t topic_ = 0;
+  std::int64_t passed_ = 0;
   bool is_known_ = false, is_wanted_ = false;
 };
 
@@ -178,12 +182,13 @@ void ChunkedSource::read(const Part& part, Unpacker& unpacker, RecordSink& sink,
   }
 }
 
-void ChunkedSource::visit(const std::vector<bool>& wanted, MessageSink& sink, Findings& findings) const {
+std::int64_t ChunkedSource::visit(const std::vector<bool>& wanted, MessageSink& sink, Findings& findings) const {
   Unpacker unpacker(name());
   FilterSink filter(topic_of_, wanted, sink);
   for (const Part& part : parts_) {
     if (holds(part, wanted)) read(part, unpacker, filter, findings);
   }
+  return filter.passed();
 }
 
 }  // namespace gyrobudget::inline v0::log

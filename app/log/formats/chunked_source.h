@@ -49,7 +49,7 @@ class ChunkedSource : public MessageSource {
   [[nodiscard]] std::uint64_t bytes() const final { return file_.text().size(); }
   [[nodiscard]] const std::vector<Topic>& topics() const final { return topics_; }
   [[nodiscard]] const Findings& findings() const final { return findings_; }
-  void visit(const std::vector<bool>& wanted, MessageSink& sink, Findings& findings) const final;
+  std::int64_t visit(const std::vector<bool>& wanted, MessageSink& sink, Findings& findings) const final;
 
  protected:
   /// @param path  of the file, which may go once it is open @param name  that messages call it

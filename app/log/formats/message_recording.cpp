@@ -299,13 +299,18 @@ void MessageRecording::add_stream(const Topic& topic) {
 }
 
 void MessageRecording::visit(std::size_t stream, MessageSink& sink, Findings& findings) const {
+  std::int64_t messages = 0;
   for (std::size_t i = 0; i < sources_.size(); ++i) {
     std::vector<bool> wanted;
     for (const std::size_t of : stream_of_[i]) wanted.push_back(of == stream);
     if (std::ranges::find(wanted, true) == wanted.end()) continue;
     sink.begin_file(*sources_[i]);
-    sources_[i]->visit(wanted, sink, findings);
+    messages += sources_[i]->visit(wanted, sink, findings);
   }
+  const std::int64_t count = streams_[stream].count;
+  if (messages == count) return;
+  findings.add(
+      fmt::format("the index counts {} messages, there are {}", text::count_text(count), text::count_text(messages)));
 }
 
 Rows MessageRecording::read(std::size_t stream, std::span<const std::size_t> fields) const {

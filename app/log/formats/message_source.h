@@ -52,7 +52,8 @@ class MessageSource {
   [[nodiscard]] virtual const Findings& findings() const = 0;  ///< of the whole file
   /// Gives the messages of some topics in the order in which they were recorded.
   /// @param wanted  one for each topic: whether it is visited @param findings  gets what is damaged
-  virtual void visit(const std::vector<bool>& wanted, MessageSink& sink, Findings& findings) const = 0;
+  /// @return how many there were
+  virtual std::int64_t visit(const std::vector<bool>& wanted, MessageSink& sink, Findings& findings) const = 0;
 };
 
 /// A number below 2^63, as a time or a count; what is beyond is damaged and becomes the largest.

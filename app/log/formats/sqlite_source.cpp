@@ -108,7 +108,7 @@ class SqliteSource : public MessageSource {
   [[nodiscard]] std::uint64_t bytes() const override { return bytes_; }
   [[nodiscard]] const std::vector<Topic>& topics() const override { return topics_; }
   [[nodiscard]] const Findings& findings() const override { return findings_; }
-  void visit(const std::vector<bool>& wanted, MessageSink& sink, Findings& findings) const override;
+  std::int64_t visit(const std::vector<bool>& wanted, MessageSink& sink, Findings& findings) const override;
 
  private:
   void open(const std::string& path);
@@ -219,7 +219,7 @@ void SqliteSource::count_messages() {
   tell_damage(query, messages, findings_);
 }
 
-void SqliteSource::visit(const std::vector<bool>& wanted, MessageSink& sink, Findings& findings) const {
+std::int64_t SqliteSource::visit(const std::vector<bool>& wanted, MessageSink& sink, Findings& findings) const {
   std::vector<std::string> ids;
   for (const auto& [id, topic] : topic_of_) {
     if (wanted[topic]) ids.push_back(fmt::format("{}", id));
@@ -235,6 +235,7 @@ void SqliteSource::visit(const std::vector<bool>& wanted, MessageSink& sink, Fin
     sink.take({at->second, query.integer(1), query.bytes(2)});
   }
   tell_damage(query, messages, findings);
+  return messages;
 }
 
 void SqliteSource::tell_damage(const Query& query, std::int64_t messages, Findings& findings) const {

@@ -42,7 +42,7 @@ Outcome decoded(const std::string& type_name, Encoding encoding, const std::vect
   const MessageType& type = *log::message_type(type_name);
   std::vector<std::size_t> members;
   for (const std::string& name : names) members.push_back(member(type, name));
-  Outcome outcome{.values = std::vector<double>(names.size()), .absent = std::vector<std::int64_t>(type.guards.size())};
+  Outcome outcome{.values = std::vector<double>(names.size()), .absent = std::vector<std::int64_t>(type.marks.size())};
   const MessageDecoder decoder(type, encoding, members);
   // In memory of its own and exactly as long: a sanitizer sees a read beyond it.
   const std::vector<char> bytes(message.begin(), message.end());
