@@ -17,7 +17,8 @@ struct Entry {
   std::vector<std::string> seeds;  ///< inputs near which faults are likely
 };
 
-/// Logs (text, binary, in segments or resampled), sensor files, scenes, vehicles, tables of deviations, units.
+/// Logs (text, binary, in segments or resampled), recordings of ROS, sensor files, scenes, vehicles, tables of
+/// deviations, units.
 [[nodiscard]] const std::vector<Entry>& entries();
 
 }  // namespace gyrobudget::fuzz

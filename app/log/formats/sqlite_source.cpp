@@ -11,7 +11,9 @@
 #include <sqlite3.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
+#include <fstream>
 #include <optional>
 #include <unordered_map>
 #include <utility>
@@ -84,15 +86,33 @@ Database open_database(const std::string& name, const std::string& uri, int flag
   const int status = sqlite3_open_v2(uri.c_str(), &opened, flags | SQLITE_OPEN_URI | SQLITE_OPEN_FULLMUTEX, nullptr);
   Database database(opened);
   if (status != SQLITE_OK) fail_sqlite(name, "cannot be opened", opened);
-  // A stranger wrote its schema: nothing there may call functions, or change what is looked up.
+  // A stranger wrote its schema: nothing there may call functions.
   sqlite3_db_config(opened, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);
-  sqlite3_db_config(opened, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
   return database;
 }
 
 /// Nothing is locked, and nothing written: the file is as it is.
 Database open_unchanging(const std::string& name, const std::string& path) {
-  return open_database(name, sqlite_uri(path) + "?immutable=1", SQLITE_OPEN_READONLY);
+  Database database = open_database(name, sqlite_uri(path) + "?immutable=1", SQLITE_OPEN_READONLY);
+  // SQLite gives what is left of a database that was cut only to those who say that they would mend it.
+  sqlite3_exec(database.get(), "PRAGMA writable_schema = ON", nullptr, nullptr, nullptr);
+  return database;
+}
+
+/// Bytes that a database has by its header; 0 where that does not tell.
+std::uint64_t bytes_of_header(const std::string& path) {
+  constexpr std::size_t kHeader = 100, kPageSize = 16, kChanges = 24, kPages = 28, kChangesOfPages = 92;
+  std::array<unsigned char, kHeader> header{};
+  std::ifstream file(path, std::ios::binary);
+  file.read(reinterpret_cast<char*>(header.data()), kHeader);
+  const auto big_endian = [&](std::size_t at, std::size_t size) {
+    std::uint64_t value = 0;
+    for (std::size_t i = at; i < at + size; ++i) value = value << 8U | header[i];
+    return value;
+  };
+  const std::uint64_t page = big_endian(kPageSize, 2) == 1 ? 65536 : big_endian(kPageSize, 2);
+  const bool is_told = file && big_endian(kChanges, 4) == big_endian(kChangesOfPages, 4);
+  return is_told ? page * big_endian(kPages, 4) : 0;
 }
 
 class SqliteSource : public MessageSource {
@@ -136,6 +156,11 @@ void SqliteSource::open(const std::string& path) {
     if (!error && size > 0) journals.emplace_back(suffix);
   }
   bytes_ = std::filesystem::file_size(path, error);
+  const std::uint64_t whole = bytes_of_header(path);
+  if (journals.empty() && bytes_ < whole) {
+    findings_.add(
+        fmt::format("the database is cut: it ends at byte {} of {}, and its last message may be torn", bytes_, whole));
+  }
   if (journals.empty()) {
     database_ = open_unchanging(name_, path);
   } else {
@@ -181,9 +206,11 @@ void SqliteSource::check_tables() {
                                                               {"messages", "timestamp"}, {"messages", "data"}};
   for (const auto& [table, column] : kColumns) {
     if (std::ranges::find(tables, table) != tables.end() && has_column(table, column)) continue;
-    text::fail(name_,
-               fmt::format("is an SQLite database without {}.{}, expected the tables topics and messages of rosbag2",
-                           table, column));
+    text::fail(
+        name_,
+        fmt::format(
+            "is an SQLite database without {}.{}, expected the tables topics and messages of rosbag2; name a bag, or export its numbers as text",
+            table, column));
   }
 }
 

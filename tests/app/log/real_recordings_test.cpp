@@ -5,8 +5,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <numeric>
 #include <string>
 #include <vector>
@@ -31,7 +35,7 @@ struct Known {
   std::string file, topic;
   std::int64_t count = 0, first_ns = 0, last_ns = 0;
   Six mean{}, deviation{};
-  std::vector<std::string> needs{};  ///< packings
+  std::vector<std::string> needs{};  ///< of libraries
 };
 
 /// Half of the last of `digits` significant digits of a number, and rounding of the sums.
@@ -111,24 +115,25 @@ INSTANTIATE_TEST_SUITE_P(
                           1352907629416919946,
                           {0.189605285, 0.178622156, -0.0437224707, 0.226051797, 3.23699422, 4.00084445},
                           {2.27182, 5.1636, 1.31538, 5.28643, 5.09966, 6.39427}},
-#if GYROBUDGET_HAS_SQLITE
                     Known{"rosbag2/counter_v2",
                           "/imu",
                           1565,
                           1588512872784906481,
                           1588512935344918786,
                           {131, 132, 133, 151, 152, 153},
-                          kNoDeviation},
+                          kNoDeviation,
+                          {"sqlite"}},
                     Known{"rosbag2/all_types",
                           "/test/sensor_msgs/imu",
                           2,
                           1749315324728548096,
                           1749315324789195008,
                           {0.01, 0.02, 0.03, 0.1, 0.2, 9.8},
-                          kNoDeviation},
-                    razor_600("rosbag2/razor_v9"), razor_600("rosbag2/razor_v9/razor_v9_0.db3"),
-                    razor_600("rosbag2/razor_msg_zstd_split", {"zstd"}), razor_600("rosbag2/razor_file_zstd", {"zstd"}),
-#endif
+                          kNoDeviation,
+                          {"sqlite"}},
+                    razor_600("rosbag2/razor_v9", {"sqlite"}), razor_600("rosbag2/razor_v9/razor_v9_0.db3", {"sqlite"}),
+                    razor_600("rosbag2/razor_msg_zstd_split", {"sqlite", "zstd"}),
+                    razor_600("rosbag2/razor_file_zstd", {"sqlite", "zstd"}),
                     razor_600("rosbag2/razor_zstd.mcap", {"zstd"}), razor_600("rosbag2/razor_lz4.mcap", {"lz4"}),
                     Known{"rosbag2/all_types.mcap",
                           "/test/sensor_msgs/imu",

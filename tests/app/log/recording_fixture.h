@@ -63,12 +63,13 @@ inline std::vector<std::int64_t> stamps(int first, int last) {
   return all;
 }
 
-/// Those of these packings that this build has.
+/// Those of these packings, or "sqlite", that this build has.
 inline std::vector<std::string> packings(const std::vector<std::string>& wanted) {
   std::vector<std::string> there;
   for (const std::string& how : wanted) {
     if (how.empty() || how == "none" || (how == "bz2" && GYROBUDGET_HAS_BZIP2) ||
-        (how == "lz4" && GYROBUDGET_HAS_LZ4) || (how == "zstd" && GYROBUDGET_HAS_ZSTD)) {
+        (how == "lz4" && GYROBUDGET_HAS_LZ4) || (how == "zstd" && GYROBUDGET_HAS_ZSTD) ||
+        (how == "sqlite" && GYROBUDGET_HAS_SQLITE)) {
       there.push_back(how);
     }
   }

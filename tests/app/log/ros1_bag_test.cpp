@@ -53,8 +53,7 @@ TEST_F(Ros1Bag, OfEveryPackingClosedOrKilled) {
       EXPECT_EQ(info.count, 30);
       EXPECT_EQ(info.clock, "header.stamp");
       expect_samples(*recording, 0, 0, 30);
-      EXPECT_EQ(recording->notes().empty(), is_closed);
-      if (!is_closed) EXPECT_CONTAINS(notes(*recording), "was not closed");
+      EXPECT_EQ(notes(*recording).find("was not closed") == std::string::npos, is_closed);
     }
   }
 }
@@ -237,7 +236,7 @@ TEST_F(Ros1Bag, OneNumberForTwoTopicsIsSaid) {
 
 TEST_F(Ros1Bag, ChunksThatDoNotUnpackCostOnlyThemselves) {
   for (const std::string& how : packings({"bz2", "lz4"})) {
-    for (const std::int64_t size_error : {-400, 400, 4'000'000'000LL - 3000}) {
+    for (const std::int64_t size_error : {std::int64_t{-400}, std::int64_t{400}, std::int64_t{3'999'000'000}}) {
       BagWriter bag;
       bag.connection(0, "/imu", "sensor_msgs/Imu");
       bag.end_chunk();
@@ -275,8 +274,9 @@ TEST_F(Ros1Bag, CutAtEveryHundredth) {
       try {
         const auto recording = opened(whole.substr(0, size));
         if (!recording->streams().empty()) count = read(*recording, 0, kGyroX).stamps_ns.size();
-        const bool is_at_a_seam = notes(*recording).find("was not closed") != std::string::npos;
-        if (!is_at_a_seam) EXPECT_CONTAINS(notes(*recording), "the bag ends at byte ");
+        const std::string said = notes(*recording);
+        EXPECT_TRUE(said.find("was not closed") != said.npos || said.find("the bag ends at byte ") != said.npos)
+            << said;
       } catch (const InputError& error) {
         EXPECT_CONTAINS(std::string(error.what()), ": ");
       }

@@ -67,7 +67,9 @@ class DatabaseWriter {
     if (layout >= 2) topics += ", offered_qos_profiles TEXT NOT NULL DEFAULT ''";
     if (layout >= 4) topics += ", type_description_hash TEXT NOT NULL DEFAULT ''";
     run("CREATE TABLE topics(" + topics + ")");
-    run("CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp INTEGER NOT NULL, data BLOB NOT NULL)");
+    const std::string messages =
+        "id INTEGER PRIMARY KEY, topic_id INTEGER NOT NULL, timestamp INTEGER NOT NULL, data BLOB NOT NULL";
+    run("CREATE TABLE messages(" + messages + ")");
     run("CREATE INDEX timestamp_idx ON messages (timestamp ASC)");
     if (layout >= 3) {
       run("CREATE TABLE schema(schema_version INTEGER PRIMARY KEY, ros_distro TEXT NOT NULL)");
@@ -327,19 +329,21 @@ TEST_F(Rosbag2, OtherDatabasesAreRefused) {
 TEST_F(Rosbag2, CutAtEveryHundredth) {
   samples("whole.db3", 0, 200);
   const std::string whole = content(path("whole.db3"));
-  std::size_t opened_ones = 0;
+  std::size_t opened_ones = 0, most = 0;
   for (std::size_t hundredth = 1; hundredth < 100; ++hundredth) {
     try {
       const auto recording = opened(whole.substr(0, whole.size() * hundredth / 100));
       ++opened_ones;
-      const std::size_t rows = read(*recording, 0, kGyroX).stamps_ns.size();
-      EXPECT_EQ(rows, static_cast<std::size_t>(recording->streams()[0].count));
-      EXPECT_TRUE(rows == 200 || notes(*recording).find("cut or damaged") != std::string::npos) << hundredth;
+      const bool is_there = !recording->streams().empty() && !recording->streams()[0].fields.empty();
+      const std::size_t rows = is_there ? read(*recording, 0, kGyroX).stamps_ns.size() : 0;
+      EXPECT_CONTAINS(notes(*recording), "the database is cut");
+      most = std::max(most, rows);
     } catch (const InputError& error) {
       EXPECT_CONTAINS(std::string(error.what()), "; ");
     }
   }
   EXPECT_GT(opened_ones, 50U);
+  EXPECT_GT(most, 190U);
 }
 
 TEST_F(Rosbag2, TwoThreadsReadTwoStreams) {
