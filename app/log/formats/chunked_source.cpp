@@ -71,6 +71,13 @@ class FilterSink : public RecordSink {
 
 }  // namespace
 
+void ChunkedSource::passed(std::string_view rest) {
+  const std::size_t at = file().size() - rest.size();
+  if (at - passed_ < kStep && !rest.empty()) return;
+  file_.release(file().substr(passed_, at - passed_));
+  passed_ = at;
+}
+
 void ChunkedSource::declare(std::uint32_t id, Topic topic) {
   const auto [at, is_new] = topic_of_.try_emplace(id, topics_.size());
   if (is_new) {

@@ -61,6 +61,8 @@ class ChunkedSource : public MessageSource {
   virtual void read_declaration(std::string_view record) = 0;
 
   [[nodiscard]] std::string_view file() const { return file_.text(); }
+  /// What is before this rest of the file has been looked at, and may leave memory.
+  void passed(std::string_view rest);
   [[nodiscard]] std::size_t place(std::string_view part) const {
     return static_cast<std::size_t>(part.data() - file_.text().data());
   }
@@ -93,6 +95,7 @@ class ChunkedSource : public MessageSource {
   std::vector<Topic> topics_;
   std::unordered_map<std::uint32_t, std::size_t> topic_of_;
   std::vector<Part> parts_;
+  std::size_t passed_ = 0;
   Findings findings_;
 };
 

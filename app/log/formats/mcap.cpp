@@ -140,6 +140,7 @@ void McapSource::walk() {
     }
     take(*record, rest.substr(0, record->size));
     rest.remove_prefix(record->size);
+    passed(rest);
     if (record->op == McapOp::footer) {
       is_closed_ = rest == kMcapMagic;
       if (!is_closed_)

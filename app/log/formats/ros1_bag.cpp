@@ -33,6 +33,19 @@ struct BagHeader {
   std::string_view type, md5sum;  // of a connection's data, which is written in the same way
 };
 
+/// Calls `take` with the name and value of each field. @return false where the fields do not fill the header
+template <class Take>
+bool for_each_bag_field(std::string_view header, const Take& take) {
+  ByteReader reader(header);
+  while (reader.ok() && !reader.rest().empty()) {
+    const std::string_view field = reader.prefixed();
+    const std::size_t equals = field.find('=');
+    if (equals == std::string_view::npos) return false;
+    take(field.substr(0, equals), field.substr(equals + 1));
+  }
+  return reader.ok();
+}
+
 /// @return false where the fields do not fill the header
 bool read_bag_header(std::string_view bytes, BagHeader& header) {
   using Place = std::pair<std::string_view, std::string_view BagHeader::*>;
@@ -50,16 +63,10 @@ bool read_bag_header(std::string_view bytes, BagHeader& header) {
                                                   {"chunk_count", &BagHeader::chunk_count},
                                                   {"type", &BagHeader::type},
                                                   {"md5sum", &BagHeader::md5sum}}};
-  ByteReader reader(bytes);
-  while (reader.ok() && !reader.rest().empty()) {
-    const std::string_view field = reader.prefixed();
-    const std::size_t equals = field.find('=');
-    if (equals == std::string_view::npos) return false;
-    const std::string_view name = field.substr(0, equals);
+  return for_each_bag_field(bytes, [&](std::string_view name, std::string_view value) {
     const auto* const place = std::ranges::find(kPlaces, name, &Place::first);
-    if (place != kPlaces.end()) header.*place->second = field.substr(equals + 1);
-  }
-  return reader.ok();
+    if (place != kPlaces.end()) header.*place->second = value;
+  });
 }
 
 template <class Number>
@@ -91,6 +98,32 @@ std::optional<BagRecord> read_bag_record(std::string_view bytes) {
   return record;
 }
 
+/// The header of a message, of which there are many: nothing else is looked for in it.
+struct MessageHeader {
+  BagOp op = BagOp::none;
+  std::uint32_t conn = 0;
+  std::int64_t time_ns = 0;
+
+  /// @return false where it is no header, or that of a message without one of these
+  bool read(std::string_view header) {
+    bool has_conn = false, has_time = false;
+    const bool is_whole = for_each_bag_field(header, [&](std::string_view name, std::string_view value) {
+      if (name == "op" && value.size() == 1) op = static_cast<BagOp>(value.front());
+      if (name == "conn" && value.size() == sizeof conn) {
+        conn = little_endian_at<std::uint32_t>(value.data());
+        has_conn = true;
+      }
+      if (name == "time" && value.size() == sizeof time_ns) {
+        constexpr std::int64_t kNsPerS = 1'000'000'000;
+        time_ns = little_endian_at<std::uint32_t>(value.data()) * kNsPerS +
+                  little_endian_at<std::uint32_t>(value.data() + sizeof(std::uint32_t));
+        has_time = true;
+      }
+    });
+    return is_whole && (op != BagOp::message || (has_conn && has_time));
+  }
+};
+
 class BagSource : public ChunkedSource {
  public:
   BagSource(const std::string& path, const std::string& name) : ChunkedSource(path, name) {
@@ -102,20 +135,16 @@ class BagSource : public ChunkedSource {
 
  protected:
   std::size_t read_records(std::string_view bytes, RecordSink& sink) const override {
-    constexpr std::int64_t kNsPerS = 1'000'000'000;
+    ByteReader reader(bytes);
     std::string_view rest = bytes;
     while (!rest.empty()) {
-      const auto record = read_bag_record(rest);
-      if (!record || record->missing > 0) break;
-      if (record->op == BagOp::connection) sink.declaration(rest.substr(0, record->size));
-      if (record->op == BagOp::message) {
-        const auto conn = bag_number<std::uint32_t>(record->header.conn);
-        const auto time = bag_number<std::uint64_t>(record->header.time);
-        if (!conn || !time) break;
-        const std::uint64_t secs = *time & 0xffffffffU, nsecs = *time >> 32U;
-        sink.message(*conn, static_cast<std::int64_t>(secs) * kNsPerS + static_cast<std::int64_t>(nsecs), record->data);
-      }
-      rest.remove_prefix(record->size);
+      const std::string_view header = reader.prefixed(), data = reader.prefixed();
+      MessageHeader message;
+      if (!reader.ok() || !message.read(header)) break;
+      const std::string_view record = rest.substr(0, rest.size() - reader.rest().size());
+      if (message.op == BagOp::connection) sink.declaration(record);
+      if (message.op == BagOp::message) sink.message(message.conn, message.time_ns, data);
+      rest = reader.rest();
     }
     return bytes.size() - rest.size();
   }
@@ -161,6 +190,7 @@ void BagSource::walk() {
     }
     take(*record, rest.substr(0, record->size));
     rest.remove_prefix(record->size);
+    passed(rest);
   }
   if (!is_closed_) {
     found().add("the bag was not closed, its recorder was killed: what it wrote until then is read");
