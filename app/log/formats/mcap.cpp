@@ -117,7 +117,7 @@ class McapSource : public ChunkedSource {
 
   std::unordered_map<std::uint16_t, std::string> schemas_;
   std::optional<Counts> statistics_;
-  bool is_closed_ = false;
+  bool is_closed_ = false, is_left_out_ = false;  ///< one of the chunks
 };
 
 /// Goes from record to record without looking into chunks, up to the footer.
@@ -193,6 +193,7 @@ void McapSource::take_chunk(const McapRecord& record) {
   } else if (!how.empty()) {
     found().add(fmt::format("the chunk at byte {} is left out: it is packed by {}, expected none, lz4 or zstd",
                             place(chunk.bytes), text::quoted(how)));
+    is_left_out_ = true;
     return;
   }
   add_chunk(std::move(chunk));
@@ -226,7 +227,7 @@ void McapSource::take_statistics(std::string_view content) {
 /// Whether what the message indexes tell, and what is outside chunks, is what the statistics say: writers may leave
 /// indexes out.
 bool McapSource::is_index_whole() const {
-  if (!is_closed_ || !statistics_) return false;
+  if (!is_closed_ || is_left_out_ || !statistics_) return false;
   const auto declared = [&](const auto& entry) { return is_declared(entry.first); };
   return counts() == *statistics_ && std::ranges::all_of(*statistics_, declared);
 }
@@ -234,8 +235,8 @@ bool McapSource::is_index_whole() const {
 }  // namespace
 
 bool is_mcap(std::string_view head) {
-  constexpr std::string_view kBeforeVersion = "\x89MCAP", kBehindVersion = "\r\n";
-  return head.starts_with(kBeforeVersion) && head.substr(kBeforeVersion.size() + 1).starts_with(kBehindVersion);
+  return head.size() >= kMcapMagic.size() && head.substr(0, kMcapVersion) == kMcapMagic.substr(0, kMcapVersion) &&
+         head.substr(kMcapVersion + 1).starts_with(kMcapMagic.substr(kMcapVersion + 1));
 }
 
 std::unique_ptr<MessageSource> open_mcap_source(const std::string& path, const std::string& name) {

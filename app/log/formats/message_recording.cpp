@@ -286,15 +286,21 @@ void MessageRecording::add_streams() {
       streams.push_back(at->second);
     }
   }
+  for (std::string& text : shared_names_.texts()) notes_.push_back(std::move(text));
 }
 
 void MessageRecording::add_stream(const Topic& topic) {
   std::string name = text::printable(topic.name);
-  if (names_.contains(name)) {
-    notes_.push_back(fmt::format("{} has messages of several types: each is a stream", text::quoted(name)));
-    name += fmt::format(" ({})", text::printable(topic.type));
+  const auto [at, is_alone] = numbers_.try_emplace(name, 1);
+  if (!is_alone) {
+    std::int64_t& number = at->second;  // it stays where it is when others are added
+    const std::string shared = std::move(name);
+    do {
+      name = fmt::format("{} #{}", shared, ++number);
+    } while (!numbers_.try_emplace(name, 1).second);
+    shared_names_.add(fmt::format("{} is the name of several streams: that of type {} is called {}",
+                                  text::quoted(topic.name), text::quoted(topic.type), text::quoted(name)));
   }
-  while (!names_.insert(name).second) name += '*';
   streams_.push_back(stream_of(topic, std::move(name)));
 }
 

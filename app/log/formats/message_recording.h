@@ -7,7 +7,6 @@
 #include <memory>
 #include <string>
 #include <unordered_map>
-#include <unordered_set>
 #include <vector>
 
 #include "message_source.h"
@@ -40,7 +39,8 @@ class MessageRecording : public Recording {
   std::vector<StreamInfo> streams_;
   std::vector<std::vector<std::size_t>> stream_of_;        ///< by source and topic
   std::unordered_map<std::string, std::size_t> by_topic_;  ///< streams by name, type and whether they are read
-  std::unordered_set<std::string> names_;                  ///< of the streams
+  std::unordered_map<std::string, std::int64_t> numbers_;  ///< of streams whose topics have one name
+  Findings shared_names_;
 };
 
 }  // namespace gyrobudget::inline v0::log

@@ -129,7 +129,11 @@ class BagSource : public ChunkedSource {
   BagSource(const std::string& path, const std::string& name) : ChunkedSource(path, name) {
     walk();
     count_loose_messages();
-    if (!is_index_whole()) count_chunks();
+    if (!is_index_whole()) {
+      if (is_closed_ && is_read_to_the_end_)
+        found().add("the index does not fit the chunks: these were looked through");
+      count_chunks();
+    }
     finish();
   }
 

@@ -188,6 +188,19 @@ TEST_F(Mcap, LengthsThatCannotBeAreNotBelieved) {
   }
 }
 
+TEST_F(Mcap, AChunkOfUnknownPackingIsLeftOut) {
+  McapWriter mcap;
+  declare_imu(mcap);
+  for (int i = 0; i < 3; ++i) mcap.message(1, log_time(i), imu(i));
+  mcap.end_chunk();
+  for (int i = 3; i < 5; ++i) mcap.message(1, log_time(i), imu(i));
+  mcap.end_chunk("brotli");
+  const auto recording = opened(mcap.closed());
+  EXPECT_CONTAINS(notes(*recording), "is packed by 'brotli', expected none, lz4 or zstd");
+  EXPECT_EQ(recording->streams()[0].count, 3);
+  expect_samples(*recording, 0, 0, 3);
+}
+
 TEST_F(Mcap, OneIdForTwoChannelsIsSaid) {
   McapWriter mcap;
   declare_imu(mcap);
@@ -226,6 +239,9 @@ TEST_F(Mcap, CutAtEveryHundredth) {
 TEST_F(Mcap, BytesBehindTheFooterAndOtherVersions) {
   EXPECT_CONTAINS(notes(*opened(chunks("").closed() + "more")), "behind the footer");
   EXPECT_EQ(log::recorded_format(McapWriter::kMagic), "MCAP");
+  for (std::size_t size = 0; size < McapWriter::kMagic.size(); ++size) {
+    EXPECT_EQ(log::recorded_format(McapWriter::kMagic.substr(0, size)), "") << size;
+  }
   std::string other = McapWriter::kMagic;
   other[5] = '1';
   EXPECT_CONTAINS(refusal(other + "12345678"), "is an MCAP of version '1', expected 0");

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -84,10 +85,11 @@ TEST_F(Ros1Bag, ConnectionsOfOneTopicAreOneStreamAndOfAnotherTypeAnother) {
     ASSERT_EQ(recording->streams().size(), 2U);
     EXPECT_EQ(recording->streams()[0].name, "/imu");
     EXPECT_EQ(recording->streams()[0].count, 6);
-    EXPECT_EQ(recording->streams()[1].name, "/imu (std_msgs/String)");
+    EXPECT_EQ(recording->streams()[1].name, "/imu #2");
     EXPECT_EQ(recording->streams()[1].count, 1);
     EXPECT_TRUE(recording->streams()[1].fields.empty());
-    EXPECT_CONTAINS(notes(*recording), "several types");
+    EXPECT_CONTAINS(notes(*recording),
+                    "'/imu' is the name of several streams: that of type 'std_msgs/String' is called '/imu #2'");
     expect_samples(*recording, 0, 0, 6);
     EXPECT_EQ(recording->read(1, {}).stamps_ns, std::vector<std::int64_t>{ns(stamp_at(0))});
   }
@@ -209,7 +211,9 @@ TEST_F(Ros1Bag, AnIndexThatCannotBeIsNotBelieved) {
   bag.connection(0, "/imu", "sensor_msgs/Imu");
   add_samples(bag, 0, 0, 5);
   bag.end_chunk();
-  EXPECT_EQ(opened(bag.closed())->streams()[0].count, 5);
+  const auto recording = opened(bag.closed());
+  EXPECT_EQ(recording->streams()[0].count, 5);
+  EXPECT_CONTAINS(notes(*recording), "the index does not fit the chunks");
 }
 
 TEST_F(Ros1Bag, MessagesThatNothingDeclaresAreSaid) {
@@ -318,6 +322,29 @@ TEST_F(Ros1Bag, EmptyAndEncryptedAndOlder) {
   }
   EXPECT_EQ(log::recorded_format("#ROSBAG V2.0\n"), "ROS 1 bag");
   EXPECT_EQ(log::recorded_format("# a text log\n1 2 3\n"), "");
+}
+
+/// A copy that ends between two records, before the index.
+TEST_F(Ros1Bag, AClosedBagWithoutItsEnd) {
+  const BagWriter bag = three_chunks("none");
+  const auto recording = opened(bag.closed().substr(0, bag.killed().size()));
+  EXPECT_CONTAINS(notes(*recording), "the index does not fit the chunks");
+  expect_samples(*recording, 0, 0, 30);
+}
+
+TEST_F(Ros1Bag, NamesThatPrintAlikeStayApart) {
+  BagWriter bag;
+  for (int i = 0; i < 5; ++i) {
+    bag.connection(static_cast<std::uint32_t>(i), std::string("/a") + static_cast<char>(1 + i), "sensor_msgs/Imu");
+    add_samples(bag, static_cast<std::uint32_t>(i), i, i + 1);
+  }
+  bag.connection(9, "/a  #2", "sensor_msgs/Imu");
+  bag.end_chunk();
+  const auto recording = opened(bag.killed());
+  ASSERT_EQ(recording->streams().size(), 6U);
+  std::set<std::string> names;
+  for (const log::StreamInfo& info : recording->streams()) names.insert(info.name);
+  EXPECT_EQ(names.size(), 6U);
 }
 
 TEST_F(Ros1Bag, StreamsAndFieldsThatAreNoneAreRefused) {
