@@ -14,8 +14,10 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
@@ -120,24 +122,25 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-/// Runs `work` in a process of its own. @returns its peak memory in bytes
-double peak_memory(const std::function<void()>& work) {
+/// Runs `work` in a process of its own, whose memory goes with it. @returns its peak memory in bytes
+double in_a_process(const std::function<void()>& work) {
   std::fflush(nullptr);  // or the child would print again what is waiting
   const pid_t child = ::fork();
   if (child < 0) throw std::runtime_error("fork failed");
   if (child == 0) {
     work();
+    std::fflush(nullptr);
     ::_exit(0);
   }
   rusage usage = {};
   int status = 0;
-  if (::wait4(child, &status, 0, &usage) != child || status != 0) throw std::runtime_error("the child failed");
+  if (::wait4(child, &status, 0, &usage) != child || status != 0) throw std::runtime_error("the process failed");
   return static_cast<double>(usage.ru_maxrss) * 1024;
 }
 
 void compare(const std::string& name, const std::string& path, std::size_t messages, int repetitions) {
-  const double before = peak_memory([] {});
-  const double peak = peak_memory([&] { static_cast<void>(read_axes(path)); });
+  const double before = in_a_process([] {});
+  const double peak = in_a_process([&] { static_cast<void>(read_axes(path)); });
   std::vector<double> bytes_s, read_s, ratios;
   std::uint64_t sum = 0;
   for (int i = 0; i < repetitions; ++i) {
@@ -163,14 +166,8 @@ int main(int argc, char** argv) {
   const std::filesystem::path folder = argc > 3 ? argv[3] : std::filesystem::temp_directory_path();
   const std::string path = folder / "gyrobudget_recording_benchmark";
   const auto measure = [&](const std::string& name, const std::function<std::string()>& write) {
-    const pid_t child = ::fork();  // whose memory goes with it
-    if (child == 0) {
-      std::ofstream(path, std::ios::binary) << write();
-      ::_exit(0);
-    }
-    int status = 0;
-    if (child < 0 || ::waitpid(child, &status, 0) != child || status != 0) throw std::runtime_error("no file");
-    compare(name, path, messages, repetitions);
+    in_a_process([&] { std::ofstream(path, std::ios::binary) << write(); });
+    in_a_process([&] { compare(name, path, messages, repetitions); });
     std::filesystem::remove(path);
   };
   for (const char* how : {"none", "lz4", "bz2"}) {

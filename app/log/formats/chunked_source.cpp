@@ -4,16 +4,17 @@
 #include "gyrobudget/app/text/text.h"
 
 #include <fmt/format.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <utility>
+
+#include "crc32.h"
 
 namespace gyrobudget::inline v0::log {
 namespace {
 
 /// What records are read from a mapped file at a time, before it may leave memory again.
-constexpr std::size_t kStep = std::size_t{4} << 20;
+constexpr std::size_t kStep = std::size_t{1} << 20;
 
 /// Counts messages, and keeps what is declared.
 class CountingSink : public RecordSink {
@@ -158,8 +159,7 @@ bool ChunkedSource::holds(const Part& part, const std::vector<bool>& wanted) con
 std::string_view ChunkedSource::unpack(const Part& part, Unpacker& unpacker, Findings& findings) const {
   Unpacked unpacked = unpacker.unpack(part.packing, part.bytes, part.size);
   if (part.is_cut) return unpacked.bytes;
-  if (unpacked.fault.empty() && part.crc &&
-      ::crc32_z(0, reinterpret_cast<const Bytef*>(unpacked.bytes.data()), unpacked.bytes.size()) != *part.crc) {
+  if (unpacked.fault.empty() && part.crc && crc32_of(unpacked.bytes) != *part.crc) {
     unpacked.fault = "the check sum does not fit";
   }
   if (!unpacked.fault.empty()) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // MCAP files, with chunks and without, whole, cut and damaged.
+#include "gyrobudget/app/log/formats/crc32.h"
 #include "gyrobudget/app/log/recording.h"
 #include "gyrobudget/app/text/error.h"
 
@@ -22,6 +23,21 @@ using namespace recording_writer;
 using text::InputError;
 
 using Mcap = RecordingTest;
+
+/// By another way than zlib's; every length around the 16 and 64 bytes that it takes at a time.
+TEST(Crc32, IsThatOfZlib) {
+  std::string bytes(5000, '\0');
+  std::uint32_t state = 1;
+  for (char& byte : bytes) byte = static_cast<char>((state = state * 1664525U + 1013904223U) >> 24U);
+  std::vector<std::size_t> sizes{4096, 4999};
+  for (std::size_t size = 0; size < 700; ++size) sizes.push_back(size);
+  for (const std::size_t size : sizes) {
+    const std::string_view part = std::string_view(bytes).substr(1, size);
+    EXPECT_EQ(log::crc32_of(part), ::crc32(0, reinterpret_cast<const Bytef*>(part.data()), static_cast<uInt>(size)))
+        << size;
+  }
+  EXPECT_EQ(log::crc32_of("123456789"), 0xcbf43926U);  // the check value in the catalogues
+}
 
 std::uint64_t log_time(int i) { return static_cast<std::uint64_t>(ns(stamp_at(i))) + 1000; }
 std::string imu(int i) { return Cdr{}.imu(stamp_at(i), imu_numbers(i)); }
