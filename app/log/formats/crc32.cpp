@@ -26,15 +26,15 @@ constexpr long long power_of_x(int power) {
   return static_cast<long long>(std::uint64_t{value} << 1U);
 }
 
-/// Moves 128 bits of a message on by as many places as the two powers say, and adds them to what stands there. Its halves
-/// are 64 bits apart; products are taken 32 bits further left than the polynomial's remainder is.
+/// Moves 128 bits of a message on by as many places as the two powers say, and adds them to what stands there. The
+/// powers of its halves differ by 64; they are 32 above and below the places, for a remainder has 32 bits of 64.
 __attribute__((target("pclmul,sse4.1"))) inline __m128i fold(__m128i bits, __m128i powers, __m128i onto) {
   const __m128i low = _mm_clmulepi64_si128(bits, powers, 0x00), high = _mm_clmulepi64_si128(bits, powers, 0x11);
   return _mm_xor_si128(_mm_xor_si128(low, high), onto);
 }
 
-/// Folds a message (at least 64 bytes) into its last 16 bytes, which leave the same remainder; zlib takes that, and what
-/// is behind the last whole 16 bytes. Four folds run side by side, as each waits for the one before.
+/// Folds a message (at least 64 bytes) into its last 16 bytes, which leave the same remainder; zlib takes these, and
+/// what is behind the last whole 16 bytes. Four folds run side by side, as each waits for the one before.
 /// After V. Gopal and others, Fast CRC Computation for Generic Polynomials Using PCLMULQDQ, Intel, 2009.
 __attribute__((target("pclmul,sse4.1"))) std::uint32_t folded_crc32(std::string_view bytes) {
   constexpr std::size_t kLane = 16, kLanes = 4;

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -195,6 +196,18 @@ void RowSink::tell_zeros(Findings& findings) const {
   }
 }
 
+/// Seconds of 32 bits come to their end in 2038 or 2106, and begin again.
+void tell_wraps(std::span<const std::int64_t> stamps_ns, Findings& findings) {
+  constexpr std::int64_t kWrap = (std::int64_t{1} << 32U) * 1'000'000'000, kDay = 86'400'000'000'000;
+  for (std::size_t i = 1; i < stamps_ns.size(); ++i) {
+    // Stamps of a header are less than 2^33 s apart.
+    const std::int64_t step = stamps_ns[i] - stamps_ns[i - 1];
+    if (std::abs(std::abs(step) - kWrap) > kDay) continue;
+    findings.add(
+        fmt::format("the stamp of row {} is 2^32 s off the one before: its writer counted seconds in 32 bits", i));
+  }
+}
+
 Rows RowSink::rows(Findings& findings) {
   Rows rows;
   const std::int64_t constant = stamps_.constant();
@@ -205,6 +218,7 @@ Rows RowSink::rows(Findings& findings) {
         "{} is {} in every message: the times of recording stand in for it, with the jitter of their transport",
         kHeaderClock, constant == 0 ? "0" : "the same"));
   }
+  if (are_headers) tell_wraps(rows.stamps_ns, findings);
   tell_left_out(findings);
   tell_absent(findings);
   tell_zeros(findings);

@@ -174,8 +174,8 @@ std::vector<fs::path> files_of_folder(const std::string& path) {
   // Of a file that is there packed and not packed, the recorder has not finished packing: the longer name goes.
   const auto key = [](const NumberedFile& file) { return std::tuple(file.number, file.path.native().size()); };
   std::ranges::sort(files, {}, key);
-  const auto same = std::ranges::unique(files, {}, &NumberedFile::number);
-  files.erase(same.begin(), same.end());
+  const auto is_same = [](const NumberedFile& a, const NumberedFile& b) { return a.number == b.number; };
+  files.erase(std::unique(files.begin(), files.end(), is_same), files.end());
   std::vector<fs::path> paths;
   for (const NumberedFile& file : files) paths.push_back(file.path);
   return paths;

@@ -186,6 +186,21 @@ TEST_F(Mcap, ZstdMayEndWithPaddingOrGoOnWithAnotherFrame) {
   expect_samples(*opened(two.closed()), 0, 0, 2);
 }
 
+TEST_F(Mcap, PackedAsAWholeAndCut) {
+  if (packings({"zstd"}).empty()) GTEST_SKIP() << "a build without zstd";
+  const std::string packed = pack("zstd", chunks("").closed());
+  const auto recording = opened(packed);
+  EXPECT_EQ(recording->format(), "MCAP");
+  EXPECT_EQ(notes(*recording), "");
+  expect_samples(*recording, 0, 0, 30);
+  // Of a cut frame there may be nothing; what is said is of the user's file, not of the copy.
+  const std::string said = message_of<InputError>([&] {
+    const auto cut = opened(packed.substr(0, packed.size() / 2));
+    throw InputError(notes(*cut));
+  });
+  EXPECT_CONTAINS(said, path("recording"));
+}
+
 TEST_F(Mcap, LengthsThatCannotBeAreNotBelieved) {
   for (const std::string& how : packings({"lz4", "zstd"})) {
     for (const std::int64_t size_error :

@@ -145,6 +145,18 @@ TEST_F(Ros1Bag, HeadersThatBeginConstantAreHeadersAllTheSame) {
   EXPECT_EQ(rows.stamps_ns, (std::vector<std::int64_t>{9'000'000'001, 9'000'000'001, 9'000'000'001, 8'000'000'001}));
 }
 
+TEST_F(Ros1Bag, SecondsThatComeToTheirEndAreSaid) {
+  BagWriter bag;
+  bag.connection(0, "/imu", "sensor_msgs/Imu");
+  for (const std::uint32_t sec : {0xfffffffeU, 0xffffffffU, 0U, 1U}) {
+    bag.message(0, {100, 0}, ros1_imu({sec, 0}, imu_numbers(0)));
+  }
+  bag.end_chunk();
+  const log::Rows rows = opened(bag.closed())->read(0, {});
+  EXPECT_EQ(joined(rows.notes),
+            "the stamp of row 2 is 2^32 s off the one before: its writer counted seconds in 32 bits\n");
+}
+
 TEST_F(Ros1Bag, OneMessageHasTheStampOfItsHeader) {
   BagWriter bag;
   bag.connection(0, "/imu", "sensor_msgs/Imu");
