@@ -173,7 +173,7 @@ inline std::string pack_zstd(const std::string& bytes) {
 #endif
 
 /// Packs as "none", "bz2", "lz4" or "zstd" say.
-inline std::string pack(const std::string& how, const std::string& bytes) {
+inline std::string pack([[maybe_unused]] const std::string& how, const std::string& bytes) {
 #if GYROBUDGET_HAS_BZIP2
   if (how == "bz2") return pack_bz2(bytes);
 #endif

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "../temporary.h"
@@ -315,6 +316,23 @@ TEST_F(Ros1Bag, CutInsideAChunk) {
                                          ", inside the chunk that begins at byte " +
                                          std::to_string(bag.begin_of_last_chunk));
   expect_samples(*recording, 0, 0, 24);
+}
+
+TEST_F(Ros1Bag, ABuildWithoutALibraryNamesThePackage) {
+  bool is_whole = true;
+  for (const auto& [how, package] : {std::pair{"bz2", "libbz2-dev"}, std::pair{"lz4", "liblz4-dev"}}) {
+    if (!packings({how}).empty()) continue;
+    is_whole = false;
+    BagWriter bag;
+    add_samples(bag, 0, 0, 2);
+    bag.end_chunk("none", how);
+    EXPECT_CONTAINS(refusal(bag.closed()), package);
+  }
+  if (!packings({"zstd"}).empty()) {
+    if (is_whole) GTEST_SKIP() << "this build has all libraries";
+    return;
+  }
+  EXPECT_CONTAINS(refusal("\x28\xb5\x2f\xfd" + std::string(20, '\0')), "libzstd-dev");
 }
 
 TEST_F(Ros1Bag, ZerosThatACrashLeftAreNoRecords) {
