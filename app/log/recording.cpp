@@ -16,7 +16,11 @@
 #include "formats/dataflash.h"
 #include "formats/hdf5.h"
 #include "formats/mat.h"
+#include "formats/mcap.h"
 #include "formats/npz.h"
+#include "formats/ros1_bag.h"
+#include "formats/rosbag2.h"
+#include "formats/sqlite_source.h"
 #include "formats/ulog.h"
 
 namespace gyrobudget::inline v0::log {
@@ -72,6 +76,10 @@ std::unique_ptr<Recording> refuse_zip(std::shared_ptr<const Bytes> bytes) {
 
 /// The first that says yes is taken.
 constexpr auto kFormats = std::to_array<RecordedFormat>({
+    {"ROS 1 bag", is_ros1_bag, open_ros1_bag},
+    {"ROS 1 bag of an older version", is_old_ros1_bag, open_old_ros1_bag},
+    {"MCAP", is_mcap, open_mcap},
+    {"rosbag2", is_sqlite, open_rosbag2_database},
     {"PX4 ULog", is_ulog, nullptr, open_ulog},
     {"ArduPilot dataflash", is_dataflash, nullptr, open_dataflash},
     {"ArduPilot dataflash, as text", is_dataflash_text, nullptr, open_dataflash_text},
@@ -132,6 +140,7 @@ std::string_view recorded_format(std::string_view head) {
 
 std::unique_ptr<Recording> open_recording(const std::string& path) {
   std::error_code error;
+  if (std::filesystem::is_directory(path, error)) return open_rosbag2_folder(path);
   if (!std::filesystem::is_regular_file(path, error)) return nullptr;
   const std::string head = head_of(path);
   const Compression compression = compression_of(head);
@@ -139,6 +148,7 @@ std::unique_ptr<Recording> open_recording(const std::string& path) {
   if (!format) return nullptr;
   if (format->open_bytes) return format->open_bytes(std::make_shared<const Bytes>(path, Content::recording));
   if (compression == Compression::none) return format->open(path);
+  if (compression == Compression::zstd) return open_packed_recording(path);
   text::fail(path, fmt::format("holds a {} in {} data; unpack it first ({})", format->name, name(compression),
                                command(compression)));
 }

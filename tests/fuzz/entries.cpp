@@ -4,19 +4,33 @@
 #include "gyrobudget/app/files/scene_file.h"
 #include "gyrobudget/app/files/vehicle_file.h"
 #include "gyrobudget/app/log/curve_table.h"
+#include "gyrobudget/app/log/formats/rosbag2.h"
 #include "gyrobudget/app/log/log.h"
+#include "gyrobudget/app/log/recording.h"
 #include "gyrobudget/app/sensor_file/sensor_file.h"
 #include "gyrobudget/noise/units.h"
+
+#include <stdlib.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#if GYROBUDGET_HAS_SQLITE
+#include <sqlite3.h>
+#endif
 
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <exception>
+#include <filesystem>
 #include <optional>
 #include <stdexcept>
 #include <utility>
 
 #include "memory_file.h"
 #include "recording_entries.h"
+
+#include "../app/log/recording_writer.h"
 
 namespace gyrobudget::fuzz {
 namespace {
@@ -116,6 +130,108 @@ void read_cut(std::string_view bytes) {
     for (const allan::Record& segment : log::read_segments(options, 5)) check(segment);
   } catch (const text::InputError&) {
   }
+}
+
+// --- Recordings -----------------------------------------------------------------------------------------------------
+
+/// Every stream of a recording, with all of its fields.
+void check(const log::Recording& recording) {
+  for (std::size_t i = 0; i < recording.streams().size(); ++i) {
+    const log::StreamInfo& info = recording.streams()[i];
+    promise(info.count >= 0, "fewer rows than none");
+    std::vector<std::size_t> fields(info.fields.size());
+    for (std::size_t k = 0; k < fields.size(); ++k) fields[k] = k;
+    try {
+      const log::Rows rows = recording.read(i, fields);
+      promise(rows.columns.size() == fields.size(), "a column is missing");
+      promise(rows.clock.empty() == rows.stamps_ns.empty() || !rows.clock.empty(), "stamps without a clock");
+      for (const auto& column : rows.columns) {
+        promise(column.size() == rows.stamps_ns.size(), "a column has another length than the stamps");
+        for (const double value : column) promise(!std::isinf(value), "an infinite number");
+      }
+    } catch (const text::InputError& error) {
+      promise(error.what()[0] != '\0', "an error without a message");
+    }
+  }
+}
+
+/// Reads the bytes as a recording, whatever they are.
+void read_recording(std::string_view bytes) {
+  const MemoryFile file(bytes);
+  try {
+    const auto recording = log::open_recording(file.path());
+    promise((recording != nullptr) == !log::recorded_format(bytes).empty(), "what is recognised is not opened");
+    if (recording) check(*recording);
+  } catch (const text::InputError& error) {
+    promise(!std::string_view(error.what()).empty(), "an error without a message");
+  }
+}
+
+/// SQLite opens files by their names alone.
+void read_database(std::string_view bytes) {
+  std::string path = (std::filesystem::temp_directory_path() / "gyrobudget-fuzz-XXXXXX").string();
+  const int descriptor = ::mkstemp(path.data());
+  const bool written = ::write(descriptor, bytes.data(), bytes.size()) == ssize_t(bytes.size());
+  ::close(descriptor);
+  std::exception_ptr fault;
+  try {
+    promise(written, "no temporary file");
+    if (const auto recording = log::open_recording(path)) check(*recording);
+  } catch (const text::InputError&) {
+  } catch (...) {
+    fault = std::current_exception();
+  }
+  std::filesystem::remove(path);
+  if (fault) std::rethrow_exception(fault);
+}
+
+void read_metadata(std::string_view bytes) {
+  const auto files = log::rosbag2_files(bytes);
+  if (!files) return;
+  for (const std::string& file : *files) promise(file.size() <= bytes.size(), "a name is longer than the text");
+}
+
+std::string bag_seed(const std::string& how, bool is_closed) {
+  using namespace recording_writer;
+  BagWriter bag;
+  bag.connection(0, "/imu", "sensor_msgs/Imu");
+  for (std::uint32_t i = 0; i < 3; ++i) bag.message(0, {i, 1}, ros1_imu({i, 0}, imu_numbers(1)));
+  bag.end_chunk(how);
+  bag.connection(1, "/fix", "sensor_msgs/NavSatFix");
+  bag.message(1, {9, 0}, ros1_fix({9, 0}, {}));
+  bag.end_chunk(how);
+  return is_closed ? bag.closed() : bag.killed();
+}
+
+std::string mcap_seed(const std::string& how, bool is_closed) {
+  using namespace recording_writer;
+  McapWriter mcap;
+  mcap.declare(mcap_schema(1, "sensor_msgs/msg/Imu"));
+  mcap.declare(mcap_channel(1, 1, "/imu", "cdr"));
+  mcap.loose(mcap_schema(2, "sensor_msgs/NavSatFix") + mcap_channel(2, 2, "/fix", "ros1"));
+  for (std::uint32_t i = 0; i < 3; ++i) mcap.message(1, i, Cdr{i == 1, i == 2}.imu({i, 0}, imu_numbers(1)));
+  mcap.end_chunk(how);
+  mcap.loose_message(2, 7, ros1_fix({9, 0}, {}));
+  return is_closed ? mcap.closed() : mcap.cut();
+}
+
+std::string database_seed() {
+#if GYROBUDGET_HAS_SQLITE
+  sqlite3* database = nullptr;
+  sqlite3_open(":memory:", &database);
+  sqlite3_exec(
+      database,
+      "PRAGMA page_size = 512; CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT); CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data BLOB); INSERT INTO topics VALUES(1, '/imu', 'sensor_msgs/msg/Imu', 'cdr'); INSERT INTO messages VALUES(1, 1, 5, zeroblob(324)), (2, 1, 6, zeroblob(2000)), (3, 2, 7, x'0001')",
+      nullptr, nullptr, nullptr);
+  sqlite3_int64 size = 0;
+  unsigned char* bytes = sqlite3_serialize(database, "main", &size, 0);
+  const std::string seed(reinterpret_cast<const char*>(bytes), static_cast<std::size_t>(size));
+  sqlite3_free(bytes);
+  sqlite3_close(database);
+  return seed;
+#else
+  return std::string("SQLite format 3\0", 16);
+#endif
 }
 
 // --- The others -----------------------------------------------------------------------------------------------------
@@ -237,6 +353,18 @@ const std::vector<Entry>& other_entries() {
         with_options(4, npy("{'descr': '<f4', 'fortran_order': False, 'shape': (2, 3), }", 24)),
         with_options(0, npy("{'shape': (99999999999999999999,), 'descr': '<f8', 'fortran_order': True}", 8)),
         with_options(17, std::string(16, 'x')), with_options(2, std::string(24, '\x7f'))}},
+      {"bag",
+       read_recording,
+       {bag_seed("none", true), bag_seed("none", false), bag_seed("lz4", true), bag_seed("bz2", false)}},
+      {"mcap",
+       read_recording,
+       {mcap_seed("", true), mcap_seed("", false), mcap_seed("lz4", true), mcap_seed("zstd", true),
+        recording_writer::pack("zstd", mcap_seed("", true))}},
+      {"rosbag2", read_database, {database_seed()}},
+      {"metadata",
+       read_metadata,
+       {"rosbag2_bagfile_information:\n  version: 5\n  relative_file_paths:\n    - \"a_0.db3\"\n    - 'b''c'\n  x: 1\n",
+        "rosbag2_bagfile_information:\n  relative_file_paths: [a_0.db3, \"b\\\"c\"]\n"}},
       {"segments",
        read_cut,
        {with_options(0, two_stretches(40, 100)), with_options(64, two_stretches(40, 100)),
