@@ -118,7 +118,7 @@ void append(std::vector<std::string>& notes, std::vector<std::string> more) {
 
 /// Notes on how the text was read, where it was not the obvious way.
 std::vector<std::string> notes_on_text(const Bytes& source, const Layout& layout, const Table& table) {
-  std::vector<std::string> notes;
+  std::vector<std::string> notes = layout.notes;
   if (source.unpacked()) notes.emplace_back("gzip was unpacked into memory");
   if (layout.dialect.decimal_comma) notes.emplace_back("commas are read as decimal marks");
   if (table.inner_blank > 0)

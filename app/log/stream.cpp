@@ -253,9 +253,11 @@ class LogStream::Text : public LogStream::Reader {
     if (inlet_.bytes().starts_with("\xef\xbb\xbf")) inlet_.drop(3);
     const Bytes head(inlet_.name(), whole_lines());
     layout_ = read_layout(head);
+    notes_ = layout_.notes;
     choose(choose_columns(inlet_.name(), layout_, options));
     find_rate(head);
     layout_.sample.clear();  // they lie in the text
+    layout_.preamble.clear();
     inlet_.drop(std::exchange(layout_.body, 0));
   }
 
