@@ -18,7 +18,7 @@ namespace {
 using std::numbers::pi;
 
 // Streams of what is drawn at the start, apart from those that run, which have the letters of their terms.
-constexpr char kWhiteStart = 'n', kFlickerStart = 'b', kWalkStart = 'k', kGaussMarkovStart = 'g';
+constexpr char kWhiteStart = 'n', kFilterStart = 'f', kFlickerStart = 'b', kWalkStart = 'k', kGaussMarkovStart = 'g';
 
 std::uint64_t whole_samples(const char* what, double time, double dt) {
   constexpr double kMost = 0x1p62;
@@ -47,7 +47,7 @@ Epoch epoch_of(const ErrorModel& model, double dt) {
 
 AxisNoise::AxisNoise(const ErrorModel& model, std::size_t which, double dt, StreamKey axis, const FlickerBand& band) {
   const Setting setting{dt, epoch_of(model, dt), axis};
-  if (model.white[which] != 0) start_white(setting, model.white[which]);
+  if (model.white[which] != 0) start_white(setting, model.white[which], model.filter);
   if (model.bias_instability[which] != 0) {
     const double past = static_cast<double>(setting.epoch.powered) * dt;
     const auto states = flicker_approximation(Flicker{model.bias_instability[which]}, dt,
@@ -102,9 +102,16 @@ double AxisNoise::add_state(const Setting& setting, Bank& bank, const Process& p
   return at_power_on;
 }
 
-void AxisNoise::start_white(const Setting& setting, double n) {
+void AxisNoise::start_white(const Setting& setting, double n, const std::optional<FrontEnd>& filter) {
   white_ = n / std::sqrt(setting.dt);
   white_key_ = source_stream(setting.axis, 'N');
+  if (filter) {
+    const SampledFrontEnd sampled(*filter, setting.dt);
+    std::vector<double> before(static_cast<std::size_t>(sampled.settling()));
+    fill_normal(source_stream(setting.axis, kFilterStart), 0, before);
+    filter_.emplace(sampled);
+    (*filter_)(before);
+  }
   if (setting.epoch.calibrated == 0) return;
   double u = 0;
   fill_normal(source_stream(setting.axis, kWhiteStart), 0, std::span(&u, 1));
@@ -158,6 +165,7 @@ void AxisNoise::add_banks(Tile& slow) {
 void AxisNoise::add_white(Tile& fast) {
   if (white_ == 0) return;
   fill_normal(white_key_, at_, fast);
+  if (filter_) (*filter_)(fast);
   for (double& y : fast) y *= white_;
 }
 

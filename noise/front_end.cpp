@@ -32,17 +32,14 @@ double summing_memory(double count, double lag) {
   return x > 1 ? x * (square(x) - 1) / 6 : 0;
 }
 
-/// A moving average over a length that is not whole has the autocovariance of the means over the whole numbers beside
-/// it, in this mixture: the triangle (L - h)+ is linear in L between them.
+/// The sum of K + p samples, the oldest with weight p in [0, 1), has the autocovariance of the sums of K and of K + 1
+/// in the mixture 1 - p and p, but at lag 0, where p^2 stands for p.
 struct Mixture {
-  double shorter, part, sum;  // number of samples; share of one more; of the autocovariance
-  explicit Mixture(double length)
-      : shorter(std::floor(length)),
-        part(length - shorter),
-        sum((1 - part) * square(shorter) + part * square(shorter + 1)) {}
+  double whole, part;
+  explicit Mixture(double length) : whole(std::floor(length)), part(length - whole) {}
   template <typename Of>
-  [[nodiscard]] double mean(Of of) const {
-    return ((1 - part) * of(shorter) + part * of(shorter + 1)) / sum;
+  [[nodiscard]] double of(Of sum) const {
+    return (1 - part) * sum(whole) + part * sum(whole + 1);
   }
 };
 
@@ -71,11 +68,12 @@ double in_range(double bandwidth, double dt) {
   return std::clamp(bandwidth, kLowest * (1 + kRounding) / dt, kHighest * (1 - kRounding) / dt);
 }
 
-SampledFrontEnd::SampledFrontEnd(const FrontEnd& front_end, double dt) {
+SampledFrontEnd::SampledFrontEnd(FrontEnd front_end, double dt) {
   detail::require_interval(dt);
+  detail::require(front_end.bandwidth * dt >= kLowest && std::isfinite(front_end.bandwidth),
+                  "bandwidth of the low pass times the sample interval", front_end.bandwidth * dt, "at least 1e-4");
+  front_end.bandwidth = std::min(front_end.bandwidth, kHighest / dt);
   const double corner = front_end.bandwidth * dt;
-  detail::require(corner >= kLowest && corner <= kHighest, "bandwidth times the sample interval", corner,
-                  "from 1e-4 to 100");
   switch (front_end.kind) {
     case FrontEnd::Kind::moving_average:
       average_ = true;
@@ -145,7 +143,7 @@ void SampledFrontEnd::set_second_order(const FrontEnd& front_end, double dt) {
     }
     case FrontEnd::Sampling::held: {
       set_pole(std::polar(std::exp(-s), s));
-      detail::LowPass low_pass(front_end.bandwidth, 2, dt);
+      detail::LowPass low_pass(FrontEnd::Kind::second_order, front_end.bandwidth, dt);
       (void)low_pass.next(0);
       const double h[] = {low_pass.next(1), low_pass.next(0), low_pass.next(0)};
       b_[0] = h[0], b_[1] = h[1] + a_[0] * h[0], b_[2] = h[2] + a_[0] * h[1] + a_[1] * h[0];
@@ -166,7 +164,11 @@ void SampledFrontEnd::set_residue() {
 }
 
 double SampledFrontEnd::power_gain(double cycles) const {
-  if (average_) return Mixture(length_).mean([&](double count) { return summing_power(count, cycles); });
+  if (average_) {
+    const Mixture m(length_);
+    const double power = m.of([&](double count) { return summing_power(count, cycles); }) - m.part * (1 - m.part);
+    return power / square(length_);
+  }
   const Complex z = std::polar(1., -2 * pi * cycles);
   return std::norm((b_[0] + z * (b_[1] + z * b_[2])) / (1. + z * (a_[0] + z * a_[1])));
 }
@@ -176,7 +178,7 @@ Complex SampledFrontEnd::decayed(double lag) const {
 }
 
 double SampledFrontEnd::memory(double lag) const {
-  if (average_) return -Mixture(length_).mean([&](double count) { return summing_memory(count, lag); });
+  if (average_) return -Mixture(length_).of([&](double count) { return summing_memory(count, lag); }) / square(length_);
   return -(residue_ * decayed(lag)).real();
 }
 
@@ -187,37 +189,37 @@ std::int64_t SampledFrontEnd::settling() const {
   return radius > 0 ? static_cast<std::int64_t>(std::ceil(std::log(kLeft) / std::log(radius))) + 2 : 2;
 }
 
-FrontEndFilter::FrontEndFilter(const SampledFrontEnd& front_end) : front_end_(front_end) {
-  if (!front_end.average_) return;
-  const double count = std::round(front_end.length_);
-  constexpr double kWhole = 1e-6;
-  detail::require(std::abs(front_end.length_ - count) < kWhole * count, "length of the moving average",
-                  front_end.length_, "a whole number of samples");
-  past_.resize(static_cast<std::size_t>(count));
+MovingAverage::MovingAverage(double length) : length_(length), part_(length - std::floor(length)) {
+  constexpr double kLongest = 1e7;
+  detail::require(length >= 1 && length <= kLongest, "length of a moving average", length, "from 1 to 1e7 samples");
+  past_.resize(static_cast<std::size_t>(length) + 1);
 }
 
-double FrontEndFilter::next_average(double sample) {
-  sum_ += sample - past_[oldest_];
-  past_[oldest_] = sample;
-  if (++oldest_ == past_.size()) {
-    oldest_ = 0;
-    sum_ = std::accumulate(past_.begin(), past_.end(), 0.);  // rounding does not gather
+double MovingAverage::next(double sample) {
+  if (!started_) {
+    std::ranges::fill(past_, sample);
+    sum_ = sample * static_cast<double>(past_.size() - 1);
+    started_ = true;
   }
-  return sum_ / static_cast<double>(past_.size());
+  past_[oldest_] = sample;
+  if (++oldest_ == past_.size()) oldest_ = 0;
+  sum_ += sample - past_[oldest_];
+  if (oldest_ == 0) sum_ = std::accumulate(past_.begin() + 1, past_.end(), 0.);  // rounding does not gather
+  return (sum_ + part_ * past_[oldest_]) / length_;
+}
+
+FrontEndFilter::FrontEndFilter(const SampledFrontEnd& front_end) : front_end_(front_end) {
+  if (front_end.average_) average_.emplace(front_end.length_);
 }
 
 void FrontEndFilter::operator()(std::span<double> samples) {
   if (samples.empty()) return;
-  if (!started_) {
-    in_.fill(samples[0]), out_.fill(samples[0]), std::ranges::fill(past_, samples[0]);
-    sum_ = samples[0] * static_cast<double>(past_.size());
-    started_ = true;
-  }
+  if (!started_) in_.fill(samples[0]), out_.fill(samples[0]), started_ = true;
   const auto& b = front_end_.b_;
   const auto& a = front_end_.a_;
   for (double& sample : samples) {
-    if (front_end_.average_) {
-      sample = next_average(sample);
+    if (average_) {
+      sample = average_->next(sample);
       continue;
     }
     const double v = sample;

@@ -6,6 +6,7 @@
 #include <complex>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -16,7 +17,8 @@ namespace gyrobudget::inline v0::noise {
 ///
 ///   first order     1/(1 + s/w), w = 2 pi bandwidth
 ///   second order    Butterworth's, 1/(1 + sqrt(2) s/w + (s/w)^2)
-///   moving average  over T = 0.442946/bandwidth, the mean of L = T/dt samples; L need not be whole
+///   moving average  over T = 0.442946/bandwidth, the mean of L = T/dt samples; where L is not whole, the oldest one
+///                   counts by what is left of L
 ///
 /// -3 dB at the bandwidth. How a continuous filter comes to samples is `sampling`; for a bandwidth well below the rate
 /// all are the same. A moving average has one only.
@@ -58,10 +60,12 @@ inline constexpr double kMovingAverageWidth = 0.442946470689452;
 /// derived here and held by tests/noise/front_end_test.
 class SampledFrontEnd {
  public:
-  /// @param front_end  its bandwidth from 1e-4/dt to 100/dt @param dt  sample interval [s]
-  /// @throws std::invalid_argument for a bandwidth out of this range, a dt that is not positive and finite, and values
+  /// @param front_end  its bandwidth from 1e-4/dt on; above 100/dt it is taken for 100/dt, whose memory is below
+  ///   a hundredth of a sample
+  /// @param dt  sample interval [s]
+  /// @throws std::invalid_argument for a bandwidth below this range, a dt that is not positive and finite, and values
   /// that are no Kind or Sampling.
-  SampledFrontEnd(const FrontEnd& front_end, double dt);
+  SampledFrontEnd(FrontEnd front_end, double dt);
 
   /// At a frequency of `cycles` per sample, in [0, 1/2].
   [[nodiscard]] double power_gain(double cycles) const;
@@ -83,22 +87,33 @@ class SampledFrontEnd {
   std::complex<double> pole_ = 0, residue_ = 0;  // memory(h) = -Re(residue pole^h)
 };
 
+/// The mean of the last `length` samples, at least 1; where that is not whole, the oldest one counts by what is left of
+/// it. The first sample is as if it had always been.
+class MovingAverage {
+ public:
+  /// @throws std::invalid_argument for a length below 1 or above 1e7.
+  explicit MovingAverage(double length);
+  [[nodiscard]] double next(double sample);
+
+ private:
+  double length_, part_;      // part_: of the oldest sample, in [0, 1)
+  std::vector<double> past_;  // a ring
+  std::size_t oldest_ = 0;
+  double sum_ = 0;  // of all but the oldest
+  bool started_ = false;
+};
+
 /// Passes samples through a front end, however they are shared out among calls. The first sample is as if it had always
 /// been.
 class FrontEndFilter {
  public:
-  /// @throws std::invalid_argument for a moving average over a length that is not whole.
   explicit FrontEndFilter(const SampledFrontEnd& front_end);
   void operator()(std::span<double> samples);
 
  private:
-  double next_average(double sample);
-
   SampledFrontEnd front_end_;
+  std::optional<MovingAverage> average_;
   std::array<double, 2> in_{}, out_{};
-  std::vector<double> past_;  // of a moving average, a ring
-  std::size_t oldest_ = 0;
-  double sum_ = 0;
   bool started_ = false;
 };
 

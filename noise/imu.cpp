@@ -166,7 +166,7 @@ void Triad::start_axis(const ErrorModel& model, const Setting& setting, std::siz
   axes_.push_back({detail::AxisNoise(model, i, dt_, setting.axes[i], setting.band), {}, {}, {}, {}, false, 0, 0});
   Axis& axis = axes_.back();
   axis.bit = model.quantization[i] * std::sqrt(12.0);
-  if (model.bandwidth) axis.low_pass.emplace(*model.bandwidth, model.filter_order, dt_);
+  if (model.filter) axis.low_pass.emplace(model.filter->kind, model.filter->bandwidth, dt_);
   if (model.delay && *model.delay != 0) axis.delay.emplace(*model.delay, dt_);
   axis.noisy = axis.noise.next(axis.slow, axis.fast);
   std::array<double, 2>
@@ -262,7 +262,7 @@ ErrorModel only(const ErrorModel& model, const ErrorSources& sources) {
   if (off(ErrorSource::gauss_markov)) m.gauss_markov.clear();
   if (off(ErrorSource::sinusoid)) m.sinusoids.clear();
   if (off(ErrorSource::quantization)) m.quantization = 0;
-  if (off(ErrorSource::bandwidth)) m.bandwidth.reset();
+  if (off(ErrorSource::bandwidth)) m.filter.reset();
   if (off(ErrorSource::delay)) m.delay.reset();
   if (off(ErrorSource::range)) m.range.reset();
   if (off(ErrorSource::temperature)) m.temperature.reset();

@@ -103,13 +103,12 @@ struct ImuConstants {
 /// D, V.
 /// - **Temperature**: TemperatureModel::bias at the middle of the interval, where Options::temperature says how
 ///   it goes from the first sample on; it is of the sensor, not drawn, and a calibration leaves it.
-/// - **Response**: it acts on what is sensed, not on the noise, whose coefficients are those of the output.
-///   First order
-///   1/(1 + s/w) or second order Butterworth, w = 2 pi bandwidth, -3 dB at the bandwidth; for increments of
-/// rates that are
-///   constant over a sample, exact. A delay of a fraction of a sample shares the increments of both; exact
-/// for such rates
-///   too. Both are settled at the first increment.
+/// - **Response**: it acts on what is sensed. ErrorModel::filter acts on white noise as well (not on the part of it in
+///   a calibration's mean, which lacks a memory of the filter over T of its variance); the other coefficients are those
+///   of the output. First order 1/(1 + s/w) or second order Butterworth, w = 2 pi bandwidth, -3 dB at the bandwidth,
+///   exact for increments of rates that are constant over a sample, or a moving average of the samples. A delay of a
+///   fraction of a sample shares the increments of both; exact for such rates too. All are settled at the first
+///   increment.
 /// - **Quantization**: bits of Q sqrt(12). What is left over goes to the next reading, so the sum of the
 ///   readings is never off by a bit from that of z, however many there are; the first remainder is uniform.
 /// - **Range** saturates z and counts the samples of each axis where it did.
@@ -149,10 +148,10 @@ class Imu {
   };
 
   /// Increments are those of intervals of dt [s].
-  /// @throws std::invalid_argument for dt, a vibration level, a duration or a coefficient that is negative
-  /// (ramp: any sign) or not finite, an order of the low pass other than 1 and 2, a delay of more than 1e7
-  /// samples, an epoch of more than 2^62 samples or one that ends in the calibration, run >= 2^45, and what
-  /// flicker_approximation refuses.
+  /// @throws std::invalid_argument for dt, a vibration level, a duration or a coefficient that is negative (ramp: any
+  /// sign) or not finite, a filter's bandwidth that is not positive, or below 1e-4 of the rate where there is white
+  /// noise, a delay of more than 1e7 samples, an epoch of more than 2^62 samples or one that ends in the calibration,
+  /// run >= 2^45, and what flicker_approximation refuses.
   Imu(const SensorModel& model, double dt, ImuKey key, const Options& options);
   Imu(const SensorModel& model, double dt, ImuKey key) : Imu(model, dt, key, Options()) {}
   ~Imu();

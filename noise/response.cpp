@@ -10,15 +10,17 @@
 
 namespace gyrobudget::inline v0::noise::detail {
 
-LowPass::LowPass(double bandwidth, int order, double dt) : order_(order) {
+LowPass::LowPass(FrontEnd::Kind kind, double bandwidth, double dt) : kind_(kind) {
+  (void)name(kind);  // refuses what is none
   if (!(bandwidth > 0 && std::isfinite(bandwidth))) {
     throw std::invalid_argument(fmt::format("bandwidth is {}; it must be positive and finite (Hz)", bandwidth));
   }
-  if (order != 1 && order != 2) {
-    throw std::invalid_argument(fmt::format("order of the low pass is {}; it must be 1 or 2", order));
+  if (kind == FrontEnd::Kind::moving_average) {
+    average_.emplace(std::max(1., kMovingAverageWidth / (bandwidth * dt)));
+    return;
   }
   const double w = 2 * std::numbers::pi * bandwidth * dt;
-  a_ = order == 1 ? w : w / std::numbers::sqrt2;
+  a_ = kind == FrontEnd::Kind::first_order ? w : w / std::numbers::sqrt2;
   decay_ = std::exp(-a_);
   const bool dead = decay_ == 0;  // whatever the angle, which may be beyond what cos takes
   cosine_ = dead ? 0 : decay_ * std::cos(a_);
@@ -27,9 +29,10 @@ LowPass::LowPass(double bandwidth, int order, double dt) : order_(order) {
 }
 
 double LowPass::next(double increment) {
+  if (average_) return average_->next(increment);
   if (!started_) value_ = increment;
   started_ = true;
-  return order_ == 1 ? next_first_order(increment) : next_second_order(increment);
+  return kind_ == FrontEnd::Kind::first_order ? next_first_order(increment) : next_second_order(increment);
 }
 
 double LowPass::next_first_order(double u) {

@@ -91,7 +91,10 @@ std::string_view label(Signal signal, Term term) { return entry(signal, term).la
 std::vector<Process> ErrorModel::processes(std::size_t axis) const {
   std::vector<Process> result;
   for (const Term t : kCoefficients) {
-    if ((*this)[t][axis] != 0) result.push_back(with_coefficient(unit_process(t), (*this)[t][axis]));
+    const double size = (*this)[t][axis];
+    if (size == 0) continue;
+    const bool is_filtered = t == Term::white && filter;
+    result.push_back(is_filtered ? FilteredWhite{size, *filter} : with_coefficient(unit_process(t), size));
   }
   for (const TriadGaussMarkov& g : gauss_markov) {
     if (g.sigma[axis] != 0) result.emplace_back(g.on(axis));

@@ -69,18 +69,19 @@ struct ErrorModel {
   std::optional<PerAxis> g_sensitivity;            ///< std of each coefficient [signal/(m/s^2)], gyros
   std::optional<PerAxis> g2_sensitivity;           ///< std [signal/(m/s^2)^2]
   std::optional<PerAxis> vibration_rectification;  ///< std [signal/(m/s^2 rms)^2]
-  std::optional<double> bandwidth;                 ///< -3 dB [Hz]
-  int filter_order = 1;                            ///< of the low pass that `bandwidth` means, 1 or 2
-  std::optional<double> delay;                     ///< [s]
-  std::optional<double> range;                     ///< [signal]
-  std::optional<TemperatureModel> temperature;     ///< bias by temperature; nothing where none is known
+  /// The low pass of what is sensed and of white noise. Noise comes to samples as its `sampling` says; what is sensed
+  /// as if held, which a sensor file means for both.
+  std::optional<FrontEnd> filter;
+  std::optional<double> delay;                  ///< [s]
+  std::optional<double> range;                  ///< [signal]
+  std::optional<TemperatureModel> temperature;  ///< bias by temperature; nothing where none is known
   // Epoch of the noise: what it is at the start of a scene depends on when it was known last.
   std::optional<double> powered_on_before;  ///< [s] before the scene; empty: at its start
   std::optional<double> calibrated_over;    ///< [s] up to the scene; empty: not calibrated
 
-  /// The non-zero noise processes of an axis: 0, 1, 2 for x, y, z.
+  /// The non-zero noise processes of an axis: 0, 1, 2 for x, y, z. White noise is FilteredWhite behind a filter.
   [[nodiscard]] std::vector<Process> processes(std::size_t axis) const;
-  /// Those that any axis has, of all axes at once.
+  /// Those that any axis has, of all axes at once; white noise as it is at low frequencies, whatever the filter.
   [[nodiscard]] std::vector<TriadProcess> triad_processes() const;
   /// Whether all three axes have the same noise.
   [[nodiscard]] bool axes_are_alike() const;

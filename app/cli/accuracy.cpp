@@ -4,6 +4,7 @@
 
 #include "gyrobudget/app/report/sensor_words.h"
 #include "gyrobudget/app/sensor_file/sensor_file.h"
+#include "gyrobudget/estimation/calibration/accuracy.h"
 
 #include <fmt/format.h>
 
@@ -30,10 +31,6 @@ std::vector<noise::Process> truth_of(const noise::SensorModel& sensor, const Acc
     throw text::InputError(
         fmt::format("{}: the {} has no noise coefficient above zero; accuracy needs the truth", a.sensor, name));
   }
-  for (noise::Process& process : truth) {
-    const auto* white = std::get_if<noise::White>(&process);
-    if (white != nullptr && a.front_end) process = noise::FilteredWhite{white->n, *a.front_end};
-  }
   return truth;
 }
 
@@ -48,7 +45,9 @@ fit::Accuracy measure(const std::vector<noise::Process>& truth, const AccuracyAr
                                .progress = [&](int done, int of) { progress.update(done, of); },
                                .cancel = &interruption.asked()};
   options.fit.terms = a.terms.value_or(fit::terms_to_measure(truth));
+  options.fit.front_end = a.calibrate.front_end;
   progress.update(0, records);
+  if (a.recorder) return calibration::measure_accuracy(truth, *a.recorder, options, a.calibrate);
   return fit::measure_accuracy(truth, options);
 }
 

@@ -10,6 +10,7 @@
 #include "gyrobudget/estimation/fit/fit.h"
 #include "gyrobudget/estimation/fit/plan.h"
 #include "gyrobudget/estimation/fit/requirement.h"
+#include "gyrobudget/noise/recorder.h"
 #include "gyrobudget/noise/sensor.h"
 #include "gyrobudget/noise/simulation.h"
 
@@ -103,6 +104,11 @@ struct CalibrateArguments {
   std::string name;                  ///< of the sensor, for the sensor file
 };
 
+struct InspectArguments {
+  Common common;
+  std::string log;
+};
+
 struct PlanArguments {
   Common common;
   std::string sensor;
@@ -117,7 +123,8 @@ struct AccuracyArguments {
   std::string sensor;
   noise::Signal signal = noise::Signal::angular_rate;  ///< which of the sensor's two
   std::optional<std::size_t> axis;                     ///< 0, 1, 2 for x, y, z; unset: all are to be alike
-  std::optional<noise::FrontEnd> front_end;            ///< that the records are simulated behind
+  std::optional<noise::Recorder> recorder;             ///< that the records are simulated behind
+  calibration::Options calibrate;                      ///< of such records
   double duration_s = 36'000;
   double rate_hz = 1;
   std::optional<double> sensor_rate_hz;  ///< as PlanArguments has it
@@ -185,8 +192,9 @@ struct Answered {
   int exit_code = 0;
 };
 
-using Arguments = std::variant<Answered, SimulateArguments, AllanArguments, CalibrateArguments, PlanArguments,
-                               AccuracyArguments, PaperArguments, NavigateArguments, BudgetArguments, FlyArguments>;
+using Arguments =
+    std::variant<Answered, SimulateArguments, AllanArguments, CalibrateArguments, InspectArguments, PlanArguments,
+                 AccuracyArguments, PaperArguments, NavigateArguments, BudgetArguments, FlyArguments>;
 
 /// Reads the command line; prints help, version and usage errors itself.
 [[nodiscard]] Arguments parse_arguments(int argc, const char* const* argv);

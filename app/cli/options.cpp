@@ -40,6 +40,8 @@ void add_log(App& app, CurveArguments& curve, Texts& texts) {
   group->add_option("--scale", curve.log.scale, "units per count");
   group->add_option("--column", curve.log.columns, "names or numbers (from 1) of the columns to use")
       ->type_name("NAME|N ...");
+  group->add_option("--topic", curve.log.topic, "stream of a recording, as inspect names it [the only IMU]")
+      ->type_name("NAME");
   group
       ->add_option(
           "--rows,--where", texts.rows,

@@ -17,7 +17,8 @@ struct Texts {
   std::string rate, duration, terms, tau_min, tau_max, input = "rate", method = "gls", axes = "x,y,z";
   std::string seed = "1", skip, taps, noise_type, variant, rrw, correlation_time;
   std::string records, methods, axis = "gyro", require;
-  std::string estimators = "oadev", stride = "1", taus, format, psd, window, gap, resample, rows, time, front_end;
+  std::string estimators = "oadev", stride = "1", taus, format, psd, window, gap;
+  std::string resample, rows, time, front_end, known;
   std::string trajectory, truth, fixes, attitude, flight_input, vibration, run;
   std::string at, step, limit, horizon, temperature;
   std::vector<std::string> wishes, mask, logs, with;
@@ -45,6 +46,7 @@ Verb make_verb(App& app, App* (*add)(App&, A&, Texts&), void (*finish)(A&, const
 }
 
 // Each adds its verb to the program.
+[[nodiscard]] Verb inspect_verb(App&);
 [[nodiscard]] Verb simulate_verb(App&);
 [[nodiscard]] Verb allan_verb(App&);
 [[nodiscard]] Verb calibrate_verb(App&);

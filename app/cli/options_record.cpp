@@ -85,6 +85,7 @@ void check_stream(const AllanArguments& a, const Texts& texts, const std::string
   refuse(a.curve.log.resample_hz.has_value(), "cannot resample; leave out --resample");
   refuse(a.curve.log.rows.has_value(), "reads every row; leave out --rows");
   refuse(!a.curve.log.with.empty(), "reads one log; leave out --with");
+  refuse(a.curve.log.topic.has_value(), "reads text and raw numbers; leave out --topic");
   refuse(a.estimators != std::vector{allan::Estimator::oadev}, "knows the oadev only; leave out --estimator");
   refuse(texts.taus != "octave" && texts.taus != default_taus, "has octaves only; leave out --taus");
   refuse(texts.ieee, "counts n - 2m + 1 terms; leave out --ieee");
@@ -130,6 +131,19 @@ App* add_allan(App& app, AllanArguments& a, Texts& texts) {
   add_common(*verb, a.common);
   return verb;
 }
+
+App* add_inspect(App& app, InspectArguments& a, Texts&) {
+  auto* verb = app.add_subcommand("inspect",
+                                  "What is in a log of any format: streams, columns, units, clocks, what is odd.\n\n"
+                                  "  gyrobudget inspect walk.bag\n");
+  verb->add_option("log", a.log, "a recording (ROS bag, MCAP, ULog, dataflash, MAT, HDF5, npz), a text or a .npy")
+      ->required()
+      ->type_name("LOG");
+  add_common(*verb, a.common);
+  return verb;
+}
+
+void finish(InspectArguments&, const Texts&) {}
 
 App* add_calibrate(App& app, CalibrateArguments& a, Texts& texts) {
   auto* verb = app.add_subcommand(
@@ -251,10 +265,7 @@ void finish(CalibrateArguments& a, const Texts& texts) {
   }
   a.options.method = *std::find_if(fit::kMethods.begin(), fit::kMethods.end(),
                                    [&](fit::Method m) { return fit::name(m) == texts.method; });
-  const auto masks = [&](const char* what) {
-    return std::find(texts.mask.begin(), texts.mask.end(), what) != texts.mask.end();
-  };
-  a.options.mask = {masks("outliers"), masks("steps"), masks("warm-up"), masks("motion")};
+  a.options.mask = masking(texts.mask);
   if (!texts.horizon.empty()) a.kalibr_horizon_s = duration("--kalibr-horizon", texts.horizon);
   if (!texts.tau_min.empty()) a.options.tau_min_s = duration("--tau-min", texts.tau_min);
   if (!texts.tau_max.empty()) a.options.tau_max_s = duration("--tau-max", texts.tau_max);
@@ -273,6 +284,7 @@ void finish(CalibrateArguments& a, const Texts& texts) {
 
 }  // namespace
 
+Verb inspect_verb(App& app) { return make_verb<InspectArguments>(app, add_inspect, finish); }
 Verb allan_verb(App& app) { return make_verb<AllanArguments>(app, add_allan, finish); }
 Verb calibrate_verb(App& app) { return make_verb<CalibrateArguments>(app, add_calibrate, finish); }
 

@@ -63,8 +63,15 @@ App* add_accuracy(App& app, AccuracyArguments& a, Texts& texts) {
       ->capture_default_str();
   verb->add_option(
           "--front-end", texts.front_end,
-          "low pass that the white noise of the records is behind: first_order:25Hz, second_order:25Hz, or moving_average:25Hz over the nearest whole number of samples [none]")
-      ->type_name("KIND:HZ");
+          "what stands between the sensor and its records, which are then fitted as calibrate does: first_order:25Hz, second_order:25Hz or moving_average:25Hz (over the nearest whole number of samples) before the white noise, decimation:4 (the sensor is so many times as fast as its log), warm_up:5, knock:30 and rounding:1 (sizes and step in standard deviations of a sample), outliers:1%, held:3 (every third row repeats the one before), gaps:2% [none]")
+      ->type_name("LIST");
+  verb->add_option("--known", texts.known,
+                   "what the fits are told of the low pass: nothing, its kind, or all [nothing]")
+      ->check(IsMember{{"nothing", "kind", "all"}})
+      ->type_name("WHAT");
+  verb->add_option("--mask", texts.mask, "what is left out of such records: outliers, steps, warm-up, motion")
+      ->check(IsMember{{"outliers", "steps", "warm-up", "motion"}})
+      ->type_name("WHAT ...");
   verb->add_option("--seed", texts.seed, "of the random numbers; printed into every output")->capture_default_str();
   verb->add_option(
           "--require", texts.require,
@@ -86,25 +93,23 @@ void finish_sweep(AccuracyArguments& a, const Texts& texts) {
       throw std::invalid_argument(fmt::format("{}: --sweep takes every method and has no limits", option));
     }
   }
+  if (a.sweep && a.recorder) throw std::invalid_argument("--sweep has no --front-end");
   if (a.longest && !a.sweep) throw std::invalid_argument("--longest belongs to --sweep");
 }
 
-namespace {
-
-noise::FrontEnd front_end_of_records(const std::string& text, double rate_hz) {
-  const GivenFrontEnd given = front_end(text);
-  if (!given.bandwidth)
-    throw std::invalid_argument(
-        fmt::format("--front-end {0}: simulated records need a bandwidth, as in {0}:25Hz", text));
-  noise::FrontEnd front_end{given.kind, *given.bandwidth};
-  if (given.kind == noise::FrontEnd::Kind::moving_average) {
-    const double samples = std::max(1., std::round(noise::kMovingAverageWidth * rate_hz / front_end.bandwidth));
-    front_end.bandwidth = noise::kMovingAverageWidth * rate_hz / samples;
-  }
-  return front_end;
+void finish_recorder(AccuracyArguments& a, const Texts& texts) {
+  if (!texts.front_end.empty()) a.recorder = recorder(texts.front_end, a.rate_hz);
+  if (!a.recorder && (!texts.known.empty() || !texts.mask.empty()))
+    throw std::invalid_argument("--known and --mask are of records with --front-end");
+  a.calibrate.terms = a.terms;
+  a.calibrate.mask = masking(texts.mask);
+  if (texts.known.empty() || texts.known == "nothing") return;
+  if (!a.recorder->front_end) throw std::invalid_argument("--known: --front-end has no low pass that could be known");
+  if (texts.known == "all")
+    a.calibrate.front_end = a.recorder->front_end;
+  else
+    a.calibrate.front_end_kind = a.recorder->front_end->kind;
 }
-
-}  // namespace
 
 void finish(AccuracyArguments& a, const Texts& texts) {
   if (!texts.duration.empty()) a.duration_s = duration("--duration", texts.duration);
@@ -131,7 +136,7 @@ void finish(AccuracyArguments& a, const Texts& texts) {
   if (texts.axis.starts_with("accelerometer")) a.signal = noise::Signal::specific_force;
   if (const auto at = texts.axis.find('_'); at != std::string::npos)
     a.axis = static_cast<std::size_t>(texts.axis[at + 1] - 'x');
-  if (!texts.front_end.empty()) a.front_end = front_end_of_records(texts.front_end, a.rate_hz);
+  finish_recorder(a, texts);
   a.seed = seed(texts.seed);
   if (!texts.require.empty()) a.requirements = fit::parse_requirements(texts.require);
   finish_sweep(a, texts);

@@ -164,6 +164,62 @@ GivenFrontEnd front_end(const std::string& text) {
       text));
 }
 
+namespace {
+
+constexpr const char* kFrontEnd = "--front-end";
+
+double size_of(const std::string& item, const std::string& size) {
+  if (size.empty())
+    throw std::invalid_argument(fmt::format("--front-end {0}: write its size behind it, as in {0}:2", item));
+  return quantity(kFrontEnd, size, noise::dimension::kNumber);
+}
+
+noise::FrontEnd front_end_of_records(const std::string& item, double rate_hz) {
+  const GivenFrontEnd given = front_end(item);
+  if (!given.bandwidth)
+    throw std::invalid_argument(
+        fmt::format("--front-end {0}: simulated records need a bandwidth, as in {0}:25Hz", item));
+  noise::FrontEnd front_end{given.kind, *given.bandwidth};
+  if (given.kind == noise::FrontEnd::Kind::moving_average) {
+    const double samples = std::max(1., std::round(noise::kMovingAverageWidth * rate_hz / front_end.bandwidth));
+    front_end.bandwidth = noise::kMovingAverageWidth * rate_hz / samples;
+  }
+  return front_end;
+}
+
+}  // namespace
+
+noise::Recorder recorder(const std::string& text, double rate_hz) {
+  noise::Recorder r;
+  for (const std::string& item : split(text, ',')) {
+    const auto colon = item.find(':');
+    const std::string what = item.substr(0, colon), size = colon == std::string::npos ? "" : item.substr(colon + 1);
+    const auto count = [&] { return static_cast<int>(whole_number(kFrontEnd, size)); };
+    if (what == "decimation")
+      r.decimation = count();
+    else if (what == "held")
+      r.held = count();
+    else if (what == "rounding")
+      r.rounding = size_of(what, size);
+    else if (what == "gaps")
+      r.gaps = size_of(what, size);
+    else if (what == "outliers")
+      r.outliers = size_of(what, size);
+    else if (what == "warm_up")
+      r.warm_up = size_of(what, size);
+    else if (what == "knock")
+      r.knock = size_of(what, size);
+    else
+      r.front_end = front_end_of_records(item, rate_hz);
+  }
+  return r;
+}
+
+calibration::Masking masking(const std::vector<std::string>& names) {
+  const auto has = [&](const char* what) { return std::ranges::find(names, what) != names.end(); };
+  return {has("outliers"), has("steps"), has("warm-up"), has("motion")};
+}
+
 fit::PlanOptions::Wish wish(const std::string& text) {
   const auto parts = split(text, '=');
   if (parts.size() != 2) throw std::invalid_argument(fmt::format("--want '{}': write TERM=ACCURACY, e.g. B=10%", text));

@@ -3,7 +3,9 @@
 
 #include "gyrobudget/allan/estimator.h"
 #include "gyrobudget/allan/taus.h"
+#include "gyrobudget/estimation/calibration/findings.h"
 #include "gyrobudget/estimation/fit/fit.h"
+#include "gyrobudget/noise/recorder.h"
 #include "gyrobudget/noise/sensor.h"
 #include "gyrobudget/noise/units.h"
 
@@ -52,6 +54,11 @@ struct GivenFrontEnd {
   std::optional<double> bandwidth;  ///< [Hz]
 };
 [[nodiscard]] GivenFrontEnd front_end(const std::string& text);
+/// "second_order:3Hz,rounding:1,gaps:2%" of --front-end, of records that are simulated at a rate [Hz]. A moving average
+/// has the whole number of samples next to its bandwidth.
+[[nodiscard]] noise::Recorder recorder(const std::string& text, double rate_hz);
+/// "outliers", "steps" ... of --mask.
+[[nodiscard]] calibration::Masking masking(const std::vector<std::string>& names);
 /// "B=10%" of --want.
 [[nodiscard]] fit::PlanOptions::Wish wish(const std::string& text);
 /// One of --methods.

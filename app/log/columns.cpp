@@ -56,14 +56,17 @@ std::string_view fitting_input(const noise::Dimension& d) {
 
 class Chooser {
  public:
-  Chooser(const std::string& source, const Layout& layout, const LogOptions& options)
-      : set_(source, layout), columns_(set_.all()), layout_(layout), options_(options) {
+  Chooser(const std::string& source, const Layout& layout, const LogOptions& options, std::optional<std::size_t> clock)
+      : set_(source, layout), columns_(set_.all()), layout_(layout), options_(options), clock_(clock) {
     if (options.unit) given_unit_ = noise::parse_unit(*options.unit);  // an unknown one is wrong with any log
   }
 
   Choice choose() {
     requested_ = requested_columns();
-    choose_clock(set_, options_, requested_, choice_);
+    if (clock_)
+      use_given_clock();
+    else
+      choose_clock(set_, options_, requested_, choice_);
     choose_temperature();
     choose_rows();
     if (requested_.empty()) {
@@ -109,6 +112,12 @@ class Chooser {
   }
   bool is_time(const Column& c) const {
     return std::ranges::any_of(choice_.stamps, [&](const StampColumn& s) { return s.index == c.index; });
+  }
+
+  void use_given_clock() {
+    if (options_.time) set_.fail_at_header("has a clock of its own; leave out --time");
+    choice_.stamps = {{*clock_, 1}};
+    choice_.time_name = set_.described(columns_[*clock_]);
   }
 
   // --- Temperature, and whose rows ---
@@ -318,6 +327,7 @@ class Chooser {
   const std::vector<Column>& columns_;
   const Layout& layout_;
   const LogOptions& options_;
+  std::optional<std::size_t> clock_;
   std::optional<Unit> given_unit_;
   std::vector<std::size_t> requested_;
   Choice choice_;
@@ -325,8 +335,14 @@ class Chooser {
 
 }  // namespace
 
-Choice choose_columns(const std::string& source, const Layout& layout, const LogOptions& options) {
-  return Chooser(source, layout, options).choose();
+Choice choose_columns(const std::string& source, const Layout& layout, const LogOptions& options,
+                      std::optional<std::size_t> clock) {
+  return Chooser(source, layout, options, clock).choose();
+}
+
+void put_beside(Choice& choice) {
+  if (choice.temperature) choice.data.push_back(*choice.temperature);
+  if (choice.rows_of) choice.data.push_back(*choice.rows_of);
 }
 
 }  // namespace gyrobudget::inline v0::log

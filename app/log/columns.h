@@ -50,7 +50,12 @@ struct Choice {
 
 /// Chooses by names, units, the options and the numbers of the first rows. Nothing is guessed: a column whose unit or
 /// a log whose rate cannot be told is an error.
+/// @param clock  the column of the time, in nanoseconds, where it is known
 /// @throws InputError, and std::invalid_argument for options that are wrong with any log (an unknown --unit).
-[[nodiscard]] Choice choose_columns(const std::string& source, const Layout&, const LogOptions&);
+[[nodiscard]] Choice choose_columns(const std::string& source, const Layout& layout, const LogOptions& options,
+                                    std::optional<std::size_t> clock = {});
+
+/// Puts what is read beside the data behind it: the temperature, and then what chooses the rows.
+void put_beside(Choice& choice);
 
 }  // namespace gyrobudget::inline v0::log

@@ -310,8 +310,8 @@ double first_interval(const Steps& steps, std::optional<double> rate_hz, const T
   fail_contradiction(column, steps.regular_mean, *rate_hz);
 }
 
-/// Stamps of a loop whose turns last unevenly wander off the grid by more than an interval, and a slow tracker would take
-/// that for gaps again and again: its rate comes out above that of the steps. Then each step is looked at by itself.
+/// Stamps of a loop whose turns last unevenly wander off the grid by more than an interval, and a slow tracker would
+/// take that for gaps again and again: its rate comes out above that of the steps. Then each step is looked at alone.
 double gain_for(const std::vector<std::int64_t>& stamps, const Steps& steps, double start) {
   constexpr double kSlow = 0.05, kAtOnce = 1, kFar = 0.003;
   const auto ignore = [](std::size_t, std::int64_t, bool) {};

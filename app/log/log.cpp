@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "log.h"
 
+#include "gyrobudget/app/text/input.h"
 #include "gyrobudget/app/text/text.h"
 
 #include <fmt/format.h>
@@ -25,6 +26,8 @@
 #include "grid.h"
 #include "join.h"
 #include "layout.h"
+#include "recorded.h"
+#include "recording.h"
 #include "resample.h"
 #include "segments.h"
 #include "table.h"
@@ -284,12 +287,6 @@ void leave_out_empty(Raw& raw, const LogOptions& options) {
   if (!names.empty()) raw.choice.notes.push_back(fmt::format("left out {} (empty)", text::listing(names)));
 }
 
-/// What take_beside takes off again.
-void put_beside(Choice& choice) {
-  if (choice.temperature) choice.data.push_back(*choice.temperature);
-  if (choice.rows_of) choice.data.push_back(*choice.rows_of);
-}
-
 /// A text log, read but not yet on a grid.
 class TextLog {
  public:
@@ -385,11 +382,40 @@ Raw read_binary(const LogOptions& options, Format format, std::optional<double> 
   return raw;
 }
 
+Raw read_recording(const Recording& recording, const LogOptions& options, std::optional<double> longest_gap_s) {
+  Recorded recorded = read_recorded(recording, options);
+  Raw raw{recorded.source, std::move(recorded.choice), {}, {}, {}, std::move(recorded.notes)};
+  raw.table.numbers = std::move(recorded.numbers);
+  raw.table.stamps = std::move(recorded.stamps);
+  raw.table.rows = raw.table.numbers.front().size();
+  raw.table.complete = false;
+  const auto rows = take_beside(raw, options, 1);
+  if (auto note = unroll(raw.table.stamps, raw.choice)) raw.choice.notes.push_back(*std::move(note));
+  check_length(raw.source, static_cast<std::int64_t>(raw.table.rows), options.input, "sample", "");
+  arrange(
+      raw, [&](std::size_t row) { return static_cast<std::int64_t>(rows.empty() ? row : rows[row]) + 1; }, options,
+      longest_gap_s);
+  return raw;
+}
+
+/// Refuses what text logs alone can give.
+void check_text_alone(const LogOptions& options) {
+  if (!options.with.empty()) throw std::invalid_argument("--with joins text logs by their time; leave it out");
+  if (options.rows && options.rows->word)
+    throw std::invalid_argument("--rows chooses by words in text logs only; give the number that the rows have");
+}
+
 Raw read_raw(const LogOptions& options, std::optional<double> longest_gap_s) {
   check(options);
+  if (!options.format) {
+    if (const auto recording = open_recording(options.path))
+      return check_text_alone(options), read_recording(*recording, options, longest_gap_s);
+  }
+  if (options.topic)
+    throw std::invalid_argument(fmt::format("--topic {}: {} is no recording with topics",
+                                            text::printable(*options.topic), text::input_name(options.path)));
   const Format format = options.format.value_or(format_of(options.path));
-  if (!options.with.empty() && format != Format::csv)
-    throw std::invalid_argument("--with joins text logs by their time; leave it out for a binary one");
+  if (format != Format::csv) check_text_alone(options);
   return format == Format::csv ? read_text(options, longest_gap_s) : read_binary(options, format, longest_gap_s);
 }
 

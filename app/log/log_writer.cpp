@@ -69,7 +69,7 @@ std::string compressed(const std::string& text) {
 }
 
 /// Some rows of a log, from sample `first` on, column after column.
-struct Rows {
+struct Batch {
   std::uint64_t first = 0;
   std::size_t count = 0;
   std::vector<double> values;
@@ -81,13 +81,13 @@ class Formatter {
     for (const LogHead::Column& c : head.columns) to_si_.push_back(noise::parse_unit(c.unit).to_si);
   }
 
-  [[nodiscard]] std::string operator()(const Rows& rows) const {
+  [[nodiscard]] std::string operator()(const Batch& rows) const {
     if (format_ == Format::csv) return text(rows);
     return format_ == Format::f32 ? bytes<float>(rows) : bytes<double>(rows);
   }
 
  private:
-  [[nodiscard]] std::string text(const Rows& rows) const {
+  [[nodiscard]] std::string text(const Batch& rows) const {
     constexpr std::size_t kLongestNumber = 25;  // -1.7976931348623157e+308 and a delimiter
     std::string text(rows.count * (to_si_.size() + 1) * kLongestNumber, '\0');
     char* at = text.data();
@@ -104,7 +104,7 @@ class Formatter {
   }
 
   template <class Number>
-  [[nodiscard]] std::string bytes(const Rows& rows) const {
+  [[nodiscard]] std::string bytes(const Batch& rows) const {
     std::string text(rows.count * to_si_.size() * sizeof(Number), '\0');
     char* at = text.data();
     for (std::size_t row = 0; row < rows.count; ++row) {
@@ -128,8 +128,8 @@ class Formatter {
 };
 
 /// The next at most kRowsPerTask rows of those that end before `end`.
-Rows produced(std::uint64_t first, std::uint64_t end, std::size_t columns, const LogProducer& produce) {
-  Rows rows{first, static_cast<std::size_t>(std::min<std::uint64_t>(kRowsPerTask, end - first)), {}};
+Batch produced(std::uint64_t first, std::uint64_t end, std::size_t columns, const LogProducer& produce) {
+  Batch rows{first, static_cast<std::size_t>(std::min<std::uint64_t>(kRowsPerTask, end - first)), {}};
   rows.values.resize(rows.count * columns);
   std::vector<std::span<double>> spans;
   for (std::size_t i = 0; i < columns; ++i) {
@@ -154,20 +154,20 @@ void write_log(const std::string& path, const LogHead& head, std::uint64_t sampl
   const auto make = [&](tbb::flow_control& control) {
     if (next == end) {
       control.stop();
-      return Rows{};
+      return Batch{};
     }
-    Rows rows = produced(next, end, head.columns.size(), produce);
+    Batch rows = produced(next, end, head.columns.size(), produce);
     next += rows.count;
     return rows;
   };
-  const auto format = [&](const Rows& rows) {
+  const auto format = [&](const Batch& rows) {
     std::string text = formatter(rows);
     return gzip ? compressed(text) : text;
   };
   const auto write = [&](const std::string& bytes) { file.write(bytes); };
   const auto in_flight = 2 * static_cast<std::size_t>(tbb::info::default_concurrency());
-  tbb::parallel_pipeline(in_flight, tbb::make_filter<void, Rows>(tbb::filter_mode::serial_in_order, make) &
-                                        tbb::make_filter<Rows, std::string>(tbb::filter_mode::parallel, format) &
+  tbb::parallel_pipeline(in_flight, tbb::make_filter<void, Batch>(tbb::filter_mode::serial_in_order, make) &
+                                        tbb::make_filter<Batch, std::string>(tbb::filter_mode::parallel, format) &
                                         tbb::make_filter<std::string, void>(tbb::filter_mode::serial_in_order, write));
   file.commit();
 }

@@ -48,7 +48,9 @@ Json coefficient_json(const AccuracyStudy& study, const fit::CoefficientAccuracy
           {"coverage_identified", number_or_null(c.coverage_identified)},
           {"coverage_identified_std", number_or_null(binomial_std(c.coverage_identified, records * c.identified))},
           {"identified", c.identified},
-          {"missed", c.missed}};
+          {"missed", c.missed},
+          {"refused", c.refused},
+          {"coverage_answered", number_or_null(c.coverage_answered)}};
 }
 
 Json method_json(const AccuracyStudy& study, const fit::MethodAccuracy& m) {

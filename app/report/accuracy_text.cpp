@@ -54,24 +54,44 @@ std::string term_name(fit::Method method, std::optional<noise::Term> term) {
 
 // --- Tables ---------------------------------------------------------------------------------------------------------
 
+/// Whether any fit said that it has no number.
+bool any_refused(const AccuracyStudy& study) {
+  for (const MethodAccuracy& m : study.accuracy.methods)
+    for (const CoefficientAccuracy& c : m.coefficients)
+      if (c.refused > 0) return true;
+  return false;
+}
+
 std::vector<std::string> coefficient_cells(const AccuracyStudy& study, const CoefficientAccuracy& c) {
   const double records = study.accuracy.records;
-  return {fmt::format("  {}  {}", static_cast<char>(c.term),
-                      in_unit(c.truth, noise::datasheet_unit(study.signal, c.term), 3)),
-          signed_error(c.bias),
-          error(c.rmse),
-          ratio(c.rmse / c.bound),
-          ratio(c.over_likelihood),
-          share(c.coverage, records),
-          share(c.coverage_identified, records * c.identified),
-          c.truth > 0 ? share(c.missed) : "-",
-          c.truth > 0 ? "-" : share(c.identified)};
+  std::vector<std::string> cells{fmt::format("  {}  {}", static_cast<char>(c.term),
+                                             in_unit(c.truth, noise::datasheet_unit(study.signal, c.term), 3)),
+                                 signed_error(c.bias),
+                                 error(c.rmse),
+                                 ratio(c.rmse / c.bound),
+                                 ratio(c.over_likelihood),
+                                 share(c.coverage, records),
+                                 share(c.coverage_identified, records * c.identified),
+                                 c.truth > 0 ? share(c.missed) : "-",
+                                 c.truth > 0 ? "-" : share(c.identified)};
+  if (any_refused(study)) {
+    cells.push_back(share(c.refused));
+    cells.push_back(share(c.coverage_answered, records * (1 - c.refused)));
+  }
+  return cells;
 }
 
 std::string coefficient_table(const AccuracyStudy& study) {
   using enum Align;
-  TextTable table({left, right, right, right, right, right, right, right, right});
-  table.row({"truth", "bias", "RMSE", "/ bound", "/ likelihood", "95 % covers", "if identified", "missed", "false"});
+  std::vector<Align> columns{left, right, right, right, right, right, right, right, right};
+  std::vector<std::string> heads{"truth",       "bias",          "RMSE",   "/ bound", "/ likelihood",
+                                 "95 % covers", "if identified", "missed", "false"};
+  if (any_refused(study)) {
+    columns.insert(columns.end(), 2, right);
+    heads.insert(heads.end(), {"refused", "if not"});
+  }
+  TextTable table(columns);
+  table.row(heads);
   for (const auto& m : study.accuracy.methods) {
     for (const auto& c : m.coefficients) table.row(coefficient_cells(study, c));
   }
@@ -148,9 +168,9 @@ std::string coverage_found(const AccuracyStudy& study) {
   std::string off;
   for (const auto& m : study.accuracy.methods) {
     for (const auto& c : m.coefficients) {
-      if (c.truth > 0 && std::abs(c.coverage - kNominal) > scatter) {
-        off += fmt::format("{}{} ({:.1f} %)", off.empty() ? "" : ", ", term_name(m.method, c.term), 100 * c.coverage);
-      }
+      const double covers = c.refused > 0 ? c.coverage_answered : c.coverage;
+      if (c.truth > 0 && std::abs(covers - kNominal) * std::sqrt(1 - c.refused) > scatter)
+        off += fmt::format("{}{} ({:.1f} %)", off.empty() ? "" : ", ", term_name(m.method, c.term), 100 * covers);
     }
   }
   const auto range =
@@ -171,6 +191,9 @@ std::vector<std::string> accuracy_words(const AccuracyStudy& study) {
       "/ bound: RMSE over the Cramer-Rao bound. 1.00 is the best there is for bounds below about 10 %; above that the bound cannot be reached, or values at zero go below it, and / likelihood tells more.",
       "95 % covers: share of records whose two-sided interval holds the truth, with its standard error. If identified: the same of the records that call the term identified; where few do, those are the ones that read it high.",
       "Missed: the term is there and the record does not show it. False: it is not there and the record calls it identified.",
+      any_refused(study)
+          ? "Refused: calibrate says that it has no number, as the record is rounded, spoilt, too short or not described. If not: 95 % covers of the other records."
+          : "",
       "p < 5 % of a sound test in 5 % of records, p < 1 % in 1 %.",
       against_likelihood(study),
       coverage_found(study)};

@@ -371,6 +371,10 @@ std::string over_axes(const calibration::SensorSummary& summary, std::size_t axe
     text += comment_line(fmt::format(
         "Which {} axis is x, y or z is not known: the values are over all of them, whether they differ or not.",
         signal == noise::Signal::angular_rate ? "gyro" : "accelerometer"));
+  for (const noise::Signal signal : summary.without_filter)
+    text += comment_line(fmt::format(
+        "The record shows a low pass of the {0}, of a kind that cannot be told or not the same on all axes: {0}.filter is left out.",
+        signal == noise::Signal::angular_rate ? "gyro" : "accelerometer"));
   return text;
 }
 

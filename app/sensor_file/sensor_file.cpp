@@ -24,6 +24,7 @@ namespace {
 
 using noise::Dimension;
 using noise::ErrorModel;
+using noise::FrontEnd;
 using noise::PerAxis;
 using noise::SensorModel;
 using noise::Signal;
@@ -53,14 +54,16 @@ constexpr Extra<PerAxis> kPerAxis[] = {
     {"vibration_rectification", &ErrorModel::vibration_rectification, "deg/h/g^2", "ug/g^2"},
 };
 constexpr Extra<double> kForAll[] = {
-    {"bandwidth", &ErrorModel::bandwidth, "Hz", "Hz", true},
     {"delay", &ErrorModel::delay, "ms", "ms"},
     {"range", &ErrorModel::range, "deg/s", "g"},
     {"powered_on_before", &ErrorModel::powered_on_before, "s", "s"},
     {"calibrated_over", &ErrorModel::calibrated_over, "s", "s"},
 };
-constexpr std::string_view kFilterOrder = "filter_order", kLeverArm = "lever_arm", kWarning = "warning",
-                           kIdeal = "ideal", kTemperature = "temperature", kReference = "reference";
+constexpr std::string_view kFilter = "filter", kKind = "kind", kBandwidth = "bandwidth", kFilterOrder = "filter_order",
+                           kLeverArm = "lever_arm", kWarning = "warning", kIdeal = "ideal",
+                           kTemperature = "temperature", kReference = "reference";
+constexpr FrontEnd::Kind kFilterKinds[] = {FrontEnd::Kind::first_order, FrontEnd::Kind::second_order,
+                                           FrontEnd::Kind::moving_average};
 
 /// What temperature does, behind `temperature:`.
 struct TemperatureKey {
@@ -173,8 +176,7 @@ class Reader : private YamlReader {
       if (!unit_of(e, signal).empty()) result.emplace_back(e.key);
     }
     for (const auto& e : kForAll) result.emplace_back(e.key);
-    result.emplace_back(kFilterOrder);
-    result.emplace_back(kTemperature);
+    for (const auto key : {kFilter, kBandwidth, kFilterOrder, kTemperature}) result.emplace_back(key);
     return result;
   }
 
@@ -189,6 +191,7 @@ class Reader : private YamlReader {
     for_each(node, where, [&](const Node& key, const Node& value) {
       if (!read_entry(key.Scalar(), value, signal, model)) fail_unknown_key(key, where, keys(signal));
     });
+    if (const Node bandwidth = node[std::string(kBandwidth)]) model.filter = older_filter(node, bandwidth);
     return model;
   }
 
@@ -211,10 +214,10 @@ class Reader : private YamlReader {
                                  e.above_zero ? Sign::above_zero : Sign::not_negative);
       return true;
     }
-    if (key == kFilterOrder) {
-      if (!value.IsScalar() || (value.Scalar() != "1" && value.Scalar() != "2"))
-        fail_here(value, fmt::format("{}: found {}, expected 1 or 2", key, kind(value)));
-      model.filter_order = value.Scalar() == "1" ? 1 : 2;
+    if (key == kBandwidth) return true;  // older_filter()
+    if (key == kFilterOrder) return whole(key, value, 1, 2) > 0;
+    if (key == kFilter) {
+      model.filter = filter(value);
       return true;
     }
     if (key == kTemperature) {
@@ -230,6 +233,36 @@ class Reader : private YamlReader {
       return true;
     }
     return false;
+  }
+
+  double bandwidth(const Node& value) const {
+    return quantity(kBandwidth, value, dimension::kFrequency, Sign::above_zero);
+  }
+
+  FrontEnd filter(const Node& node) const {
+    std::optional<FrontEnd::Kind> kind;
+    std::optional<double> passed;
+    section(node, kFilter,
+            {{std::string(kKind),
+              [&](const Node& value) {
+                std::vector<std::string> names;
+                for (const FrontEnd::Kind k : kFilterKinds) names.emplace_back(noise::name(k));
+                kind = kFilterKinds[one_of(kKind, value, names)];
+              }},
+             {std::string(kBandwidth), [&](const Node& value) { passed = bandwidth(value); }}});
+    if (!kind) fail_here(node, "filter: found no kind, expected one: first_order, second_order or moving_average");
+    if (!passed) fail_here(node, "filter: found no bandwidth, expected one, such as 25 Hz");
+    return {*kind, *passed, FrontEnd::Sampling::held};
+  }
+
+  /// Of the keys bandwidth and filter_order.
+  FrontEnd older_filter(const Node& triad, const Node& value) const {
+    if (triad[std::string(kFilter)])
+      fail_here(value, "bandwidth: found it beside filter, expected one of the two; filter has its own");
+    const Node order = triad[std::string(kFilterOrder)];
+    const bool second = order && whole(kFilterOrder, order, 1, 2) == 2;
+    return {second ? FrontEnd::Kind::second_order : FrontEnd::Kind::first_order, bandwidth(value),
+            FrontEnd::Sampling::held};
   }
 
   noise::TemperatureModel temperature(const Node& node, Signal signal) const {
@@ -503,10 +536,12 @@ class Writer {
     for (const auto& e : kPerAxis) {
       if (model.*e.member && !unit_of(e, signal).empty()) line(e.key, per_axis(*(model.*e.member), unit_of(e, signal)));
     }
+    if (model.filter)
+      line(kFilter, fmt::format("{{{}: {}, {}: {}}}", kKind, noise::name(model.filter->kind), kBandwidth,
+                                quantity(model.filter->bandwidth, "Hz")));
     for (const auto& e : kForAll) {
       if (model.*e.member) line(e.key, quantity(*(model.*e.member), unit_of(e, signal)));
     }
-    if (model.filter_order != 1) line(kFilterOrder, std::to_string(model.filter_order));
     if (!model.temperature) return;
     text_ += fmt::format("  {}:\n    {}: {} degC\n", kTemperature, kReference, model.temperature->reference);
     for (const auto& e : kTemperatureKeys) {

@@ -42,9 +42,8 @@ struct ReadOptions {
 ///       g_sensitivity: 0.1 deg/h/g            # gyros only
 ///       g2_sensitivity: 0.02 deg/h/g^2
 ///       vibration_rectification: 0.05 deg/h/g^2
-///       bandwidth: 100 Hz                     # one, as all that follow
-///       filter_order: 2                       # of the bandwidth's low pass, 1 or 2; left out: 1
-///       delay: 2 ms
+///       filter: {kind: second_order, bandwidth: 100 Hz}  # low pass of what is sensed and of white noise; one, as all
+///       delay: 2 ms                           # that follow. first_order, second_order or moving_average
 ///       range: 400 deg/s
 ///       temperature:                          # bias over it; for all axes, or [x, y, z]
 ///         reference: 30 degC                  # where this bias is none
@@ -59,7 +58,8 @@ struct ReadOptions {
 ///
 /// What is left out is taken as zero, and an accelerometer that is left out as ideal; noise::not_stated tells that from
 /// what the file states to be zero (`scale_factor: 0 ppm`, `accelerometer: ideal`). noise/imu.h says what each of them
-/// does. Three forms of others are read too, as SI numbers without units:
+/// does. `bandwidth: 100 Hz` with `filter_order: 2` is an older way to write the filter; left out, the order is 1.
+/// Three forms of others are read too, as SI numbers without units:
 /// - Kalibr's imu.yaml, also below imu0 (OpenVINS, %YAML:1.0): noise_density is N, random_walk is K, B is zero.
 /// - VINS' gyr_n, gyr_w, acc_n, acc_w at the top level: with a rate fs, sigmas of a sample as its code takes them,
 ///   N = n / sqrt(fs), K = w / sqrt(fs); else densities, N = n, K = w.

@@ -43,7 +43,8 @@ struct Axis {
   Signal signal;
   bool answers;
   fit::Result fit;
-  const Temperature* temperature = nullptr;  // that was taken off
+  const Temperature* temperature = nullptr;                         // that was taken off
+  std::vector<std::optional<fit::FittedFrontEnd>> front_ends = {};  // of each record
 };
 
 bool is_identified(const Coefficient& c) { return c.status == fit::Status::identified; }
@@ -64,8 +65,12 @@ bool is_not_quotable(const Axis& axis, Term term) {
 std::vector<Axis> axes_of(const Datasheet& sheet) {
   std::vector<Axis> axes;
   for (const AxisDatasheet& a : sheet.axes)
-    axes.push_back(
-        {a.name, a.signal, a.has_answer(), a.fit, a.temperature && a.temperature->removed ? &*a.temperature : nullptr});
+    axes.push_back({a.name,
+                    a.signal,
+                    a.has_answer(),
+                    a.fit,
+                    a.temperature && a.temperature->removed ? &*a.temperature : nullptr,
+                    {a.fit.front_end}});
   return axes;
 }
 
@@ -73,6 +78,10 @@ std::vector<Axis> axes_of(const TypeDatasheet& sheet) {
   std::vector<Axis> axes;
   for (const CombinedAxis& a : sheet.axes) {
     Axis& axis = axes.emplace_back(Axis{a.name, a.signal, !a.coefficients.empty(), {}});
+    for (const Datasheet& record : sheet.records) {
+      for (const AxisDatasheet& own : record.axes)
+        if (own.name == a.name && own.has_answer()) axis.front_ends.push_back(own.fit.front_end);
+    }
     for (const Term t : kTerms) {
       Coefficient& c = axis.fit.coefficients.emplace_back(Coefficient{.term = t});
       const auto at = std::ranges::find(a.coefficients, t, &fit::Combined::term);
@@ -179,6 +188,30 @@ class Triad {
     sinusoid(model, told);
   }
 
+  /// The one low pass of all axes and records; none where there is not one.
+  [[nodiscard]] std::optional<noise::FrontEnd> filter() const {
+    constexpr double kFar = 3.3;     // standard deviations: 1 in 1000 is further off
+    constexpr double kGiven = 1e-9;  // deviation of a bandwidth that was given, not found
+    double sum = 0, weights = 0;
+    const auto deviation = [&](const fit::FittedFrontEnd& f) {
+      return std::max(kGiven, std::log(f.upper / f.lower) / kInterval);
+    };
+    const auto all = front_ends();
+    for (const auto& f : all) {
+      if (!f || !f->kind || f->kind != all.front()->kind) return std::nullopt;
+      const double weight = std::pow(deviation(*f), -2);
+      sum += weight * std::log(f->bandwidth), weights += weight;
+    }
+    if (all.empty()) return std::nullopt;
+    const double mean = sum / weights;
+    for (const auto& f : all)
+      if (!(std::abs(std::log(f->bandwidth) - mean) <= kFar * deviation(*f))) return std::nullopt;
+    return noise::FrontEnd{*all.front()->kind, to_digits(std::exp(mean)), noise::FrontEnd::Sampling::held};
+  }
+  [[nodiscard]] bool is_filtered() const {
+    return std::ranges::any_of(front_ends(), [](const auto& f) { return f.has_value(); });
+  }
+
   [[nodiscard]] std::vector<std::string> borrowed() const {
     std::vector<std::string> names;
     if (!has_places_ || axes_.empty() || all_ == 0) return names;
@@ -190,6 +223,11 @@ class Triad {
   }
 
  private:
+  [[nodiscard]] std::vector<std::optional<fit::FittedFrontEnd>> front_ends() const {
+    std::vector<std::optional<fit::FittedFrontEnd>> all;
+    for (const Axis& axis : axes_) all.insert(all.end(), axis.front_ends.begin(), axis.front_ends.end());
+    return all;
+  }
   [[nodiscard]] bool can_differ() const { return has_places_ && axes_.size() > 1; }
   [[nodiscard]] double over_axes() const { return 1 / std::sqrt(static_cast<double>(axes_.size())); }
 
@@ -359,6 +397,8 @@ SensorSummary summary_of(const Sheet& sheet, std::string name) {
     noise::ErrorModel& limits = gyro ? result.limits.gyro : result.limits.accelerometer.emplace();
     triad.summarise(model, limits, result.coefficients);
     model.temperature = std::move(temperature);
+    model.filter = triad.filter();
+    if (!model.filter && triad.is_filtered()) result.without_filter.push_back(signal);
     for (std::string& axis : triad.borrowed()) result.borrowed.push_back(std::move(axis));
     if (triad.lacks_places()) result.without_places.push_back(signal);
   }

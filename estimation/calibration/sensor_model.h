@@ -35,6 +35,9 @@ struct SensorSummary {
   std::vector<std::string> borrowed;
   /// Triads of which no axis has its place (several sensors in one record, say): they are never written axis by axis.
   std::vector<noise::Signal> without_places;
+  /// Triads whose records show a low pass that a sensor's one filter cannot be: of a kind that is not told, not on all
+  /// axes, or not the same on all.
+  std::vector<noise::Signal> without_filter;
 };
 
 /// One model for each triad. Of every term it has the root mean square over the axes that have an answer, as their
@@ -42,8 +45,9 @@ struct SensorSummary {
 /// time differs is one for each axis; lines within 0.1 % of one frequency are one. Which axis is x, y or z is told by
 /// the last letter of its name, and of three axes whose names do not tell, by their order. Values have six digits in
 /// the datasheet's unit, more than any record tells, so that a file has what was computed. What depends on
-/// temperature is that of each axis where a triad has three, or one that stands for all. Coefficients that a record
-/// cannot give (fit::Status::not_quotable) are as if the axis had none. Dimensionless axes have no place in it.
+/// temperature is that of each axis where a triad has three, or one that stands for all. A filter is written where all
+/// axes have one of the same kind, with bandwidths within 3.3 standard deviations of their mean. Coefficients that a
+/// record cannot give (fit::Status::not_quotable) are as if the axis had none. Dimensionless axes have no place in it.
 /// @param sheet  its gyro axes make the gyro, its accelerometer axes the accelerometer
 /// @param name   of the sensor
 /// @return a gyro of zeros where no gyro axis has an answer, and no accelerometer where none of its axes has one.

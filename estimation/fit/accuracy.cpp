@@ -56,6 +56,7 @@ class Study {
       : options_(options),
         generator_(truth, options.samples, options.dt),
         factors_(allan::octave_factors(options.samples)) {
+    if (options.answer) return;
     std::vector<noise::Process> kinds;
     for (const Term t : in_order(options.fit.terms)) {
       kinds.push_back(shaped_process(t, options.fit));
@@ -69,15 +70,17 @@ class Study {
   [[nodiscard]] One record(std::uint64_t index) const {
     One one;
     const auto start = Clock::now();
-    const auto rate = generator_({options_.seed, index});
-    const auto curve = allan::overlapped_variance(rate, options_.dt, factors_);
+    const noise::StreamKey key{options_.seed, index};
+    const auto rate = options_.make ? options_.make(key) : generator_(key);
+    Data record{.rate = rate, .dt = options_.dt};
+    std::optional<allan::Curve> curve;
+    if (!options_.answer) record.curve = &curve.emplace(allan::overlapped_variance(rate, options_.dt, factors_));
     one.seconds = seconds_since(start);
-    Data record{.rate = rate, .dt = options_.dt, .curve = &curve};
     if (covariance_) record.covariance = &*covariance_;
     for (const Method method : options_.methods) {
       Options fit_options = options_.fit;
       fit_options.method = method;
-      Result result = fit(record, fit_options);
+      Result result = options_.answer ? options_.answer(rate, fit_options) : fit(record, fit_options);
       result.residuals = {};
       result.spectrum = {};
       one.results.push_back(std::move(result));
@@ -112,7 +115,8 @@ double bound_of(const std::vector<noise::Process>& truth, Term t, const Accuracy
     if (noise::term(p) == t) at = static_cast<Eigen::Index>(random.size());
     random.push_back(p);
   }
-  return at < 0 ? kNaN : relative_bound(random, o.samples, o.dt)(at);
+  if (at < 0) return kNaN;
+  return (o.fit.front_end ? relative_bound : relative_bound_unknown_bandwidth)(random, o.samples, o.dt)(at);
 }
 
 CoefficientAccuracy summarise(const std::vector<One>& all, std::size_t method, Term term, double truth) {
@@ -120,11 +124,17 @@ CoefficientAccuracy summarise(const std::vector<One>& all, std::size_t method, T
   a.term = term;
   a.truth = truth;
   double errors = 0, squares = 0, covered = 0, by_status = 0, identified = 0, covered_identified = 0;
+  double stated = 0, answered = 0, covered_answered = 0;
   for (const One& one : all) {
-    const Coefficient& c = one.results[method][term];
+    const Result& result = one.results[method];
+    const Coefficient& c = result[term];
     a.values.push_back(c.value);
-    const double error = c.value / truth - 1;
-    errors += error, squares += error * error;
+    const bool is_stated = c.status != Status::not_quotable;
+    const bool is_tested = !std::isnan(result.p_value);
+    const bool is_answer = is_stated && !(is_tested && result.verdict == Verdict::not_described);
+    const double error = is_stated ? c.value / truth - 1 : 0;
+    errors += error, squares += error * error, stated += is_stated;
+    answered += is_answer, covered_answered += is_answer && c.lower <= truth && truth <= c.upper_two_sided;
     const bool inside = c.lower <= truth && truth <= c.upper, called = c.status == Status::identified;
     covered += c.lower <= truth && truth <= c.upper_two_sided;
     by_status += inside;
@@ -132,8 +142,10 @@ CoefficientAccuracy summarise(const std::vector<One>& all, std::size_t method, T
     covered_identified += called && inside;
   }
   const auto records = static_cast<double>(all.size());
-  a.bias = truth > 0 ? errors / records : kNaN;
-  a.rmse = truth > 0 ? std::sqrt(squares / records) : kNaN;
+  a.bias = truth > 0 && stated > 0 ? errors / stated : kNaN;
+  a.rmse = truth > 0 && stated > 0 ? std::sqrt(squares / stated) : kNaN;
+  a.refused = 1 - answered / records;
+  a.coverage_answered = answered > 0 ? covered_answered / answered : kNaN;
   a.coverage = covered / records;
   a.coverage_by_status = by_status / records;
   a.coverage_identified = identified > 0 ? covered_identified / identified : kNaN;

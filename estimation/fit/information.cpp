@@ -8,6 +8,8 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <variant>
+#include <vector>
 
 #include <Eigen/Cholesky>
 
@@ -19,11 +21,17 @@ constexpr double kPanelRatio = 1.25;
 constexpr double kMostSamples = 1e15;
 constexpr double kFewestSamples = 16;
 
+// Whether the bandwidths of filters are parameters too.
+enum class Bandwidths { known, unknown };
+
 class Information {
  public:
-  Information(std::span<const noise::Process> processes, double samples, double dt)
-      : processes_(processes), samples_(samples), dt_(dt), share_(static_cast<Eigen::Index>(processes.size())) {
-    matrix_.setZero(share_.size(), share_.size());
+  Information(std::span<const noise::Process> processes, double samples, double dt, Bandwidths bandwidths)
+      : processes_(processes), samples_(samples), dt_(dt) {
+    for (std::size_t a = 0; a < processes.size() && bandwidths == Bandwidths::unknown; ++a)
+      if (const auto* filtered = std::get_if<noise::FilteredWhite>(&processes[a])) filters_.push_back({a, *filtered});
+    slope_.resize(static_cast<Eigen::Index>(processes.size() + filters_.size()));
+    matrix_.setZero(slope_.size(), slope_.size());
   }
 
   Eigen::MatrixXd compute() {
@@ -43,12 +51,31 @@ class Information {
   // weight/2 * g g' at (real) index k.
   void add(double k, double weight) {
     const double f = k / (2 * samples_ * dt_);
-    for (Eigen::Index a = 0; a < share_.size(); ++a) {
-      share_(a) = noise::psd(processes_[static_cast<std::size_t>(a)], f, dt_);
+    const auto count = static_cast<Eigen::Index>(processes_.size());
+    auto share = slope_.head(count);
+    for (Eigen::Index a = 0; a < count; ++a) share(a) = noise::psd(processes_[static_cast<std::size_t>(a)], f, dt_);
+    share /= share.sum();
+    for (std::size_t j = 0; j < filters_.size(); ++j) {
+      const auto own = static_cast<Eigen::Index>(filters_[j].process);
+      slope_(count + static_cast<Eigen::Index>(j)) = share(own) * filters_[j].slope(f, dt_);
     }
-    share_ /= share_.sum();
-    matrix_ += 0.5 * weight * share_ * share_.transpose();
+    matrix_ += 0.5 * weight * slope_ * slope_.transpose();
   }
+
+  struct Filter {
+    std::size_t process;
+    noise::FilteredWhite white;
+    // d ln S/d ln bandwidth
+    [[nodiscard]] double slope(double f, double dt) const {
+      constexpr double kStep = 1e-4;
+      const auto moved = [&](double by) {
+        noise::FilteredWhite other = white;
+        other.front_end.bandwidth *= std::exp(by);
+        return std::log(noise::psd(other, f, dt));
+      };
+      return (moved(kStep) - moved(-kStep)) / (2 * kStep);
+    }
+  };
 
   void add_panel(double low, double high) {
     using Rule = boost::math::quadrature::gauss<double, 10>;  // abscissas of the half interval, symmetric
@@ -62,7 +89,8 @@ class Information {
 
   std::span<const noise::Process> processes_;
   double samples_, dt_;
-  Eigen::VectorXd share_;
+  std::vector<Filter> filters_;
+  Eigen::VectorXd slope_;  // of ln S by the parameters: by ln theta that is a process' share of S
   Eigen::MatrixXd matrix_;
 };
 
@@ -82,25 +110,32 @@ void check(std::span<const noise::Process> processes, double samples, double dt)
   }
 }
 
-Eigen::VectorXd bound(std::span<const noise::Process> processes, double samples, double dt) {
-  const Eigen::MatrixXd information = Information(processes, samples, dt).compute();
+Eigen::VectorXd bound(std::span<const noise::Process> processes, double samples, double dt,
+                      Bandwidths bandwidths = Bandwidths::known) {
+  const Eigen::MatrixXd information = Information(processes, samples, dt, bandwidths).compute();
   // Unit diagonal first: the informations of N and K differ by decades.
   const Eigen::VectorXd length = information.diagonal().cwiseSqrt();
   const Eigen::MatrixXd unit = length.cwiseInverse().asDiagonal() * information * length.cwiseInverse().asDiagonal();
   const Eigen::MatrixXd inverse = unit.llt().solve(Eigen::MatrixXd::Identity(unit.rows(), unit.cols()));
-  return 0.5 * inverse.diagonal().cwiseSqrt().cwiseQuotient(length);
+  return 0.5 * inverse.diagonal().cwiseSqrt().cwiseQuotient(length).head(static_cast<Eigen::Index>(processes.size()));
 }
 
 }  // namespace
 
 Eigen::MatrixXd fisher_information(std::span<const noise::Process> processes, std::int64_t samples, double dt) {
   check(processes, static_cast<double>(samples), dt);
-  return Information(processes, static_cast<double>(samples), dt).compute();
+  return Information(processes, static_cast<double>(samples), dt, Bandwidths::known).compute();
 }
 
 Eigen::VectorXd relative_bound(std::span<const noise::Process> processes, std::int64_t samples, double dt) {
   check(processes, static_cast<double>(samples), dt);
   return bound(processes, static_cast<double>(samples), dt);
+}
+
+Eigen::VectorXd relative_bound_unknown_bandwidth(std::span<const noise::Process> processes, std::int64_t samples,
+                                                 double dt) {
+  check(processes, static_cast<double>(samples), dt);
+  return bound(processes, static_cast<double>(samples), dt, Bandwidths::unknown);
 }
 
 double duration_for(std::span<const noise::Process> processes, std::size_t index, double relative_std, double dt) {

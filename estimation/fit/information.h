@@ -27,6 +27,11 @@ namespace gyrobudget::inline v0::fit {
 [[nodiscard]] Eigen::VectorXd relative_bound(std::span<const noise::Process> processes, std::int64_t samples,
                                              double dt);
 
+/// The same where the bandwidth of every FilteredWhite among them is unknown too: what any fit reaches that has to find
+/// it. The derivative of ln S by the logarithm of a bandwidth is a central difference of step 1e-4, error below 1e-7.
+[[nodiscard]] Eigen::VectorXd relative_bound_unknown_bandwidth(std::span<const noise::Process> processes,
+                                                               std::int64_t samples, double dt);
+
 /// The shortest record, in seconds, whose bound on coefficient `index` is `relative_std`.
 /// Solved to 1e-6 relative in the logarithm of the length; between 16 samples and 1e15 samples.
 /// @return infinity where no record of 1e15 samples would do.

@@ -248,7 +248,7 @@ class Builder {
     say(!errors.sinusoids.empty(), "sinusoid", "no state: bounded in the integrated signal");
     say(errors.temperature && !options_.temperature, "temperature",
         "no state: it is taken off where the log has a temperature, and nothing at the reference");
-    say(errors.bandwidth.has_value(), "bandwidth", "a delay, not a state");
+    say(errors.filter.has_value(), "filter", "a delay, not a state");
   }
 
   const SensorStates::Options& options_;

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -62,8 +63,7 @@ class AxisNoise {
   /// Draws a state from power-on to the first sample. @returns how much of it is not bias: its value at
   /// power-on
   double add_state(const Setting&, Bank&, const Process&, std::span<const double> u);
-  void start_walk(const Setting&, const ErrorModel&);
-  void start_white(const Setting&, double n);
+  void start_white(const Setting&, double n, const std::optional<FrontEnd>& filter);
   void add_ramp(const Setting&, double r);
   void add_sinusoid(const Setting&, const Sinusoid&);
 
@@ -74,6 +74,7 @@ class AxisNoise {
   std::vector<Bank> banks_;
   std::vector<Sinusoid> sinusoids_;  ///< frequency in cycles per sample, within half a one
   double white_ = 0;                 ///< of a sample
+  std::optional<FrontEndFilter> filter_;
   StreamKey white_key_;
   double ramp_step_ = 0, ramp_start_ = 0;
   double calibrated_mean_ = 0;

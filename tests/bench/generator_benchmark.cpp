@@ -181,24 +181,24 @@ void throughput(int repetitions) {
 void imu_throughput(int repetitions) {
   constexpr int kSamples = 1 << 15, kAxes = 6;
   const noise::ErrorModel simple{.white = 1e-5, .turn_on_bias = 1e-5};
-  const noise::ErrorModel full{.quantization = 1e-7,
-                               .white = 1e-5,
-                               .bias_instability = 1e-6,
-                               .rate_random_walk = 1e-7,
-                               .rate_ramp = 1e-9,
-                               .gauss_markov = {{1e-6, 100}},
-                               .turn_on_bias = 1e-5,
-                               .scale_factor = 1e-4,
-                               .misalignment = 1e-4,
-                               .g_sensitivity = 1e-7,
-                               .g2_sensitivity = 1e-8,
-                               .vibration_rectification = 1e-8,
-                               .bandwidth = 30,
-                               .filter_order = 2,
-                               .delay = 0.013,
-                               .range = 10,
-                               .powered_on_before = 3600,
-                               .calibrated_over = 600};
+  const noise::ErrorModel full{
+      .quantization = 1e-7,
+      .white = 1e-5,
+      .bias_instability = 1e-6,
+      .rate_random_walk = 1e-7,
+      .rate_ramp = 1e-9,
+      .gauss_markov = {{1e-6, 100}},
+      .turn_on_bias = 1e-5,
+      .scale_factor = 1e-4,
+      .misalignment = 1e-4,
+      .g_sensitivity = 1e-7,
+      .g2_sensitivity = 1e-8,
+      .vibration_rectification = 1e-8,
+      .filter = noise::FrontEnd{noise::FrontEnd::Kind::second_order, 30, noise::FrontEnd::Sampling::held},
+      .delay = 0.013,
+      .range = 10,
+      .powered_on_before = 3600,
+      .calibrated_over = 600};
   const noise::ImuIncrement truth{.angle = {1e-3, 2e-3, 3e-3}, .velocity = {0.1, 0.01, -0.1}};
   const auto millions = [&](const noise::ErrorModel& model) {
     noise::Imu imu({.gyro = model, .accelerometer = model}, kDt, {});

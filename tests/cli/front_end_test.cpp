@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <fstream>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -56,6 +58,31 @@ TEST(FrontEndOption, IsFoundGivenOrForbidden) {
   EXPECT_GT(without["tau_min_s"], axis_of(found)["fit"]["tau_min_s"]);
 }
 
+std::string contents(const std::string& path) {
+  std::stringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+// The file has what was found, and a log that is simulated of it shows it again.
+TEST(FrontEndOption, IsWrittenToTheSensorFileAndSimulated) {
+  const Scratch scratch;
+  const std::string sensor = scratch.path("sensor.yaml"), log = scratch.path("again.csv");
+  const auto run = gyrobudget_run("calibrate " + filtered_log(scratch) + " --rate 100 --json -o " + sensor);
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const double bandwidth = axis_of(run)["fit"]["front_end"]["bandwidth_hz"];
+  EXPECT_NE(contents(sensor).find("  filter: {kind: first_order, bandwidth: "), std::string::npos) << contents(sensor);
+  const auto made = gyrobudget_run("simulate " + sensor + " --rate 100 --duration 500s --axes x -o " + log);
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const auto again = gyrobudget_run("calibrate " + log + " --json");
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  const json front_end = axis_of(again)["fit"]["front_end"];
+  EXPECT_EQ(front_end["kind"], "first_order");
+  // Two draws of one bandwidth: their ratio within the sum of the two intervals, which 1 in 150 of pairs is not.
+  EXPECT_LT(front_end["lower_hz"].get<double>(), bandwidth * front_end["upper_hz"].get<double>() / kBandwidth);
+  EXPECT_GT(front_end["upper_hz"].get<double>(), bandwidth * front_end["lower_hz"].get<double>() / kBandwidth);
+}
+
 TEST(FrontEndOption, IsSaidInWords) {
   const Scratch scratch;
   const auto run = gyrobudget_run("calibrate " + filtered_log(scratch) + " --rate 100");
@@ -86,9 +113,32 @@ TEST(FrontEndOption, AccuracySimulatesRecordsBehindIt) {
   };
   // A free corner at a tenth of the rate costs a factor of 2 at least.
   EXPECT_GT(rmse(" --front-end first_order:10Hz"), 1.5 * rmse(""));
-  const auto open = gyrobudget_run(accuracy + " --front-end first_order");
-  EXPECT_EQ(open.exit_code, 2);
-  EXPECT_NE(open.err.find("need a bandwidth"), std::string::npos) << open.err;
+  // Whoever knows it pays nothing: at most as much as without one, but for the scatter of 20 records.
+  EXPECT_LT(rmse(" --front-end first_order:10Hz --known all"), 2 * rmse(""));
+}
+
+TEST(FrontEndOption, AccuracySimulatesRecordersAndCountsRefusals) {
+  const Scratch scratch;
+  const std::string sensor = scratch.file("sensor.yaml", "name: s\ngyro:\n  arw: 0.15 deg/sqrt(h)\n");
+  const std::string accuracy = "accuracy " + sensor + " --duration 100s --rate 100 --records 10 --methods gls ";
+  const auto run = gyrobudget_run(accuracy + "--json --front-end rounding:3");
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const json arw = parsed<json>(run.out)["methods"][0]["coefficients"]["arw"];
+  EXPECT_GT(arw["refused"].get<double>(), 0.5) << arw;
+  const auto table = gyrobudget_run(accuracy + "--front-end rounding:3");
+  EXPECT_NE(table.out.find("refused"), std::string::npos) << table.out;
+  const auto refused = [&](const std::string& options, const std::string& why) {
+    const auto bad = gyrobudget_run(accuracy + options);
+    EXPECT_EQ(bad.exit_code, 2) << options << bad.err;
+    EXPECT_NE(bad.err.find(why), std::string::npos) << options << bad.err;
+  };
+  refused("--front-end first_order", "need a bandwidth");
+  refused("--front-end rounding", "write its size behind it");
+  refused("--front-end held:x", "whole number");
+  refused("--front-end gaps:-2%", "share of gaps");
+  refused("--front-end melted:2", "must be first_order");
+  refused("--known kind", "--front-end");
+  refused("--front-end gaps:2% --known kind", "no low pass");
 }
 
 }  // namespace

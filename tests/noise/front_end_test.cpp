@@ -84,8 +84,7 @@ TEST(FrontEnd, PassesFrequencyZeroAndHalvesThePowerAtItsBandwidth) {
 }
 
 TEST(FrontEnd, SpectrumIsThatOfAnImpulseThroughTheFilter) {
-  for (FrontEnd f : front_ends(0.06)) {
-    if (f.kind == Kind::moving_average) f.bandwidth = kMovingAverageWidth / 7 / kDt;
+  for (const FrontEnd& f : front_ends(0.06)) {  // the moving average over 7.38 samples
     const SampledFrontEnd front_end(f, kDt);
     std::vector<double> response(static_cast<std::size_t>(front_end.settling()) + 10, 0.);
     response[1] = 1;
@@ -122,24 +121,27 @@ TEST(FrontEnd, HeldIsTheFilterOfSimulatedSensors) {
     auto filtered = samples;
     FrontEndFilter filter(SampledFrontEnd(f, kDt));
     filter(filtered);
-    detail::LowPass low_pass(7, order, kDt);
+    detail::LowPass low_pass(f.kind, 7, kDt);
     for (std::size_t k = 0; k < samples.size(); ++k) ASSERT_NEAR(low_pass.next(samples[k]), filtered[k], 1e-13) << k;
   }
 }
 
 TEST(FrontEnd, AMovingAverageIsTheMeanOfItsSamples) {
-  std::vector<double> samples(50), expected;
-  fill_normal({7, 2}, 0, samples);
-  constexpr std::size_t kLength = 7;
-  for (std::size_t k = 0; k < samples.size(); ++k) {
-    double sum = 0;
-    for (std::size_t j = 0; j < kLength; ++j) sum += samples[k < j ? 0 : k - j];  // the first had always been
-    expected.push_back(sum / kLength);
+  for (const double length : {1., 1.5, 7., 7.25, 20.875}) {
+    std::vector<double> samples(50), expected;
+    fill_normal({7, 2}, 0, samples);
+    const auto before = [&](std::size_t k, std::size_t j) { return samples[k < j ? 0 : k - j]; };  // the first had been
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+      double sum = 0;
+      for (std::size_t j = 0; static_cast<double>(j) < length; ++j)
+        sum += std::min(1., length - static_cast<double>(j)) * before(k, j);
+      expected.push_back(sum / length);
+    }
+    FrontEndFilter filter(SampledFrontEnd({Kind::moving_average, kMovingAverageWidth / length / kDt}, kDt));
+    filter(std::span(samples).first(11));  // in parts
+    filter(std::span(samples).subspan(11));
+    for (std::size_t k = 0; k < samples.size(); ++k) EXPECT_NEAR(samples[k], expected[k], 1e-13) << length << ' ' << k;
   }
-  FrontEndFilter filter(SampledFrontEnd({Kind::moving_average, kMovingAverageWidth / kLength / kDt}, kDt));
-  filter(std::span(samples).first(11));  // in parts
-  filter(std::span(samples).subspan(11));
-  for (std::size_t k = 0; k < samples.size(); ++k) EXPECT_NEAR(samples[k], expected[k], 1e-14) << k;
 }
 
 // S1 = sum |h| r(h) of the slowest filters by integrals of the continuous ones, which the sums meet to (w dt)^2.
@@ -154,7 +156,7 @@ TEST(FrontEnd, MemoryOfSlowFiltersIsThatOfContinuousOnes) {
     EXPECT_NEAR(SampledFrontEnd({Kind::second_order, kCorner / kDt, sampling}, kDt).memory(0), -second,
                 tolerance * second);
   }
-  const double length = kMovingAverageWidth / kCorner;  // samples, not whole: the mixture's part is of order 1/length^2
+  const double length = kMovingAverageWidth / kCorner;  // samples, not whole: what is left over is of order 1/length^2
   EXPECT_NEAR(SampledFrontEnd({Kind::moving_average, kCorner / kDt}, kDt).memory(0), -length / 6,
               length / 6 * (1 / (length * length) + kStated));
 }
@@ -162,11 +164,21 @@ TEST(FrontEnd, MemoryOfSlowFiltersIsThatOfContinuousOnes) {
 TEST(FrontEnd, RefusesWhatItCannotBe) {
   const auto made = [](const FrontEnd& f, double dt) { return SampledFrontEnd(f, dt); };
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-  for (const double bandwidth : {0., -1., 0.99e-4 / kDt, 101 / kDt, kNaN})
+  for (const double bandwidth : {0., -1., 0.99e-4 / kDt, std::numeric_limits<double>::infinity(), kNaN})
     EXPECT_THROW((void)made({Kind::first_order, bandwidth}, kDt), std::invalid_argument) << bandwidth;
   EXPECT_THROW((void)made({Kind::first_order, 5}, 0), std::invalid_argument);
   EXPECT_THROW((void)made({static_cast<Kind>(9), 5}, kDt), std::invalid_argument);
-  EXPECT_THROW(FrontEndFilter(made({Kind::moving_average, 5}, kDt)), std::invalid_argument);  // 8.86 samples
+  EXPECT_THROW(MovingAverage{0.5}, std::invalid_argument);
+  EXPECT_THROW(MovingAverage{kNaN}, std::invalid_argument);
+}
+
+TEST(FrontEnd, AboveAHundredTimesTheRateIsThat) {
+  for (const FrontEnd& f : front_ends(100)) {
+    FrontEnd faster = f;
+    faster.bandwidth *= 1000;
+    EXPECT_EQ(SampledFrontEnd(f, kDt).memory(0), SampledFrontEnd(faster, kDt).memory(0)) << text(f);
+    EXPECT_LT(std::abs(SampledFrontEnd(f, kDt).memory(0)), 0.01) << text(f);
+  }
 }
 
 }  // namespace

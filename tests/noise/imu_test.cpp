@@ -54,8 +54,7 @@ SensorModel full_model() {
          .g_sensitivity = 1e-5,
          .g2_sensitivity = 1e-6,
          .vibration_rectification = 1e-6,
-         .bandwidth = 30,
-         .filter_order = 2,
+         .filter = FrontEnd{FrontEnd::Kind::second_order, 30, FrontEnd::Sampling::held},
          .delay = 0.013,
          .range = 4};
   });
@@ -187,6 +186,8 @@ TEST(Imu, ConstantsHaveTheModelsStandardDeviation) {
 
 // --- Response ----------------------------------------------------------------------------------------------
 
+FrontEnd::Kind kind_of(int order) { return order == 1 ? FrontEnd::Kind::first_order : FrontEnd::Kind::second_order; }
+
 /// Integral over time of the response to a unit step; zero before it.
 double step_area(double t, double bandwidth, int order) {
   if (t <= 0) return 0;
@@ -223,7 +224,7 @@ TEST(ImuResponse, LowPassIsTheExactConvolution) {
   const auto u = some_signal();
   for (const int order : {1, 2}) {
     for (const double bandwidth : {0.1, 3., 20., 200., 1e4}) {
-      detail::LowPass filter(bandwidth, order, kDt);
+      detail::LowPass filter(kind_of(order), bandwidth, kDt);
       const auto expected = convolved(u, bandwidth, order);
       for (std::size_t k = 0; k < u.size(); ++k) {
         ASSERT_NEAR(filter.next(u[k]), expected[k], kTolerance) << order << ' ' << bandwidth << ' ' << k;
@@ -236,7 +237,7 @@ TEST(ImuResponse, LowPassHalvesThePowerAtItsBandwidth) {
   constexpr double kShort = 1e-5, kFrequency = 20;
   constexpr int kPeriod = 5000;
   for (const int order : {1, 2}) {
-    detail::LowPass filter(kFrequency, order, kShort);
+    detail::LowPass filter(kind_of(order), kFrequency, kShort);
     double power = 0;
     for (int k = 0; k < 20 * kPeriod; ++k) {
       const double y = filter.next(std::sin(2 * std::numbers::pi * k / kPeriod));
@@ -250,7 +251,7 @@ TEST(ImuResponse, LowPassHalvesThePowerAtItsBandwidth) {
 TEST(ImuResponse, StartsSettledAndKeepsConstants) {
   for (const int order : {1, 2}) {
     for (const double bandwidth : {1e-300, 1e-6, 1., 1e6, 1e300}) {
-      detail::LowPass filter(bandwidth, order, kDt);
+      detail::LowPass filter(kind_of(order), bandwidth, kDt);
       for (int k = 0; k < 10; ++k) EXPECT_EQ(filter.next(0.7), 0.7);
     }
   }
@@ -273,13 +274,11 @@ TEST(ImuResponse, DelaySharesOutFractions) {
 
 TEST(ImuResponse, ActsOnWhatIsSensedOfEachAxis) {
   const auto model = with_both([](ErrorModel& m) {
-    m.bandwidth = 5;
+    m.filter = {FrontEnd::Kind::first_order, 5};
     m.delay = kDt;
   });
   Imu imu(model, kDt, {});
-  std::array<detail::LowPass, 6> filters = {detail::LowPass(5, 1, kDt), detail::LowPass(5, 1, kDt),
-                                            detail::LowPass(5, 1, kDt), detail::LowPass(5, 1, kDt),
-                                            detail::LowPass(5, 1, kDt), detail::LowPass(5, 1, kDt)};
+  std::vector<detail::LowPass> filters(6, detail::LowPass(FrontEnd::Kind::first_order, 5, kDt));
   std::array<double, 6> before{};
   for (int k = 0; k < 100; ++k) {
     ImuIncrement truth;
@@ -369,6 +368,47 @@ TEST(Imu, SameKeySameBytes) {
   EXPECT_NE(run(Imu(model, kDt, {8, 9}), 1)[0].angle, a[0].angle);
 }
 
+// The autocovariance of white noise behind a filter, at lags 0 to 3, is the cosine transform of its power gain, from
+// the first samples on. A product of two normal numbers of variance r(0) has a variance of at most 2 r(0)^2, and the
+// axes and runs are independent.
+TEST(ImuResponse, WhiteNoisePassesTheFilterAndIsStationaryFromTheFirstSample) {
+  constexpr double kCorner = 0.05, kSigma = 0.3;
+  constexpr int kRuns = 2000, kSamples = 40;
+  constexpr double kStandardDeviations = 5;
+  using Kind = FrontEnd::Kind;
+  for (const Kind kind : {Kind::first_order, Kind::second_order, Kind::moving_average}) {
+    const FrontEnd filter{kind, kCorner / kDt, FrontEnd::Sampling::held};
+    SensorModel model;
+    model.gyro.white = kSigma * std::sqrt(kDt);
+    model.gyro.filter = filter;
+    std::array<double, 4> first{}, last{};
+    for (int r = 0; r < kRuns; ++r) {
+      const auto readings = run(Imu(model, kDt, {1, static_cast<std::uint64_t>(r)}), kSamples, {});
+      for (std::size_t h = 0; h < first.size(); ++h) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          first[h] += readings[0].angle[axis] * readings[h].angle[axis];
+          last[h] += readings[kSamples - 1 - h].angle[axis] * readings[kSamples - 1].angle[axis];
+        }
+      }
+    }
+    const SampledFrontEnd sampled(filter, kDt);
+    constexpr int kPoints = 1 << 12;
+    for (std::size_t h = 0; h < first.size(); ++h) {
+      double expected = 0;
+      for (int j = 0; j < kPoints; ++j) {
+        const double cycles = (j + 0.5) / (2 * kPoints);
+        expected +=
+            sampled.power_gain(cycles) * std::cos(2 * std::numbers::pi * cycles * static_cast<double>(h)) / kPoints;
+      }
+      expected *= kSigma * kSigma * kDt * kDt;
+      const double r0 = kSigma * kSigma * kDt * kDt * 2 * kCorner * std::numbers::pi / 2;  // at most, of a first order
+      const double tolerance = kStandardDeviations * r0 * std::sqrt(2. / (3 * kRuns));
+      EXPECT_NEAR(first[h] / (3 * kRuns), expected, tolerance) << name(kind) << " lag " << h;
+      EXPECT_NEAR(last[h] / (3 * kRuns), expected, tolerance) << name(kind) << " lag " << h;
+    }
+  }
+}
+
 // Without range and quantization everything is linear in the errors: sources alone sum to the total.
 TEST(Imu, SwitchingASourceOffLeavesTheOthers) {
   using enum ErrorSource;
@@ -376,7 +416,7 @@ TEST(Imu, SwitchingASourceOffLeavesTheOthers) {
   for (ErrorModel* m : {&model.gyro, &*model.accelerometer}) {
     m->quantization = 0;
     m->range.reset();
-    m->bandwidth.reset();
+    m->filter.reset();
     m->delay.reset();
     m->powered_on_before = 100;
     m->calibrated_over = 20;
@@ -422,7 +462,7 @@ TEST(Imu, SetsOfSources) {
   EXPECT_TRUE(ErrorSources().with(delay).has(delay));
   const ErrorModel model = only(full_model().gyro, {white, bandwidth});
   EXPECT_EQ(model.processes(0).size(), 1U);
-  EXPECT_TRUE(model.bandwidth);
+  EXPECT_TRUE(model.filter);
   EXPECT_FALSE(model.range || model.delay || model.turn_on_bias || model.misalignment);
 }
 
@@ -444,6 +484,7 @@ TEST(Imu, ExtremesStayFinite) {
           for (PerAxis* x : {&m->white, &m->bias_instability, &m->rate_random_walk, &m->rate_ramp}) *x *= scale;
           m->turn_on_bias = scale;
           m->range.reset();
+          m->filter->bandwidth = 0.2 / dt;  // which white noise must have above 1e-4 of the rate
           m->powered_on_before = epoch;
           if (epoch > 0) m->calibrated_over = epoch / 2;
         }
@@ -474,13 +515,14 @@ TEST(Imu, RefusesWhatMakesNoSense) {
   refused([](ErrorModel& m) { m.white = -1; }, "white");
   refused([](ErrorModel& m) { m.bias_instability = kNan; }, "bias instability");
   refused([](ErrorModel& m) { m.scale_factor = PerAxis(0, 0, kNan); }, "scale factor");
-  refused([](ErrorModel& m) { m.bandwidth = 0; }, "bandwidth");
+  refused([](ErrorModel& m) { m.filter = {FrontEnd::Kind::first_order, 0}; }, "bandwidth");
+  refused([](ErrorModel& m) { m.filter = {static_cast<FrontEnd::Kind>(7), 1}; }, "kind");
   refused(
       [](ErrorModel& m) {
-        m.bandwidth = 1;
-        m.filter_order = 3;
+        m.white = 1;
+        m.filter = {FrontEnd::Kind::first_order, 0.99e-4 / kDt};
       },
-      "order");
+      "at least 1e-4");
   refused([](ErrorModel& m) { m.delay = 1e6; }, "delay");
   refused([](ErrorModel& m) { m.delay = -1; }, "delay");
   refused([](ErrorModel& m) { m.range = -1; }, "range");

@@ -3,6 +3,7 @@
 #include "gyrobudget/app/report/accuracy.h"
 #include "gyrobudget/app/report/budget.h"
 #include "gyrobudget/app/report/flight.h"
+#include "gyrobudget/app/report/inspection.h"
 #include "gyrobudget/app/report/navigation.h"
 #include "gyrobudget/app/report/paper.h"
 #include "gyrobudget/app/report/plan.h"
@@ -38,6 +39,25 @@ RunsResult two_runs() {
   return {.command = "gyrobudget calibrate a.csv b.csv",
           .runs = {run, run},
           .combined = {{"gyro_x", noise::Signal::angular_rate, {arw}, {"c.csv"}}}};
+}
+
+InspectionResult inspection() {
+  const log::InspectedStream stream{.name = "/imu",
+                                    .type = "sensor_msgs/Imu",
+                                    .kind = log::StreamKind::imu,
+                                    .samples = 9,
+                                    .is_read = true,
+                                    .clock = "header.stamp",
+                                    .first_ns = 1,
+                                    .last_ns = 9,
+                                    .rate_hz = 1e9,
+                                    .mean_rate_hz = 1e9,
+                                    .largest_gap_s = 1e-9,
+                                    .columns = {{"angular_velocity.x", "rad/s", "the format", 9, 0.1, 1., -1., 2.}},
+                                    .odd = {"it is short"}};
+  return {
+      "gyrobudget inspect walk.bag",
+      {.source = "walk.bag", .format = "ROS 1 bag", .streams = {stream}, .notes = {"cut"}, .calibrate = {"walk.bag"}}};
 }
 
 PlanStudy plan() {
@@ -113,6 +133,7 @@ std::vector<Written> every_object() {
   return {{"gyrobudget.allan/1", allan_json(fixtures::mems_curve_only())},
           {"gyrobudget.calibration/1", calibration_json(fixtures::mems())},
           {"gyrobudget.runs/1", runs_json(two_runs())},
+          {"gyrobudget.inspect/1", inspection_json(inspection())},
           {"gyrobudget.plan/1", plan_json(plan())},
           {"gyrobudget.accuracy/1", accuracy_json(accuracy_study())},
           {"gyrobudget.accuracy_sweep/1", sweep_json(sweep())},

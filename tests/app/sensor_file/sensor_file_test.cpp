@@ -12,6 +12,7 @@ namespace gyrobudget::app_tests {
 namespace {
 
 using noise::ErrorModel;
+using Kind = noise::FrontEnd::Kind;
 using noise::SensorModel;
 using noise::Term;
 using text::InputError;
@@ -54,10 +55,9 @@ void expect_same(const ErrorModel& a, const ErrorModel& b) {
   EXPECT_EQ(a.scale_factor, b.scale_factor);
   EXPECT_EQ(a.misalignment, b.misalignment);
   EXPECT_EQ(a.g_sensitivity, b.g_sensitivity);
-  EXPECT_EQ(a.bandwidth, b.bandwidth);
+  EXPECT_EQ(a.filter, b.filter);
   EXPECT_EQ(a.g2_sensitivity, b.g2_sensitivity);
   EXPECT_EQ(a.vibration_rectification, b.vibration_rectification);
-  EXPECT_EQ(a.filter_order, b.filter_order);
   EXPECT_EQ(a.delay, b.delay);
   EXPECT_EQ(a.range, b.range);
   ASSERT_EQ(a.temperature.has_value(), b.temperature.has_value());
@@ -101,8 +101,7 @@ gyro:
   g_sensitivity: 0.5 deg/h/g
   g2_sensitivity: 0.02 deg/h/g^2
   vibration_rectification: [1 deg/h/g^2, 2 deg/h/g^2, 3 deg/h/g^2]
-  bandwidth: 100 Hz
-  filter_order: 2
+  filter: {kind: second_order, bandwidth: 100 Hz}
   delay: 2 ms
   range: 400 deg/s
   powered_on_before: 1 h
@@ -136,14 +135,13 @@ accelerometer:
   expect_near(m.gyro.scale_factor.value()[0], 1e-5);
   expect_near(m.gyro.misalignment.value()[0], 20 * kDegree / kHour);
   expect_near(m.gyro.g_sensitivity.value()[0], 0.5 * kDegree / kHour / kGravity);
-  expect_near(m.gyro.bandwidth.value(), 100);
+  EXPECT_EQ(m.gyro.filter, (noise::FrontEnd{Kind::second_order, 100, noise::FrontEnd::Sampling::held}));
   expect_near(m.gyro.g2_sensitivity.value()[2], 0.02 * kDegree / kHour / (kGravity * kGravity));
   for (const std::size_t axis : {0U, 1U, 2U}) {
     const auto number = static_cast<double>(axis + 1);
     expect_near(m.gyro.vibration_rectification.value()[axis], number * kDegree / kHour / (kGravity * kGravity));
     expect_near(m.accelerometer.value().turn_on_bias.value()[axis], number * 1e-3 * kGravity);
   }
-  EXPECT_EQ(m.gyro.filter_order, 2);
   expect_near(m.gyro.delay.value(), 0.002);
   expect_near(m.gyro.range.value(), 400 * kDegree);
   expect_near(m.gyro.powered_on_before.value(), kHour);
@@ -179,6 +177,8 @@ TEST_F(SensorFile, RoundTripIsExact) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> exponent(-12, 2), digits(1, 10);
   const auto any = [&] { return digits(random) * std::pow(10, std::floor(exponent(random))); };
+  constexpr std::array kKinds{Kind::first_order, Kind::second_order, Kind::moving_average};
+  std::size_t kind = 0;
   const auto fill = [&](ErrorModel& m) {
     for (const Term t : {Term::quantization, Term::white, Term::flicker, Term::rate_random_walk, Term::rate_ramp})
       m[t] = any();
@@ -186,8 +186,8 @@ TEST_F(SensorFile, RoundTripIsExact) {
     m.sinusoids = {{any(), any(), any()}, {any(), any(), 0}};
     m.turn_on_bias = any();
     m.scale_factor = m.misalignment = m.g2_sensitivity = m.vibration_rectification = noise::PerAxis(any(), 0, any());
-    for (auto* extra : {&m.bandwidth, &m.delay, &m.range, &m.powered_on_before, &m.calibrated_over}) *extra = any();
-    m.filter_order = 2;
+    for (auto* extra : {&m.delay, &m.range, &m.powered_on_before, &m.calibrated_over}) *extra = any();
+    m.filter = {kKinds.at(kind++ % kKinds.size()), any(), noise::FrontEnd::Sampling::held};
     m.temperature = {any(), noise::PerAxis(any(), -any(), any()), any(), -any()};
   };
   constexpr int kModels = 300;
@@ -202,6 +202,16 @@ TEST_F(SensorFile, RoundTripIsExact) {
     }
     expect_same(read(sensor_file::sensor_yaml(model, "written\nby a test")), model);
   }
+}
+
+TEST_F(SensorFile, TheOlderKeysOfAFilterAreRead) {
+  const auto filter = [&](const std::string& keys) { return read("gyro: {" + keys + "}").gyro.filter; };
+  const auto held = noise::FrontEnd::Sampling::held;
+  EXPECT_EQ(filter("bandwidth: 0.1 kHz"), (noise::FrontEnd{Kind::first_order, 100, held}));
+  EXPECT_EQ(filter("filter_order: 2, bandwidth: 25 Hz"), (noise::FrontEnd{Kind::second_order, 25, held}));
+  EXPECT_EQ(filter("filter: {bandwidth: 25 Hz, kind: moving_average}"),
+            (noise::FrontEnd{Kind::moving_average, 25, held}));
+  EXPECT_EQ(filter("arw: 0.1 deg/sqrt(h)"), std::nullopt);
 }
 
 TEST_F(SensorFile, ATemperatureNeedsItsReferenceInDegreesCelsius) {
@@ -242,7 +252,14 @@ TEST_F(SensorFile, ErrorsNamePlaceFindingAndExpectation) {
   EXPECT_CONTAINS(message("gyro:\n  turn_on_bias: [1 deg/h, 2 deg/h]\n"),
                   ":2:17: turn_on_bias: found a list of 2, expected a list of three, [x, y, z]");
   EXPECT_CONTAINS(message("gyro:\n  turn_on_bias: [1 deg/h, 2 deg/h, 3]\n"), ":2:36: turn_on_bias: '3' has no unit");
-  EXPECT_CONTAINS(message("gyro:\n  filter_order: 3\n"), ":2:17: filter_order: found '3', expected 1 or 2");
+  EXPECT_CONTAINS(message("gyro:\n  filter_order: 3\n"),
+                  ":2:17: filter_order: found '3', expected a whole number from 1 to 2");
+  EXPECT_CONTAINS(message("gyro:\n  filter: {kind: third_order, bandwidth: 5 Hz}\n"),
+                  ":2:18: kind: found 'third_order', expected first_order, second_order or moving_average");
+  EXPECT_CONTAINS(message("gyro:\n  filter: {kind: first_order}\n"), ":2:11: filter: found no bandwidth");
+  EXPECT_CONTAINS(message("gyro:\n  filter: {bandwidth: 5 Hz}\n"), ":2:11: filter: found no kind");
+  EXPECT_CONTAINS(message("gyro:\n  filter: {kind: first_order, bandwidth: 5 Hz}\n  bandwidth: 5 Hz\n"),
+                  ":3:14: bandwidth: found it beside filter");
   EXPECT_CONTAINS(message("gyro:\n  bandwidth: 0 Hz\n"), "expected a value above 0");
   EXPECT_CONTAINS(message("gyro:\n  calibrated_ovr: 1 s\n"), "did you mean 'calibrated_over'?");
   EXPECT_CONTAINS(message("gyro:\nlever_arm: 1 m\n"), ":2:12: lever_arm: found '1 m', expected a list of three");

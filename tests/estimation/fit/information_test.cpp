@@ -78,6 +78,30 @@ TEST(RelativeBound, OfThePapersGyros) {
   EXPECT_NEAR(slow(2) / 0.070, 1, kPrinted);
 }
 
+// Of white noise behind a first-order filter alone: I of ln N^2 and ln w by a plain sum, d ln S/d ln w in closed form.
+TEST(RelativeBound, OfFilteredNoiseWhoseBandwidthIsUnknown) {
+  constexpr std::int64_t kSamples = 131'072;
+  constexpr double kDt = 0.01, kCorner = 0.03, kQuadrature = 1e-6, kPi = 3.14159265358979324;
+  const std::array<noise::Process, 1> white{
+      noise::FilteredWhite{2, {noise::FrontEnd::Kind::first_order, kCorner / kDt}}};
+  const double w = 2 * kPi * kCorner, a = std::exp(-w);
+  Eigen::Matrix2d information = Eigen::Matrix2d::Zero();
+  for (std::int64_t k = 1; k < kSamples; ++k) {
+    const double c = std::cos(kPi * static_cast<double>(k) / static_cast<double>(kSamples));
+    const double slope = w * a * (2 / (1 - a) + (2 * a - 2 * c) / (1 - 2 * a * c + a * a));
+    const Eigen::Vector2d g(1, slope);
+    information += 0.5 * g * g.transpose();
+  }
+  const double expected = 0.5 * std::sqrt(information.inverse()(0, 0));
+  const double known = relative_bound(white, kSamples, kDt)(0);
+  EXPECT_NEAR(known * std::sqrt(2. * (kSamples - 1)), 1, kQuadrature);
+  EXPECT_NEAR(relative_bound_unknown_bandwidth(white, kSamples, kDt)(0) / expected, 1, kQuadrature);
+  EXPECT_NEAR(expected / known, 4.7, 0.05);  // the price of not knowing it, for this corner
+  // Without a filter there is nothing to know.
+  EXPECT_EQ(relative_bound_unknown_bandwidth(tests::mems().processes(), kSamples, kDt),
+            relative_bound(tests::mems().processes(), kSamples, kDt));
+}
+
 // Theory section 6: 27.4 h and 293 h for bias instability to 10 %; 4.5 h and 15.8 h for rate random walk.
 TEST(DurationFor, OfThePapersGyros) {
   constexpr double kPrinted = 1e-2;

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: MIT
+// From a stream of a recording to the columns that a record is made of.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "columns.h"
+#include "log.h"
+#include "recording.h"
+
+namespace gyrobudget::inline v0::log {
+
+struct Recorded {
+  std::string source;  ///< "walk.bag, /imu/data_raw"
+  Choice choice;
+  std::vector<std::int64_t> stamps;          ///< [ns], ascending, each once; empty without a time
+  std::vector<std::vector<double>> numbers;  ///< one for each of Choice::data, times its to_si; NaN where missing
+  std::vector<std::string> notes;
+};
+
+/// The stream that a log is read from.
+/// @param source  name of the recording, for messages
+/// @param topic   its name; unset: the only one that holds an IMU, a gyroscope or an accelerometer, or the only one of
+///   arrays
+/// @return its place among Recording::streams()
+/// @throws std::invalid_argument where several may be meant, or none has that name; text::InputError where none may.
+[[nodiscard]] std::size_t choose_stream(const Recording& recording, const std::string& source,
+                                        const std::optional<std::string>& topic);
+
+/// Reads the stream that LogOptions::topic means, and of it what choose_columns chooses. Rows are put in the order of
+/// their stamps; of rows of one stamp the first is kept. Both are said.
+/// @throws as choose_stream, choose_columns and Recording::read do.
+[[nodiscard]] Recorded read_recorded(const Recording& recording, const LogOptions& options);
+
+}  // namespace gyrobudget::inline v0::log
