@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "dialects.h"
 #include "top_lines.h"
 
 namespace gyrobudget::inline v0::log {
@@ -31,17 +32,28 @@ bool means_counts(const std::string& unit) {
   return std::ranges::find(kWords, text::lower(unit)) != kWords.end();
 }
 
-ColumnSet::ColumnSet(const std::string& source, const Layout& layout) : source_(source), layout_(layout) {
+ColumnSet::ColumnSet(const std::string& source, const Layout& layout, bool unit_is_given)
+    : source_(source), layout_(layout) {
   for (std::size_t i = 0; i < layout.columns; ++i) columns_.push_back(column(i));
+  const auto dialect = recognise(layout);
+  if (!dialect) return;
+  for (Column& c : columns_) {
+    const ToldUnit& told = dialect->columns[c.index];
+    if (!c.unit_text.empty() || told.unit.empty()) continue;
+    noise::Unit unit = noise::parse_unit(told.unit);
+    if (unit_is_given && unit.dimension != noise::dimension::kTime) continue;
+    unit.to_si *= told.scale;
+    c.unit = unit;
+    c.unit_text = told.unit;
+    dialect_note_ = dialect->note;
+  }
 }
 
 Column ColumnSet::column(std::size_t i) const {
   if (layout_.headings.empty()) return {i, fmt::format("column {}", i + 1), {}, {}, 1};
   const Heading& h = layout_.headings[i];
-  Column result{i, h.name.empty() ? fmt::format("column {}", i + 1) : h.name, h.unit,
-                h.unit.empty() ? std::nullopt : try_unit(h.unit), h.column};
-  if (result.unit) result.unit->to_si *= h.scale;
-  return result;
+  return {i, h.name.empty() ? fmt::format("column {}", i + 1) : h.name, h.unit,
+          h.unit.empty() ? std::nullopt : try_unit(h.unit), h.column};
 }
 
 std::string ColumnSet::described(const Column& c) const {

@@ -27,11 +27,14 @@ struct Column {
 /// The columns of one log. Source and layout must outlive it.
 class ColumnSet {
  public:
-  ColumnSet(const std::string& source, const Layout& layout);
+  /// @param unit_is_given  by the user, for data: then a dialect tells of the clock alone
+  ColumnSet(const std::string& source, const Layout& layout, bool unit_is_given);
 
   [[nodiscard]] const std::string& source() const { return source_; }
   [[nodiscard]] const Layout& layout() const { return layout_; }
   [[nodiscard]] const std::vector<Column>& all() const { return columns_; }
+  /// Which dialect told the units; empty where none did.
+  [[nodiscard]] const std::string& dialect_note() const { return dialect_note_; }
   [[nodiscard]] bool has_header() const { return !layout_.headings.empty(); }
   /// "column 'gx'", or "column 3" without a header.
   [[nodiscard]] std::string described(const Column& column) const;
@@ -64,6 +67,7 @@ class ColumnSet {
   const std::string& source_;
   const Layout& layout_;
   std::vector<Column> columns_;
+  std::string dialect_note_;
 };
 
 /// What a header says where a column holds raw counts: the size of one must come from the options.

@@ -57,11 +57,16 @@ std::string_view fitting_input(const noise::Dimension& d) {
 class Chooser {
  public:
   Chooser(const std::string& source, const Layout& layout, const LogOptions& options, std::optional<std::size_t> clock)
-      : set_(source, layout), columns_(set_.all()), layout_(layout), options_(options), clock_(clock) {
+      : set_(source, layout, options.unit.has_value()),
+        columns_(set_.all()),
+        layout_(layout),
+        options_(options),
+        clock_(clock) {
     if (options.unit) given_unit_ = noise::parse_unit(*options.unit);  // an unknown one is wrong with any log
   }
 
   Choice choose() {
+    if (!set_.dialect_note().empty()) choice_.notes.push_back(set_.dialect_note());
     requested_ = requested_columns();
     if (clock_)
       use_given_clock();
@@ -202,7 +207,7 @@ class Chooser {
       return refused(fmt::format("the unit {} is not understood", text::quoted(c.unit_text)));
     }
     if (!c.unit && !given_unit_) return {{}, "no unit", true};
-    if (!requested && !c.unit && set_.is_empty(c)) return refused("empty");
+    if (!requested && !c.unit && !clock_ && set_.is_empty(c)) return refused("empty");
     if (options_.input != Input::angle && !choice_.time_asked && looks_like_a_clock(set_, c)) {
       return refused(fmt::format("rises like a time or a counter{}",
                                  requested ? "; tell what the time is with --time (--time none: this is none)" : ""));

@@ -7,8 +7,10 @@
 
 #include <algorithm>
 #include <optional>
+#include <span>
 #include <utility>
 
+#include "dialects.h"
 #include "top_lines.h"
 
 namespace gyrobudget::inline v0::log {
@@ -62,14 +64,14 @@ std::size_t opening_bracket(std::string_view text) {
 Heading heading(std::string_view cell, std::int64_t column) {
   std::string_view text = text::trim(cell);
   if (text.size() >= 2 && text.front() == '"' && text.back() == '"') text = text::trim(text.substr(1, text.size() - 2));
-  Heading result{text::to_utf8(text), {}, column};
+  Heading result{text::printable(text::to_utf8(text)), {}, column};
   const std::size_t open = opening_bracket(text);
   if (open == 0 || open == std::string_view::npos) return result;
-  result.unit = text::to_utf8(text::trim(text.substr(open + 1, text.size() - open - 2)));
+  result.unit = text::printable(text::to_utf8(text::trim(text.substr(open + 1, text.size() - open - 2))));
   result.bracketed_behind = text[open] == '[' && !text::is_blank(text[open - 1]);
   text = text::trim(text.substr(0, open));
   if (text.size() > 1 && text.back() == '_') text.remove_suffix(1);  // gyro_x_[deg/s]
-  result.name = text::to_utf8(text);
+  result.name = text::printable(text::to_utf8(text));
   return result;
 }
 
@@ -204,6 +206,16 @@ std::vector<std::string_view> split(std::string_view line, char delimiter) {
 
 namespace {
 
+/// @throws InputError with what to do where the text is that of a program which is not read as it stands.
+void refuse_foreign(const Bytes& source, const Top& top) {
+  constexpr std::size_t kFirst = 64;
+  for (const auto* lines : {&top.comments, &top.lines}) {
+    for (const NumberedLine& line : std::span(*lines).first(std::min(lines->size(), kFirst)))
+      if (const auto advice = advice_on(line.text); !advice.empty())
+        text::fail_at(source.name(), line.number, 1, advice);
+  }
+}
+
 /// Takes the lines away that are neither names nor rows, and says so.
 void skip_preamble(const Bytes& source, Top& top, Layout& layout) {
   std::vector<NumberedLine>& lines = top.lines;
@@ -249,6 +261,7 @@ void say_where_the_header_is(Layout& layout) {
 Layout read_layout(const Bytes& source) {
   Top top = read_top(source);
   std::vector<NumberedLine>& lines = top.lines;
+  refuse_foreign(source, top);
   if (lines.empty())
     text::fail(source.name(), "holds no samples, only blank and comment lines; check how it was written");
 
@@ -283,6 +296,7 @@ Layout read_layout(const Bytes& source) {
       layout.heading_line = comment.number;
     }
   }
+  if (layout.headings.empty()) layout.headings = headings_of_tagged_rows(layout);
   count_columns(source, layout);
   say_where_the_header_is(layout);
   return layout;

@@ -31,7 +31,6 @@ struct Heading {
   std::string name;
   std::string unit;
   std::int64_t column = 1;        ///< where it stands in its line, from 1
-  double scale = 1;               ///< units of one of its numbers, where its dialect says so
   bool bracketed_behind = false;  ///< the unit stood in [] right behind the name
 };
 

@@ -82,24 +82,24 @@ inline constexpr double kLargestJitter = 0.25;  ///< rms of the stamps about the
 /// values in degC, is Record::temperature [degC], and never data; the first is taken.
 ///
 /// **Joining**: the rows of LogOptions::with are put beside those at the nearest time of the fastest of the logs,
-/// within an interval; where a slower one has none its samples are missing. The notes say how far the stamps are apart. Logs
-/// whose times do not overlap are an error.
+/// within an interval; where a slower one has none its samples are missing. The notes say how far the stamps are
+/// apart. Logs whose times do not overlap are an error.
 ///
 /// **Rows**: LogOptions::rows reads those of one sensor where several wrote by turns.
 ///
 /// **Preamble**: lines above the header that are neither names nor rows are skipped, and the notes say which line was
 /// taken as the header.
 ///
-/// **Time**: the column that LogOptions::time names; else the one that is named time, timestamp, t ... or has a unit of
-/// time, absolute or relative, in integer nanoseconds (never through double), or dates and times of day, in one column
-/// or two (zones are heeded, leap seconds are not counted), or hour, minute and second; week and seconds of it. A
-/// column without such a name that rises as time does is the time where it agrees with LogOptions::rate_hz; one that
-/// counts the samples shows which of them are lost. What looks like a clock is never data. Clocks that start again (midnight,
-/// counters of 16, 24, 32 bits) run on. Stamps of which runs are equal are counted through where the rate is given. A
-/// time column without unit is taken only where one of s, ms, us, ns agrees with LogOptions::rate_hz. The rate is the
-/// slope of the stamps over the sample number. Gaps become missing samples; a stamp that repeats masks its grid point;
-/// jitter is tolerated up to kLargestJitter and said. Time that goes back is an error, and so are rows that several
-/// sensors wrote by turns: the column that tells them apart is named.
+/// **Time**: the column that LogOptions::time names; else the one that is named time, timestamp, t ... or has a unit
+/// of time, absolute or relative, in integer nanoseconds (never through double), or dates and times of day, in one
+/// column or two (zones are heeded, leap seconds are not counted), or hour, minute and second; week and seconds of it.
+/// A column without such a name that rises as time does is the time where it agrees with LogOptions::rate_hz; one that
+/// counts the samples shows which of them are lost. What looks like a clock is never data. Clocks that start again
+/// (midnight, counters of 16, 24, 32 bits) run on. Stamps of which runs are equal are counted through where the rate
+/// is given. A time column without unit is taken only where one of s, ms, us, ns agrees with LogOptions::rate_hz. The
+/// rate is the slope of the stamps over the sample number. Gaps become missing samples; a stamp that repeats masks its
+/// grid point; jitter is tolerated up to kLargestJitter and said. Time that goes back is an error, and so are rows
+/// that several sensors wrote by turns: the column that tells them apart is named.
 ///
 /// **Resampling**, only where LogOptions::resample_hz asks for it: for readings at truly uneven times. Rates become
 /// means over even intervals, angles and increments are interpolated at their ends; intervals without readings are
