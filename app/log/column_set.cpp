@@ -41,7 +41,8 @@ ColumnSet::ColumnSet(const std::string& source, const Layout& layout, bool unit_
     const ToldUnit& told = dialect->columns[c.index];
     if (!c.unit_text.empty() || told.unit.empty()) continue;
     noise::Unit unit = noise::parse_unit(told.unit);
-    if (unit_is_given && unit.dimension != noise::dimension::kTime) continue;
+    // What the file itself says of its counts holds whatever the user takes them for.
+    if (unit_is_given && unit.dimension != noise::dimension::kTime && told.scale == 1) continue;
     unit.to_si *= told.scale;
     c.unit = unit;
     c.unit_text = told.unit;

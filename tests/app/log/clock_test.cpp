@@ -449,6 +449,12 @@ TEST_F(Clock, HeadersOfKnownProgramsTellUnitsAndClock) {
   EXPECT_DOUBLE_EQ(flow.rate_hz, 500);
   EXPECT_DOUBLE_EQ(flow.axes[2].rate[5], 0.5 * reading(5, 2));
   EXPECT_DOUBLE_EQ(flow.axes[3].rate[5], 0.25 * 9.80665 * reading(5, 3));
+  EXPECT_DOUBLE_EQ(read("GYROFLOW IMU LOG\ntscale,0.001\ngscale,0.5\nt,gx,gy,gz\n" + SensorRows{.clock = ticks}.text(),
+                        {.unit = "rad/s"})
+                       .axes[2]
+                       .rate[5],
+                   0.5 * reading(5, 2))
+      << "the file's own scale holds";
   EXPECT_CONTAINS(refusal("GYROFLOW IMU LOG\nversion,1.3\nt,gx,gy,gz\n" + SensorRows{.clock = ticks}.text()),
                   "has no unit")
       << "without scales nothing is known";
