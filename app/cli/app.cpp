@@ -91,6 +91,11 @@ int answer(const CLI::App& app, const CLI::ParseError& error) {
   return exit_usage;
 }
 
+// What a shell makes of a variable that is not set.
+std::string refuse_empty(std::string& text) {
+  return text.empty() ? "the value is empty; was a variable of the shell not set?" : "";
+}
+
 }  // namespace
 
 // --- Options --------------------------------------------------------------------------------------------------------
@@ -129,7 +134,9 @@ App* App::add_option_group(const std::string& heading) {
 Option* App::kept(CLI::Option* option) { return &options_.emplace_back(option); }
 template <class Value>
 Option* App::add_option(const std::string& names, Value& value, const std::string& help) {
-  return kept(app_->add_option(names, value, help));
+  CLI::Option* option = app_->add_option(names, value, help);
+  if (names.starts_with('-')) option->check(CLI::Validator(refuse_empty, ""));
+  return kept(option);
 }
 Option* App::add_flag(const std::string& names, bool& value, const std::string& help) {
   return kept(app_->add_flag(names, value, help));

@@ -43,9 +43,20 @@ void add_log(App& app, CurveArguments& curve, Texts& texts) {
   group->add_option("--topic", curve.log.topic, "stream of a recording, as inspect names it [the only IMU]")
       ->type_name("NAME");
   group
-      ->add_option("--rows", texts.rows,
-                   "read the rows that have this number in a column: those of one sensor where several wrote by turns")
+      ->add_option(
+          "--rows,--where", texts.rows,
+          "read the rows that have this number or word in a column: those of one sensor where several wrote by turns")
       ->type_name("COLUMN=VALUE");
+  group
+      ->add_option(
+          "--time", texts.time,
+          "which column is the time, in s, ms, us, ns, iso (dates, times of day), gps (week+seconds), or counter (of samples); parts of it with +; none: there is none [found by names and numbers]")
+      ->type_name("COLUMN[=UNIT]");
+  group
+      ->add_option(
+          "--with", texts.with,
+          "join these text logs by time: the accelerometer of a phone beside its gyro; UNIT where its header has none")
+      ->type_name("LOG[=UNIT] ...");
   add_format(*group, texts,
              "csv, or binary: f32, f64 (raw, little-endian), npy; needs --rate and --unit [by the ending]");
   group->add_option("--columns", curve.log.file_columns, "numbers a sample has in a raw binary log [1]")
@@ -72,11 +83,15 @@ void add_curve(App& app, Texts& texts, const std::string& default_taus) {
 void finish_log(CurveArguments& curve, const Texts& texts) {
   if (!texts.rate.empty()) curve.log.rate_hz = rate("--rate", texts.rate);
   if (!texts.rows.empty()) curve.log.rows = rows_of(texts.rows);
+  if (!texts.time.empty()) curve.log.time = time_of(texts.time);
+  for (const std::string& text : texts.with) curve.log.with.push_back(with_of(text));
   if (!texts.resample.empty()) curve.log.resample_hz = rate("--resample", texts.resample);
   curve.log.input = texts.input == "angle"       ? log::Input::angle
                     : texts.input == "increment" ? log::Input::increment
                                                  : log::Input::rate;
   if (!texts.format.empty()) curve.log.format = log::format_named(texts.format);
+  if (curve.log.time && curve.log.time->unit == "counter" && !curve.log.rate_hz)
+    throw std::invalid_argument("--time: a counter of samples needs their --rate");
   curve.taus = taus(texts.taus);
   curve.form = texts.ieee ? allan::Form::ieee : allan::Form::full;
   curve.minimum_fill = texts.strict_gaps ? 1 : allan::kMinimumFill;

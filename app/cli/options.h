@@ -17,10 +17,11 @@ struct Texts {
   std::string rate, duration, terms, tau_min, tau_max, input = "rate", method = "gls", axes = "x,y,z";
   std::string seed = "1", skip, taps, noise_type, variant, rrw, correlation_time;
   std::string records, methods, axis = "gyro", require;
-  std::string estimators = "oadev", stride = "1", taus, format, psd, window, gap, resample, rows, front_end, known;
+  std::string estimators = "oadev", stride = "1", taus, format, psd, window, gap;
+  std::string resample, rows, time, front_end, known;
   std::string trajectory, truth, fixes, attitude, flight_input, vibration, run;
   std::string at, step, limit, horizon, temperature;
-  std::vector<std::string> wishes, mask, logs;
+  std::vector<std::string> wishes, mask, logs, with;
   bool ieee = false, strict_gaps = false;
 };
 

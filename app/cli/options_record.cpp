@@ -84,6 +84,7 @@ void check_stream(const AllanArguments& a, const Texts& texts, const std::string
   refuse(a.gap_s.has_value(), "reads one segment; leave out --segments");
   refuse(a.curve.log.resample_hz.has_value(), "cannot resample; leave out --resample");
   refuse(a.curve.log.rows.has_value(), "reads every row; leave out --rows");
+  refuse(!a.curve.log.with.empty(), "reads one log; leave out --with");
   refuse(a.curve.log.topic.has_value(), "reads text and raw numbers; leave out --topic");
   refuse(a.estimators != std::vector{allan::Estimator::oadev}, "knows the oadev only; leave out --estimator");
   refuse(texts.taus != "octave" && texts.taus != default_taus, "has octaves only; leave out --taus");

@@ -34,18 +34,16 @@ double duration(const std::string& option, const std::string& text) {
   return positive(option, quantity(option, text, noise::dimension::kTime), text);
 }
 
-// "100", "100 Hz", "1 kHz"
 log::RowsOf rows_of(const std::string& text) {
   const std::size_t equals = text.rfind('=');
-  log::RowsOf rows;
-  if (equals != std::string::npos && equals > 0) {
-    rows.column = text.substr(0, equals);
-    const char* end = text.data() + text.size();
-    const auto [at, error] = std::from_chars(text.data() + equals + 1, end, rows.value);
-    if (error == std::errc{} && at == end) return rows;
-  }
-  throw std::invalid_argument(
-      fmt::format("--rows {}: expected a column and the number that its rows have, as in --rows I=0", text));
+  if (equals == std::string::npos || equals == 0 || equals + 1 == text.size())
+    throw std::invalid_argument(
+        fmt::format("--rows {}: expected a column and the number or word that its rows have, as in --rows I=0", text));
+  log::RowsOf rows{.column = text.substr(0, equals)};
+  const char* end = text.data() + text.size();
+  const auto [at, error] = std::from_chars(text.data() + equals + 1, end, rows.value);
+  if (error != std::errc{} || at != end) rows.word = text.substr(equals + 1);
+  return rows;
 }
 
 namespace {
@@ -53,6 +51,29 @@ namespace {
 bool is_bare(const std::string& text) { return text.find_first_not_of("0123456789.eE+- ") == std::string::npos; }
 }  // namespace
 
+log::TimeOf time_of(const std::string& text) {
+  const std::size_t equals = text.rfind('=');
+  if (equals == std::string::npos) return {text};
+  const std::string unit = text.substr(equals + 1);
+  if (equals > 0 && std::ranges::find(log::kTimeUnitNames, unit) != log::kTimeUnitNames.end())
+    return {text.substr(0, equals), unit};
+  throw std::invalid_argument(fmt::format(
+      "--time {}: expected a column, and behind = one of s, ms, us, ns, iso, gps, counter, as in --time stamp=ms",
+      text));
+}
+
+log::With with_of(const std::string& text) {
+  const std::size_t equals = text.rfind('=');
+  if (equals == std::string::npos || equals == 0) return {text};
+  try {
+    static_cast<void>(noise::parse_unit(text.substr(equals + 1)));
+    return {text.substr(0, equals), text.substr(equals + 1)};
+  } catch (const std::invalid_argument&) {
+    return {text};  // the name of a file
+  }
+}
+
+// "100", "100 Hz", "1 kHz"
 double rate(const std::string& option, const std::string& text) {
   return positive(option, quantity(option, is_bare(text) ? text + " Hz" : text, noise::dimension::kFrequency), text);
 }

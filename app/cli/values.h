@@ -28,6 +28,10 @@ namespace gyrobudget::inline v0::cli {
 [[nodiscard]] double duration(const std::string& option, const std::string& text);
 /// COLUMN=VALUE of --rows.
 [[nodiscard]] log::RowsOf rows_of(const std::string& text);
+/// COLUMN[=UNIT] of --time.
+[[nodiscard]] log::TimeOf time_of(const std::string& text);
+/// LOG[=UNIT] of --with.
+[[nodiscard]] log::With with_of(const std::string& text);
 /// "100", "100 Hz", "1 kHz" [Hz]
 [[nodiscard]] double rate(const std::string& option, const std::string& text);
 [[nodiscard]] std::uint64_t whole_number(const std::string& option, const std::string& text);

@@ -189,7 +189,7 @@ Bytes::Bytes(const std::string& path, Content content) : name_(text::input_name(
   const text::InputFile file(path);
   try {
     load(file.descriptor(), content);
-    if (compression_of(pages_.text()) != Compression::none) unpack(content);
+    if (content != Content::stored && compression_of(pages_.text()) != Compression::none) unpack(content);
   } catch (const std::system_error& error) {
     text::fail_unreadable(name_, error.code().value());
   } catch (const std::bad_alloc&) {

@@ -48,6 +48,7 @@ enum class Content {
   text,
   bytes,      ///< of a binary log
   recording,  ///< as bytes; where packed data stop in the middle, what is whole is kept
+  stored,     ///< the bytes of the file itself, packed or not
 };
 
 /// An input as text, or as bytes. A regular file is mapped, not copied. A pipe, a device and "-" (standard input) are

@@ -99,7 +99,7 @@ class Scan {
     text::fail_at(
         column_.source, column_.line_of_row(steps_.first_repeated), 1,
         fmt::format(
-            "the time {} repeats the stamp of the row before it, as {} of {} rows do, expected rising time; write the time with more digits, or remove the column and give --rate HZ",
+            "the time {} repeats the stamp of the row before it, as {} of {} rows do, expected rising time; write the time with more digits, or remove the column and give --rate HZ (coarse stamps stay, and the rows between are counted through)",
             column_.name, steps_.repeated, steps_.stamps));
   }
 
@@ -166,9 +166,9 @@ struct Track {
 };
 
 /// Assigns grid points in the order of the rows. `place(row, point, repeated)` is told each of them.
+/// `gain` is the share of the offset that the tracker takes over with each stamp.
 template <class Place>
-Track follow(const std::vector<std::int64_t>& stamps, double interval, Place place) {
-  constexpr double kGain = 0.05;          // share of the offset that the tracker takes over with each stamp
+Track follow(const std::vector<std::int64_t>& stamps, double interval, double gain, Place place) {
   constexpr int kAhead = 8;               // stamps that must be late too before a late one is a gap
   constexpr double kLargestGap = 0x1p52;  // keeps grid points exact in double
   const auto first_row = static_cast<std::size_t>(
@@ -212,7 +212,7 @@ Track follow(const std::vector<std::int64_t>& stamps, double interval, Place pla
 
     const double time = since(row);
     const double tracked = expected + static_cast<double>(gap) * interval;
-    expected = tracked + kGain * (time - tracked) + interval;
+    expected = tracked + gain * (time - tracked) + interval;
     if (point > 0 && gap == 0) track.jitter.add((time - time_before) / interval - 1);
     time_before = time;
 
@@ -310,6 +310,18 @@ double first_interval(const Steps& steps, std::optional<double> rate_hz, const T
   fail_contradiction(column, steps.regular_mean, *rate_hz);
 }
 
+/// Stamps of a loop whose turns last unevenly wander off the grid by more than an interval, and a slow tracker would
+/// take that for gaps again and again: its rate comes out above that of the steps. Then each step is looked at alone.
+double gain_for(const std::vector<std::int64_t>& stamps, const Steps& steps, double start) {
+  constexpr double kSlow = 0.05, kAtOnce = 1, kFar = 0.003;
+  const auto ignore = [](std::size_t, std::int64_t, bool) {};
+  const auto off = [&](const Track& track) { return std::abs(track.interval / steps.regular_mean - 1); };
+  const Track slow = follow(stamps, start, kSlow, ignore);
+  if (slow.gaps == 0 || off(slow) < kFar) return kSlow;
+  const Track at_once = follow(stamps, start, kAtOnce, ignore);
+  return at_once.gaps < slow.gaps && off(at_once) < off(slow) ? kAtOnce : kSlow;
+}
+
 void check_density(const Track& track, std::size_t rows, const std::vector<std::int64_t>& stamps,
                    const TimeColumn& column) {
   const double missing = static_cast<double>(track.points) - static_cast<double>(rows);
@@ -335,6 +347,9 @@ void check_jitter(const Track& track, const TimeColumn& column) {
 
 std::string plural(std::int64_t n, std::string_view one) { return fmt::format("{} {}{}", n, one, n == 1 ? "" : "s"); }
 
+/// What is missing, doubled or without a stamp.
+void note_rows(const Track& track, const Steps& steps, const TimeColumn& column, std::vector<std::string>& notes);
+
 std::vector<std::string> notes_on(const Track& track, const Steps& steps, double rate, std::optional<double> given,
                                   const TimeColumn& column) {
   std::vector<std::string> notes;
@@ -349,6 +364,11 @@ std::vector<std::string> notes_on(const Track& track, const Steps& steps, double
         "the stamps jitter by {:.2g} % (rms), at most {:.2g} %, of the sample interval; the samples are taken as even",
         100 * track.jitter.rms(), 100 * track.jitter.largest));
   }
+  note_rows(track, steps, column, notes);
+  return notes;
+}
+
+void note_rows(const Track& track, const Steps& steps, const TimeColumn& column, std::vector<std::string>& notes) {
   const std::int64_t missing = track.points - static_cast<std::int64_t>(steps.stamps - steps.repeated);
   if (track.gaps > 0) {
     notes.push_back(fmt::format("{} in time: {} missing, at most {} in a row (before line {})",
@@ -364,7 +384,6 @@ std::vector<std::string> notes_on(const Track& track, const Steps& steps, double
     notes.push_back(
         fmt::format("{} without a time stamp left out", plural(static_cast<std::int64_t>(steps.missing), "row")));
   }
-  return notes;
 }
 
 Grid described(const Track& track, const Steps& steps, std::optional<double> rate_hz, const TimeColumn& column) {
@@ -386,12 +405,13 @@ Grid make_grid(const std::vector<std::int64_t>& stamps, std::optional<double> ra
   const bool rate_decides = rate_hz && !agrees(steps.regular_mean, *rate_hz);
 
   const auto ignore = [](std::size_t, std::int64_t, bool) {};
-  const Track rough = follow(stamps, start, ignore);
+  const double gain = gain_for(stamps, steps, start);
+  const Track rough = follow(stamps, start, gain, ignore);
   check_density(rough, rows, stamps, column);
   if (!rate_decides) check_jitter(rough, column);
 
   std::vector<std::int64_t> places(stamps.size(), text::kNoStamp);
-  const Track track = follow(stamps, rough.interval, [&](std::size_t row, std::int64_t point, bool repeated) {
+  const Track track = follow(stamps, rough.interval, gain, [&](std::size_t row, std::int64_t point, bool repeated) {
     places[row] = repeated ? ~point : point;
   });
   check_density(track, rows, stamps, column);
@@ -399,6 +419,48 @@ Grid make_grid(const std::vector<std::int64_t>& stamps, std::optional<double> ra
   Grid grid = described(track, steps, rate_hz, column);
   if (grid.points != static_cast<std::int64_t>(rows) || rows != stamps.size()) grid.places = std::move(places);
   return grid;
+}
+
+CountedGrid make_counted_grid(const std::vector<std::int64_t>& stamps, std::int64_t interval_ns, double rate_hz,
+                              const TimeColumn& column) {
+  Steps steps;
+  Track track;
+  std::vector<std::int64_t> places(stamps.size(), text::kNoStamp);
+  std::optional<std::int64_t> first, before;
+  const auto fault = [&](std::size_t row, const char* what) {
+    return CountedGrid{{}, fmt::format("{} {}", column.name, what), row};
+  };
+  for (std::size_t row = 0; row < stamps.size(); ++row) {
+    if (stamps[row] == text::kNoStamp) {
+      ++steps.missing;
+      continue;
+    }
+    if (!first) first = stamps[row];
+    std::int64_t since = 0;
+    if (__builtin_sub_overflow(stamps[row], *first, &since)) return fault(row, "jumps");
+    const std::int64_t point = (since + (since > 0 ? 1 : -1) * interval_ns / 2) / interval_ns;
+    if (before && point < *before) return fault(row, "goes back");
+    const bool repeats = before && point == *before;
+    if (repeats && steps.repeated++ == 0) steps.first_repeated = row;
+    const std::int64_t lost = before && !repeats ? point - *before - 1 : 0;
+    if (lost > track.longest_gap) track.longest_gap = lost, track.row_behind_longest = row;
+    track.gaps += lost > 0 ? 1 : 0;
+    places[row] = repeats ? ~point : point;
+    before = point;
+  }
+  steps.stamps = stamps.size() - steps.missing;
+  if (steps.stamps < 2) return fault(0, "holds fewer than two counts");
+  track.points = *before + 1;
+  const auto rows = static_cast<std::int64_t>(steps.stamps - steps.repeated);
+  if (static_cast<double>(steps.repeated) > kMostRepeated * static_cast<double>(steps.stamps))
+    return fault(steps.first_repeated, "repeats");
+  if (static_cast<double>(track.points - rows) > kMostMissing * static_cast<double>(track.points))
+    return fault(track.row_behind_longest, "leaves out more counts than it has");
+  Grid grid{rate_hz, track.points, {}, {}};
+  grid.notes.push_back(fmt::format("{} counts the samples, at --rate {:g} Hz", column.name, rate_hz));
+  note_rows(track, steps, column, grid.notes);
+  if (grid.points != rows || static_cast<std::size_t>(rows) != stamps.size()) grid.places = std::move(places);
+  return {std::move(grid), {}, 0};
 }
 
 void put_on_grid(const Grid& grid, std::vector<double>& values) {

@@ -39,6 +39,18 @@ struct TimeColumn {
 /// @throws InputError for time that goes back, hardly rises, is too uneven or full of gaps, or contradicts the rate.
 [[nodiscard]] Grid make_grid(const std::vector<std::int64_t>& stamps, std::optional<double> rate_hz, const TimeColumn&);
 
+/// A count of samples in place of a clock.
+struct CountedGrid {
+  Grid grid;
+  std::string fault;       ///< why there is none: it goes back, or counts something else; empty: there is
+  std::size_t at_row = 0;  ///< the row of that
+};
+/// Finds the grid from stamps that count samples, `interval_ns` from each to the next; counts that are left out are
+/// missing samples.
+/// @param rate_hz  the count has none of its own
+[[nodiscard]] CountedGrid make_counted_grid(const std::vector<std::int64_t>& stamps, std::int64_t interval_ns,
+                                            double rate_hz, const TimeColumn& column);
+
 /// The values of the rows on the grid; NaN where there is none.
 void put_on_grid(const Grid&, std::vector<double>& values);
 

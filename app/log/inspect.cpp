@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <stdexcept>
 #include <utility>
@@ -71,20 +72,37 @@ void look_at_clock(InspectedStream& stream, std::vector<std::int64_t> stamps) {
 
 std::string count_text(std::int64_t n, const char* what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); }
 
+/// "'x' is", "'x', 'y' and 3 more are"
+std::string some(std::vector<std::string> names, const char* one, const char* several) {
+  constexpr std::size_t kListed = 4;
+  const char* verb = names.size() == 1 ? one : several;
+  if (names.size() > kListed + 1) {
+    const std::size_t more = names.size() - kListed;
+    names.resize(kListed);
+    names.push_back(fmt::format("{} more", more));
+  }
+  return fmt::format("{} {}", text::listing(names), verb);
+}
+
 void say_what_is_odd(InspectedStream& s) {
   if (s.back > 0) s.odd.push_back(fmt::format("its time goes back {}", count_text(s.back, "time")));
   if (s.repeats > 0) s.odd.push_back(fmt::format("{} the stamp before", count_text(s.repeats, "row") + " repeat"));
   if (s.gaps > 0)
     s.odd.push_back(fmt::format("{}, the longest of {:.3g} s", count_text(s.gaps, "gap"), *s.largest_gap_s));
+  std::vector<std::string> empty;
+  std::map<double, std::vector<std::string>> constant;
   for (const InspectedColumn& c : s.columns) {
     const std::string name = text::quoted(c.name);
     if (c.numbers == 0)
-      s.odd.push_back(name + " holds no number");
+      empty.push_back(name);
     else if (c.std && *c.std == 0 && c.numbers > 2)
-      s.odd.push_back(fmt::format("{} is {} throughout", name, *c.mean));
+      constant[*c.mean].push_back(name);
     else if (c.numbers < s.samples)
       s.odd.push_back(fmt::format("{} lacks {}", name, count_text(s.samples - c.numbers, "number")));
   }
+  if (!empty.empty()) s.odd.push_back(fmt::format("{} no number", some(empty, "holds", "hold")));
+  for (const auto& [value, names] : constant)
+    s.odd.push_back(fmt::format("{} {} throughout", some(names, "is", "are"), value));
 }
 
 // --- Recordings ----------------------------------------------------------------------------------------------------

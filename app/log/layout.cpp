@@ -7,168 +7,43 @@
 
 #include <algorithm>
 #include <optional>
+#include <span>
+#include <utility>
+
+#include "dialects.h"
+#include "top_lines.h"
 
 namespace gyrobudget::inline v0::log {
 namespace {
 
-constexpr std::size_t kDialectRows = 32;  // rows that vote on the dialect
 constexpr std::size_t kSampleRows = 256;  // rows kept for a first look at the numbers
+constexpr std::size_t kLongestPreamble = 512;
 constexpr std::size_t kMostColumns = 4096;
 constexpr std::size_t kMostCells = kMostColumns + 2;  // of a row; enough to tell that there are too many
 
-struct NumberedLine {
-  std::string_view text;
-  std::size_t begin = 0;
-  std::int64_t number = 0;
-};
-
 /// What stands at the top of the file.
 struct Top {
-  std::optional<NumberedLine> comment;  ///< the last one above the first other line
-  std::vector<NumberedLine> lines;      ///< header and first rows
+  std::vector<NumberedLine> comments;  ///< above the last of the lines, the last ones where there are many
+  std::vector<NumberedLine> lines;     ///< preamble, header and first rows
 };
 
 Top read_top(const Bytes& source) {
   const std::string_view text = source.text();
   Top top;
   std::int64_t number = 1;
-  for (std::size_t begin = 0; begin < text.size() && top.lines.size() < kSampleRows; ++number) {
+  for (std::size_t begin = 0; begin < text.size() && top.lines.size() < kSampleRows + kLongestPreamble; ++number) {
     const std::size_t end = line_end(text, begin);
     if (end == std::string_view::npos) fail_long_line(source.name(), number, text.substr(begin));
     const NumberedLine line{text.substr(begin, end - begin), begin, number};
     const LineKind kind = kind_of(line.text);
     if (kind == LineKind::data) top.lines.push_back(line);
-    if (kind == LineKind::comment && top.lines.empty()) top.comment = line;
+    if (kind == LineKind::comment) {
+      if (top.comments.size() == kLongestPreamble) top.comments.erase(top.comments.begin());
+      top.comments.push_back(line);
+    }
     begin = end + 1;
   }
   return top;
-}
-
-std::size_t count_numbers(const std::vector<std::string_view>& cells, bool decimal_comma) {
-  double ignored = 0;
-  return static_cast<std::size_t>(std::ranges::count_if(cells, [&](std::string_view cell) {
-    return text::parse_number(cell, decimal_comma, ignored) == text::Cell::number;
-  }));
-}
-
-bool is_missing(std::string_view cell) {
-  double ignored = 0;
-  return text::parse_number(cell, false, ignored) == text::Cell::missing;
-}
-
-bool starts_with_bracket(std::string_view text) {
-  text = text::trim(text);
-  return text.starts_with('(') || text.starts_with('[');
-}
-
-/// Cells of a header: a delimiter inside quotes or brackets does not count, and "time (s)" is one cell among blanks.
-std::vector<std::string_view> split_header(std::string_view line, char delimiter) {
-  const bool blanks = delimiter == ' ';
-  std::vector<std::string_view> cells;
-  int depth = 0;
-  bool inside_quotes = false;
-  std::size_t begin = 0;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const char c = line[i];
-    if (c == '"') inside_quotes = !inside_quotes;
-    if (inside_quotes) continue;
-    if (c == '(' || c == '[') ++depth;
-    if ((c == ')' || c == ']') && depth > 0) --depth;
-    if (depth > 0 || (blanks ? !text::is_blank(c) : c != delimiter)) continue;
-    if (blanks && begin == i) {  // a further blank of a run, or one at the start
-      ++begin;
-      continue;
-    }
-    if (blanks && text::is_blank(line[i - 1])) continue;
-    if (blanks && starts_with_bracket(line.substr(i))) continue;
-    cells.push_back(line.substr(begin, i - begin));
-    begin = i + 1;
-  }
-  if (!blanks || !text::trim(line.substr(begin)).empty()) cells.push_back(line.substr(begin));
-  return cells;
-}
-
-// --- The dialect ---------------------------------------------------------------------------------------------------
-
-/// How well a dialect explains rows: rows without any text and with as many cells as the first one, then whether the
-/// line above them has as many cells too, then cells that are numbers.
-struct Score {
-  std::size_t clean_rows = 0;
-  bool header_fits = false;
-  std::size_t numbers = 0;
-  friend auto operator<=>(const Score&, const Score&) = default;
-};
-
-Score score(Dialect dialect, const NumberedLine& above, const std::vector<NumberedLine>& rows) {
-  Score result;
-  const std::size_t cells_expected = split(rows[0].text, dialect.delimiter).size();
-  result.header_fits = split_header(above.text, dialect.delimiter).size() == cells_expected;
-  const bool one_name = split_header(above.text, ',').size() == 1 &&
-                        count_numbers(split(above.text, dialect.delimiter), dialect.decimal_comma) == 0;
-  for (const NumberedLine& row : rows) {
-    const auto cells = split(row.text, dialect.delimiter);
-    const std::size_t numbers = count_numbers(cells, dialect.decimal_comma);
-    const auto missing = static_cast<std::size_t>(std::ranges::count_if(cells, is_missing));
-    // "1,5" alone may be two columns; under one name it is one.
-    if (dialect.decimal_comma && cells.size() < 2 && !(one_name && result.header_fits)) continue;
-    const bool clean = numbers > 0 && numbers + missing == cells.size() && cells.size() == cells_expected;
-    result.numbers += numbers;
-    result.clean_rows += clean ? 1 : 0;
-  }
-  return result;
-}
-
-/// Rows like "0,123" or "0,123,-0,456": no point anywhere, and digits behind every second comma that start with zero.
-bool commas_may_be_decimal(const std::vector<NumberedLine>& rows) {
-  bool leading_zero = false;
-  for (const NumberedLine& row : rows) {
-    const auto cells = split(row.text, ',');
-    if (cells.size() % 2 != 0 || row.text.find('.') != std::string_view::npos) return false;
-    for (std::size_t i = 1; i < cells.size(); i += 2) {
-      if (cells[i].find_first_not_of("0123456789") != std::string_view::npos) return false;
-      leading_zero |= cells[i].size() > 1 && cells[i].front() == '0';
-    }
-  }
-  return leading_zero;
-}
-
-/// Cells like "0,5" in quotes.
-bool commas_stand_in_quotes(std::string_view row) {
-  return std::ranges::any_of(split(row, ','), [](std::string_view cell) {
-    return cell.size() > 1 && cell.front() == '"' && text::is_digit(cell.back()) &&
-           cell.find('"', 1) == std::string_view::npos;
-  });
-}
-
-Dialect find_dialect(const Bytes& source, const NumberedLine& above, std::vector<NumberedLine> rows) {
-  rows.resize(std::min(rows.size(), kDialectRows));
-  // In the order of preference where several explain the rows equally well.
-  constexpr Dialect kCandidates[] = {{',', false}, {';', false}, {'\t', false}, {' ', false},
-                                     {';', true},  {'\t', true}, {' ', true}};
-  Dialect best = kCandidates[0];
-  Score best_score;
-  for (const Dialect candidate : kCandidates) {
-    const Score s = score(candidate, above, rows);
-    if (s > best_score) {
-      best_score = s;
-      best = candidate;
-    }
-  }
-  if (best.delimiter == ',' && commas_may_be_decimal(rows)) {
-    text::fail_at(
-        source.name(), rows[0].number, 1,
-        fmt::format(
-            "found {}, where the commas may be decimal marks or part the columns; write decimal points, part the columns by semicolons, or name the columns in a header line, as in \"gyro_x (deg/s)\"",
-            text::quoted(rows[0].text)));
-  }
-  if (best_score.clean_rows == 0 && commas_stand_in_quotes(rows[0].text)) {
-    text::fail_at(
-        source.name(), rows[0].number, 1,
-        fmt::format(
-            "found {}, decimal commas in quotes between commas; write decimal points, or part the columns by semicolons and leave the quotes out",
-            text::quoted(rows[0].text)));
-  }
-  return best;
 }
 
 // --- The header ----------------------------------------------------------------------------------------------------
@@ -189,14 +64,33 @@ std::size_t opening_bracket(std::string_view text) {
 Heading heading(std::string_view cell, std::int64_t column) {
   std::string_view text = text::trim(cell);
   if (text.size() >= 2 && text.front() == '"' && text.back() == '"') text = text::trim(text.substr(1, text.size() - 2));
-  Heading result{text::to_utf8(text), {}, column};
+  Heading result{text::printable(text::to_utf8(text)), {}, column};
   const std::size_t open = opening_bracket(text);
   if (open == 0 || open == std::string_view::npos) return result;
-  result.unit = text::to_utf8(text::trim(text.substr(open + 1, text.size() - open - 2)));
+  result.unit = text::printable(text::to_utf8(text::trim(text.substr(open + 1, text.size() - open - 2))));
+  result.bracketed_behind = text[open] == '[' && !text::is_blank(text[open - 1]);
   text = text::trim(text.substr(0, open));
   if (text.size() > 1 && text.back() == '_') text.remove_suffix(1);  // gyro_x_[deg/s]
-  result.name = text::to_utf8(text);
+  result.name = text::printable(text::to_utf8(text));
   return result;
+}
+
+bool is_index(const Heading& h) { return !h.unit.empty() && std::ranges::all_of(h.unit, text::is_digit); }
+
+/// gyro_rad[0] is a name. Only "(1)", or " [1]" behind a blank, is a unit where no other column differs by its index.
+std::vector<Heading> with_indices(std::vector<Heading> headings) {
+  std::vector<std::size_t> indexed;
+  for (std::size_t i = 0; i < headings.size(); ++i) {
+    const Heading& h = headings[i];
+    const bool among_others = std::ranges::any_of(headings, [&](const Heading& other) {
+      return is_index(other) && other.name == h.name && other.unit != h.unit;
+    });
+    if (is_index(h) && (h.unit != "1" || h.bracketed_behind || among_others)) indexed.push_back(i);
+  }
+  for (const std::size_t i : indexed) {
+    headings[i].name = fmt::format("{}[{}]", headings[i].name, std::exchange(headings[i].unit, {}));
+  }
+  return headings;
 }
 
 std::vector<Heading> headings(const NumberedLine& line, char delimiter) {
@@ -209,7 +103,7 @@ std::vector<Heading> headings(const NumberedLine& line, char delimiter) {
     result.push_back(
         heading(cell, 1 + (text::trim(cell).empty() ? cell.data() : text::trim(cell).data()) - line.text.data()));
   }
-  return result;
+  return with_indices(std::move(result));
 }
 
 /// A comment above rows that are parted by blanks may be prose with as many words: names and units look different.
@@ -219,6 +113,24 @@ bool reads_like_names(const std::vector<Heading>& candidates) {
     return !h.unit.empty() || name.find('_') != std::string::npos || name == "t" || name.starts_with("time") ||
            name.starts_with("gyr") || name.starts_with("acc") || name == "gx" || name == "wx" || name == "ax";
   });
+}
+
+/// Sentences have words, and say "Device: A"; a name has a few words at most.
+bool reads_like_prose(const std::vector<Heading>& candidates) {
+  constexpr std::ptrdiff_t kMostBlanks = 3;
+  return std::ranges::any_of(candidates, [&](const Heading& h) {
+    const auto blanks = std::ranges::count(h.name, ' ');
+    if (blanks > kMostBlanks || h.name.find(": ") != std::string::npos || h.name.ends_with('.')) return true;
+    // Every line has as many cells as rows of one column: there a name is one word, with an axis or without.
+    const bool axis = h.name.size() > 1 && h.name[h.name.size() - 2] == ' ';
+    return candidates.size() == 1 && blanks > (axis ? 1 : 0);
+  });
+}
+
+/// Whether a comment names the columns under it.
+bool is_header(const std::vector<Heading>& candidates, const Layout& layout) {
+  return candidates.size() == layout.sample[0].size() && !reads_like_prose(candidates) &&
+         (layout.dialect.delimiter != ' ' || reads_like_names(candidates));
 }
 
 /// A line under the header with a unit, in brackets or not, for each column.
@@ -292,15 +204,69 @@ std::vector<std::string_view> split(std::string_view line, char delimiter) {
   return cells;
 }
 
+namespace {
+
+/// @throws InputError with what to do where the text is that of a program which is not read as it stands.
+void refuse_foreign(const Bytes& source, const Top& top) {
+  constexpr std::size_t kFirst = 64;
+  for (const auto* lines : {&top.comments, &top.lines}) {
+    for (const NumberedLine& line : std::span(*lines).first(std::min(lines->size(), kFirst)))
+      if (const auto advice = advice_on(line.text); !advice.empty())
+        text::fail_at(source.name(), line.number, 1, advice);
+  }
+}
+
+/// Takes the lines away that are neither names nor rows, and says so.
+void skip_preamble(const Bytes& source, Top& top, Layout& layout) {
+  std::vector<NumberedLine>& lines = top.lines;
+  const auto drop = [&](std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) layout.preamble.push_back(lines[i].text);
+    lines.erase(lines.begin(), lines.begin() + static_cast<std::ptrdiff_t>(count));
+  };
+  const auto dialect = [&](std::optional<char> told) {
+    const std::vector<NumberedLine> behind_first(lines.begin() + (lines.size() > 1 ? 1 : 0), lines.end());
+    return find_dialect(source, lines[0], behind_first, told);
+  };
+  const auto told = told_delimiter(lines[0].text);
+  if (told && lines.size() > 1) drop(1);
+  layout.dialect = dialect(told);
+  const Preamble preamble = find_preamble(lines, layout.dialect, told);
+  if (preamble.length > 0) {
+    const NumberedLine first = lines[0];
+    drop(preamble.length);
+    layout.dialect = dialect(told);
+    if (preamble.is_cut_row)
+      layout.notes.push_back(fmt::format("line {} ({}) is the end of a row and left out", first.number,
+                                         text::quoted(text::trim(first.text))));
+  }
+  layout.is_cut = preamble.is_cut_row;
+  lines.resize(std::min(lines.size(), kSampleRows));
+}
+
+void say_where_the_header_is(Layout& layout) {
+  if (layout.preamble.empty() || layout.is_cut) return;
+  const std::string what = layout.preamble.size() == 1
+                               ? "a line above it is left out"
+                               : fmt::format("{} lines above it are left out", layout.preamble.size());
+  const std::string start = text::quoted(text::trim(layout.preamble.front()));
+  if (layout.heading_line != 0)
+    layout.notes.push_back(fmt::format("the header is line {}; {}, from {} on", layout.heading_line, what, start));
+  else
+    layout.notes.push_back(
+        fmt::format("there is no header, and the first row is line {}; {}, from {} on", layout.body_line, what, start));
+}
+
+}  // namespace
+
 Layout read_layout(const Bytes& source) {
   Top top = read_top(source);
   std::vector<NumberedLine>& lines = top.lines;
+  refuse_foreign(source, top);
   if (lines.empty())
     text::fail(source.name(), "holds no samples, only blank and comment lines; check how it was written");
 
   Layout layout;
-  const std::vector<NumberedLine> behind_first(lines.begin() + (lines.size() > 1 ? 1 : 0), lines.end());
-  layout.dialect = find_dialect(source, lines[0], behind_first);
+  skip_preamble(source, top, layout);
   const char delimiter = layout.dialect.delimiter;
 
   const auto first = split(lines[0].text, delimiter);
@@ -321,14 +287,18 @@ Layout read_layout(const Bytes& source) {
   layout.body = lines[0].begin;
   layout.body_line = lines[0].number;
   for (const NumberedLine& line : lines) layout.sample.push_back(split(line.text, delimiter));
-  if (layout.headings.empty() && top.comment) {
-    std::vector<Heading> candidates = headings(*top.comment, delimiter);
-    if (candidates.size() == layout.sample[0].size() && (delimiter != ' ' || reads_like_names(candidates))) {
+  const auto behind = std::ranges::lower_bound(top.comments, layout.body, {}, &NumberedLine::begin);
+  if (layout.headings.empty() && behind != top.comments.begin()) {
+    const NumberedLine& comment = *std::prev(behind);
+    std::vector<Heading> candidates = headings(comment, delimiter);
+    if (is_header(candidates, layout)) {
       layout.headings = std::move(candidates);
-      layout.heading_line = top.comment->number;
+      layout.heading_line = comment.number;
     }
   }
+  if (layout.headings.empty()) layout.headings = headings_of_tagged_rows(layout);
   count_columns(source, layout);
+  say_where_the_header_is(layout);
   return layout;
 }
 

@@ -11,7 +11,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <functional>
+#include <memory>
 #include <numbers>
 #include <optional>
 #include <stdexcept>
@@ -19,8 +21,10 @@
 
 #include "binary.h"
 #include "bytes.h"
+#include "clock.h"
 #include "columns.h"
 #include "grid.h"
+#include "join.h"
 #include "layout.h"
 #include "recorded.h"
 #include "recording.h"
@@ -126,7 +130,7 @@ void note_compression(const Bytes& source, std::vector<std::string>& notes) {
 
 /// Notes on how the text was read, where it was not the obvious way.
 std::vector<std::string> notes_on_text(const Bytes& source, const Layout& layout, const Table& table) {
-  std::vector<std::string> notes;
+  std::vector<std::string> notes = layout.notes;
   note_compression(source, notes);
   if (layout.dialect.decimal_comma) notes.emplace_back("commas are read as decimal marks");
   if (table.inner_blank > 0)
@@ -154,6 +158,22 @@ struct Raw {
 
 using LineOfRow = std::function<std::int64_t(std::size_t)>;
 
+/// A counter that nobody asked for gives way where it counts something else.
+void place_by_count(Piece& piece, const std::vector<std::int64_t>& stamps, const Raw& raw, const TimeColumn& column,
+                    const LogOptions& options) {
+  CountedGrid counted = make_counted_grid(stamps, raw.choice.count_ns, *options.rate_hz, column);
+  if (counted.fault.empty()) {
+    piece.grid = std::move(counted.grid);
+    return;
+  }
+  if (raw.choice.time_asked)
+    text::fail_at(raw.source, column.line_of_row(counted.at_row), 1,
+                  fmt::format("{}, expected a count of samples; correct --time", counted.fault));
+  piece.grid = {*options.rate_hz, static_cast<std::int64_t>(piece.rows.rows), {}, {}};
+  piece.grid.notes.push_back(fmt::format("{} (line {}) and is not taken for a count of samples", counted.fault,
+                                         column.line_of_row(counted.at_row)));
+}
+
 void place_on_grid(Piece& piece, std::vector<std::int64_t> stamps, const Raw& raw, const LineOfRow& line_of_row,
                    const LogOptions& options) {
   piece.line = line_of_row(piece.rows.first);
@@ -163,12 +183,16 @@ void place_on_grid(Piece& piece, std::vector<std::int64_t> stamps, const Raw& ra
   }
   const TimeColumn column{raw.source, raw.choice.time_name,
                           [&](std::size_t row) { return line_of_row(piece.rows.first + row); }};
+  if (raw.choice.count_ns > 0 && !options.resample_hz) return place_by_count(piece, stamps, raw, column, options);
   if (options.resample_hz) {
     const Resampler& by = piece.resampler.emplace(std::move(stamps), *options.resample_hz, options.input, column);
     piece.grid = {by.rate_hz(), by.cells(), {}, {by.note()}};
     return;
   }
+  std::optional<std::string> counted;
+  if (options.rate_hz) counted = count_through(stamps, *options.rate_hz, column.name);
   piece.grid = make_grid(stamps, options.rate_hz, column);
+  if (counted) piece.grid.notes.push_back(*counted);
 }
 
 Stretches cut_or_fail(const Raw& raw, const LogOptions& options, double longest_gap_s) {
@@ -212,8 +236,9 @@ void arrange(Raw& raw, const LineOfRow& line_of_row, const LogOptions& options, 
 }
 
 /// Takes the columns that are no data off the end of the table: the temperature, and what chooses the rows.
+/// @param first_line  of the rows, for messages
 /// @returns the rows that were chosen; empty for all
-std::vector<std::size_t> take_beside(Raw& raw, const LogOptions& options) {
+std::vector<std::size_t> take_beside(Raw& raw, const LogOptions& options, std::int64_t first_line) {
   Choice& choice = raw.choice;
   std::vector<std::size_t> rows;
   const auto take_last = [&] {
@@ -225,12 +250,15 @@ std::vector<std::size_t> take_beside(Raw& raw, const LogOptions& options) {
   if (choice.rows_of) {
     const std::vector<double> whose = take_last();
     for (std::size_t i = 0; i < whose.size(); ++i)
-      if (whose[i] == options.rows->value) rows.push_back(i);
+      if (whose[i] == (choice.rows_of->word ? 1 : options.rows->value)) rows.push_back(i);
+    const std::string value =
+        choice.rows_of->word ? text::quoted(*choice.rows_of->word) : fmt::format("{}", options.rows->value);
     if (rows.empty())
-      text::fail(raw.source,
-                 fmt::format("no row has {} in column {}", options.rows->value, text::quoted(choice.rows_of->name)));
+      text::fail_at(
+          raw.source, first_line, 1,
+          fmt::format("no row has {} in column {}; correct --rows", value, text::quoted(choice.rows_of->name)));
     raw.notes.push_back(fmt::format("{} of {} rows are read: those with {} in column {}", rows.size(), whose.size(),
-                                    options.rows->value, text::quoted(choice.rows_of->name)));
+                                    value, text::quoted(choice.rows_of->name)));
     for (auto& column : raw.table.numbers) {
       for (std::size_t i = 0; i < rows.size(); ++i) column[i] = column[rows[i]];
       column.resize(rows.size());
@@ -247,18 +275,94 @@ std::vector<std::size_t> take_beside(Raw& raw, const LogOptions& options) {
   return rows;
 }
 
+/// Columns that nobody asked for and that hold no number go, as long as another one holds some.
+void leave_out_empty(Raw& raw, const LogOptions& options) {
+  if (!options.columns.empty() || raw.table.complete) return;
+  auto& numbers = raw.table.numbers;
+  std::vector<bool> is_empty;
+  for (const auto& column : numbers) is_empty.push_back(count_numbers(column) == 0);
+  if (std::ranges::find(is_empty, false) == is_empty.end()) return;
+  std::vector<std::string> names;
+  for (std::size_t i = is_empty.size(); i-- > 0;) {
+    if (!is_empty[i]) continue;
+    names.insert(names.begin(), text::quoted(raw.choice.data[i].name));
+    raw.choice.data.erase(raw.choice.data.begin() + static_cast<std::ptrdiff_t>(i));
+    numbers.erase(numbers.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+  if (!names.empty()) raw.choice.notes.push_back(fmt::format("left out {} (empty)", text::listing(names)));
+}
+
+/// A text log, read but not yet on a grid.
+class TextLog {
+ public:
+  explicit TextLog(const LogOptions& options)
+      : source_(options.path), layout_(read_layout(source_)), reader_(source_, layout_, options.chunk_bytes) {
+    raw.source = source_.name();
+    raw.choice = choose_columns(source_.name(), layout_, options);
+    put_beside(raw.choice);
+    raw.table = reader_.read(raw.choice);
+    raw.notes = notes_on_text(source_, layout_, raw.table);
+    rows_ = take_beside(raw, options, layout_.body_line);
+    if (auto note = unroll(raw.table.stamps, raw.choice)) raw.choice.notes.push_back(*std::move(note));
+    leave_out_empty(raw, options);
+    check_length(raw.source, static_cast<std::int64_t>(raw.table.rows), options.input, "sample", "");
+  }
+  [[nodiscard]] std::int64_t line_of_row(std::size_t row) const {
+    return reader_.line_of_row(rows_.empty() ? row : rows_[row]);
+  }
+
+  Raw raw;
+
+ private:
+  Bytes source_;
+  Layout layout_;
+  TableReader reader_;
+  std::vector<std::size_t> rows_;  ///< that were chosen; empty: all
+};
+
+/// The name of a file without folder and endings.
+std::string stem_of(const std::string& path) {
+  const std::filesystem::path stem = std::filesystem::path(path).stem();  // of x.csv.gz this is x.csv
+  return (stem.has_extension() ? stem.stem() : stem).string();
+}
+
+/// Puts the columns of `other` behind those of `base`.
+void join_to(Raw& base, Raw other) {
+  const auto append_new = [](std::vector<std::string>& notes, std::vector<std::string>& more) {
+    for (std::string& note : more)
+      if (std::ranges::find(notes, note) == notes.end()) notes.push_back(std::move(note));
+  };
+  append_new(base.notes, other.notes);
+  append_new(base.choice.notes, other.choice.notes);
+  if (base.choice.count_ns > 0 || other.choice.count_ns > 0)
+    text::fail(other.source, "a count of samples is no time that logs could be joined by; leave out --with");
+  for (DataColumn& c : other.choice.data) {
+    if (std::ranges::find(base.choice.data, c.name, &DataColumn::name) != base.choice.data.end())
+      c.name = fmt::format("{} of {}", c.name, text::printable(stem_of(other.source)));
+    base.choice.data.push_back(std::move(c));
+  }
+  Joinable joined{base.source, std::move(base.table)};
+  append(base.choice.notes, join(joined, {other.source, std::move(other.table)}));
+  base.table = std::move(joined.table);
+}
+
 Raw read_text(const LogOptions& options, std::optional<double> longest_gap_s) {
-  const Bytes source(options.path);
-  const Layout layout = read_layout(source);
-  Raw raw{source.name(), choose_columns(source.name(), layout, options), {}, {}, {}, {}};
-  put_beside(raw.choice);
-  const TableReader reader(source, layout, options.chunk_bytes);
-  raw.table = reader.read(raw.choice);
-  raw.notes = notes_on_text(source, layout, raw.table);
-  const auto rows = take_beside(raw, options);
-  check_length(raw.source, static_cast<std::int64_t>(raw.table.rows), options.input, "sample", "");
+  std::vector<std::unique_ptr<TextLog>> logs;
+  logs.push_back(std::make_unique<TextLog>(options));
+  for (const With& with : options.with) {
+    LogOptions further = options;
+    further.path = with.path, further.unit = with.unit;
+    further.columns.clear(), further.rows.reset(), further.format.reset();
+    logs.push_back(std::make_unique<TextLog>(further));
+  }
+  std::size_t base = 0;
+  for (std::size_t i = 1; i < logs.size(); ++i)
+    if (is_faster(logs[i]->raw.table, logs[base]->raw.table)) base = i;
+  Raw raw = std::move(logs[base]->raw);
+  for (std::size_t i = 0; i < logs.size(); ++i)
+    if (i != base) join_to(raw, std::move(logs[i]->raw));
   arrange(
-      raw, [&](std::size_t row) { return reader.line_of_row(rows.empty() ? row : rows[row]); }, options, longest_gap_s);
+      raw, [&](std::size_t row) { return logs[base]->line_of_row(row); }, options, longest_gap_s);
   return raw;
 }
 
@@ -276,7 +380,7 @@ Raw read_binary(const LogOptions& options, Format format, std::optional<double> 
   raw.table.complete = false;
   raw.table.numbers.assign(raw.choice.data.size(), std::vector<double>(raw.table.rows));
   decode(body, layout, raw.choice, std::vector<std::span<double>>(raw.table.numbers.begin(), raw.table.numbers.end()));
-  const auto chosen = take_beside(raw, options);
+  const auto chosen = take_beside(raw, options, 1);
   check_length(source.name(), static_cast<std::int64_t>(raw.table.rows), options.input, "sample", "");
   arrange(
       raw, [&](std::size_t row) { return static_cast<std::int64_t>(chosen.empty() ? row : chosen[row]) + 1; }, options,
@@ -291,7 +395,8 @@ Raw read_recording(const Recording& recording, const LogOptions& options, std::o
   raw.table.stamps = std::move(recorded.stamps);
   raw.table.rows = raw.table.numbers.front().size();
   raw.table.complete = false;
-  const auto rows = take_beside(raw, options);
+  const auto rows = take_beside(raw, options, 1);
+  if (auto note = unroll(raw.table.stamps, raw.choice)) raw.choice.notes.push_back(*std::move(note));
   check_length(raw.source, static_cast<std::int64_t>(raw.table.rows), options.input, "sample", "");
   arrange(
       raw, [&](std::size_t row) { return static_cast<std::int64_t>(rows.empty() ? row : rows[row]) + 1; }, options,
@@ -299,15 +404,24 @@ Raw read_recording(const Recording& recording, const LogOptions& options, std::o
   return raw;
 }
 
+/// Refuses what text logs alone can give.
+void check_text_alone(const LogOptions& options) {
+  if (!options.with.empty()) throw std::invalid_argument("--with joins text logs by their time; leave it out");
+  if (options.rows && options.rows->word)
+    throw std::invalid_argument("--rows chooses by words in text logs only; give the number that the rows have");
+}
+
 Raw read_raw(const LogOptions& options, std::optional<double> longest_gap_s) {
   check(options);
   if (!options.format) {
-    if (const auto recording = open_recording(options.path)) return read_recording(*recording, options, longest_gap_s);
+    if (const auto recording = open_recording(options.path))
+      return check_text_alone(options), read_recording(*recording, options, longest_gap_s);
   }
   if (options.topic)
     throw std::invalid_argument(fmt::format("--topic {}: {} is no recording with topics",
                                             text::printable(*options.topic), text::input_name(options.path)));
   const Format format = options.format.value_or(format_of(options.path));
+  if (format != Format::csv) check_text_alone(options);
   return format == Format::csv ? read_text(options, longest_gap_s) : read_binary(options, format, longest_gap_s);
 }
 

@@ -4,10 +4,12 @@
 #include "gyrobudget/allan/record.h"
 #include "gyrobudget/app/text/error.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "format.h"
@@ -19,10 +21,25 @@ namespace gyrobudget::inline v0::log {
 /// unwrapped.
 enum class Input { rate, increment, angle };
 
-/// Which rows of a log are read: those that have this number in this column.
+/// Which rows of a log are read: those that have this number, or this word, in this column.
 struct RowsOf {
   std::string column;  ///< name or number (from 1)
   double value = 0;
+  std::optional<std::string> word = {};  ///< in place of the number; of text only
+};
+
+/// Which column is the time, for a log that does not tell.
+struct TimeOf {
+  std::string column;     ///< name or number (from 1); parts of it with +, "week+sow"; "none": the log has no time
+  std::string unit = {};  ///< s, ms, us, ns, iso, gps (week and seconds), counter (of samples); empty: as the log tells
+};
+/// What TimeOf::unit may be.
+inline constexpr std::array<std::string_view, 7> kTimeUnitNames{"s", "ms", "us", "ns", "iso", "gps", "counter"};
+
+/// A further log of the same time: a phone's accelerometer beside its gyro.
+struct With {
+  std::string path;
+  std::optional<std::string> unit = {};  ///< of its columns without one in the header
 };
 
 struct LogOptions {
@@ -33,6 +50,8 @@ struct LogOptions {
   double scale = 1;                        ///< units per count, for all data columns
   std::vector<std::string> columns = {};   ///< names or numbers (from 1); empty: every data column
   std::optional<RowsOf> rows = {};         ///< unset: all
+  std::optional<TimeOf> time = {};         ///< unset: found by name, unit and numbers
+  std::vector<With> with = {};             ///< text logs that are joined to this one by time
   std::optional<std::string> topic = {};   ///< stream of a recording (inspect names them); unset: its only IMU
   std::optional<Format> format = {};       ///< unset: what the ending of the path says
   std::int64_t file_columns = 1;           ///< numbers a row of a raw binary log has
@@ -64,13 +83,25 @@ inline constexpr double kLargestJitter = 0.25;  ///< rms of the stamps about the
 /// **Temperature**: a column whose unit is one of temperature, or whose name is and that has no unit and plausible
 /// values in degC, is Record::temperature [degC], and never data; the first is taken.
 ///
+/// **Joining**: the rows of LogOptions::with are put beside those at the nearest time of the fastest of the logs,
+/// within an interval; where a slower one has none its samples are missing. The notes say how far the stamps are
+/// apart. Logs whose times do not overlap are an error.
+///
 /// **Rows**: LogOptions::rows reads those of one sensor where several wrote by turns.
 ///
-/// **Time**: the column that is named time, timestamp, t ... or has a unit of time, absolute or relative, in integer
-/// nanoseconds (never through double). A time column without unit is taken only where one of s, ms, us, ns agrees with
-/// LogOptions::rate_hz. The rate is the slope of the stamps over the sample number. Gaps become missing samples; a
-/// stamp that repeats masks its grid point; jitter is tolerated up to kLargestJitter and said. Time that goes back is
-/// an error.
+/// **Preamble**: lines above the header that are neither names nor rows are skipped, and the notes say which line was
+/// taken as the header.
+///
+/// **Time**: the column that LogOptions::time names; else the one that is named time, timestamp, t ... or has a unit
+/// of time, absolute or relative, in integer nanoseconds (never through double), or dates and times of day, in one
+/// column or two (zones are heeded, leap seconds are not counted), or hour, minute and second; week and seconds of it.
+/// A column without such a name that rises as time does is the time where it agrees with LogOptions::rate_hz; one that
+/// counts the samples shows which of them are lost. What looks like a clock is never data. Clocks that start again
+/// (midnight, counters of 16, 24, 32 bits) run on. Stamps of which runs are equal are counted through where the rate
+/// is given. A time column without unit is taken only where one of s, ms, us, ns agrees with LogOptions::rate_hz. The
+/// rate is the slope of the stamps over the sample number. Gaps become missing samples; a stamp that repeats masks its
+/// grid point; jitter is tolerated up to kLargestJitter and said. Time that goes back is an error, and so are rows
+/// that several sensors wrote by turns: the column that tells them apart is named.
 ///
 /// **Resampling**, only where LogOptions::resample_hz asks for it: for readings at truly uneven times. Rates become
 /// means over even intervals, angles and increments are interpolated at their ends; intervals without readings are

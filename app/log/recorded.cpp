@@ -19,7 +19,7 @@
 namespace gyrobudget::inline v0::log {
 namespace {
 
-constexpr std::size_t kSampleRows = 256;  // for a first look at arrays
+constexpr std::size_t kFirstRows = 256;  // for a first look at arrays
 
 bool holds_inertial(const StreamInfo& s) {
   return s.kind == StreamKind::imu || s.kind == StreamKind::gyroscope || s.kind == StreamKind::accelerometer;
@@ -63,7 +63,7 @@ Headed headed(const StreamInfo& info, const std::vector<std::vector<double>>& ar
   }
   h.layout.columns = h.layout.headings.size();
   h.layout.body_line = 1;
-  const std::size_t rows = arrays.empty() ? 1 : std::min(kSampleRows, arrays[0].size());
+  const std::size_t rows = arrays.empty() ? 1 : std::min(kFirstRows, arrays[0].size());
   h.cells.assign(rows, std::vector<std::string>(h.layout.columns));
   for (std::size_t i = 0; i < arrays.size(); ++i)
     for (std::size_t k = 0; k < rows; ++k)

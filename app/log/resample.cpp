@@ -50,6 +50,11 @@ void Resampler::check(const TimeColumn& column) const {
       text::fail_at(column.source, column.line_of_row(row), 1,
                     fmt::format("the time {} is missing, which --resample cannot place; remove the row", column.name));
     }
+    std::int64_t since = 0;
+    if (__builtin_sub_overflow(stamps_[row], stamps_.front(), &since)) {
+      text::fail_at(column.source, column.line_of_row(row), 1,
+                    fmt::format("the time {} is more than 292 years from its start; correct it", column.name));
+    }
     if (row > 0 && stamps_[row] < stamps_[row - 1]) {
       text::fail_at(
           column.source, column.line_of_row(row), 1,

@@ -20,6 +20,7 @@
 
 #include "binary.h"
 #include "bytes.h"
+#include "clock.h"
 #include "compression.h"
 #include "grid.h"
 #include "layout.h"
@@ -106,11 +107,14 @@ class Tracker {
       return {};
     }
     if (stamp == before_) return {.repeated = true};
+    std::int64_t since = 0;
+    if (__builtin_sub_overflow(stamp, origin_, &since)) fail_here("jumps by more than 292 years");
     if (stamp < before_) {
-      fail_here(fmt::format("goes back by {:g} s", static_cast<double>(before_ - stamp) * noise::kNanosecond));
+      fail_here(fmt::format("goes back by {:g} s",
+                            (static_cast<double>(before_) - static_cast<double>(stamp)) * noise::kNanosecond));
     }
     before_ = stamp;
-    const auto time = static_cast<double>(stamp - origin_);
+    const auto time = static_cast<double>(since);
     const double late = std::max(0.0, std::rint((time - expected_) / interval_));
     constexpr double kLongestGap = 1e6;
     if (late > std::max(kLongestGap, static_cast<double>(points_))) {
@@ -262,9 +266,11 @@ class LogStream::Text : public LogStream::Reader {
     if (inlet_.bytes().starts_with("\xef\xbb\xbf")) inlet_.drop(3);
     const Bytes head(inlet_.name(), whole_lines());
     layout_ = read_layout(head);
-    choose(choose_columns(inlet_.name(), layout_, options));
+    notes_ = layout_.notes;
+    choose(followed(choose_columns(inlet_.name(), layout_, options)));
     find_rate(head);
     layout_.sample.clear();  // they lie in the text
+    layout_.preamble.clear();
     inlet_.drop(std::exchange(layout_.body, 0));
   }
 
@@ -284,21 +290,41 @@ class LogStream::Text : public LogStream::Reader {
     return lines;
   }
 
+  /// A counter that turns out to count something else could not be taken back: it is followed only where asked for.
+  static Choice followed(Choice choice) {
+    if (choice.count_ns == 0 || choice.time_asked) return choice;
+    choice.notes.push_back(fmt::format("{} seems to count the samples: --time COLUMN=counter finds those that are lost",
+                                       choice.time_name));
+    choice.stamps.clear();
+    return choice;
+  }
+
   void find_rate(const Bytes& head) {
     if (choice_.stamps.empty()) {
       rate_hz_ = *options_.rate_hz;
       return;
     }
     const TableReader reader(head, layout_, options_.chunk_bytes);
-    const Table table = reader.read(choice_);
+    Table table = reader.read(choice_);
+    if (auto note = unroll(table.stamps, choice_)) notes_.push_back(*std::move(note));
+    if (choice_.count_ns > 0) {
+      rate_hz_ = *options_.rate_hz;
+      follow_clock(static_cast<double>(choice_.count_ns));
+      return;
+    }
     const Grid grid =
         make_grid(table.stamps, options_.rate_hz,
                   {inlet_.name(), choice_.time_name, [&](std::size_t row) { return reader.line_of_row(row); }});
     rate_hz_ = options_.rate_hz.value_or(grid.rate_hz);
-    tracker_.emplace(noise::kNanosecondsPerSecond / rate_hz_);
+    follow_clock(noise::kNanosecondsPerSecond / rate_hz_);
     if (options_.rate_hz) return;
     notes_.push_back(fmt::format("rate {:.6g} Hz from the first {} time stamps of {}; --rate HZ is taken as it is",
                                  rate_hz_, table.stamps.size(), choice_.time_name));
+  }
+
+  void follow_clock(double interval_ns) {
+    tracker_.emplace(interval_ns);
+    unroller_.emplace(choice_.wraps, interval_ns);
   }
 
   void take(std::vector<std::vector<double>>& columns) override {
@@ -319,7 +345,7 @@ class LogStream::Text : public LogStream::Reader {
   void place(const Table& table, const TableReader& reader, std::vector<std::vector<double>>& columns) {
     for (std::size_t row = 0; row < table.rows; ++row) {
       if (table.stamps[row] == text::kNoStamp) continue;
-      const auto place = tracker_->next(table.stamps[row], [&](const std::string& what) {
+      const auto place = tracker_->next((*unroller_)(table.stamps[row]), [&](const std::string& what) {
         text::fail_at(inlet_.name(), reader.line_of_row(row), 1,
                       fmt::format("the time {} {}, expected rising time; cut the log here", choice_.time_name, what));
       });
@@ -337,6 +363,7 @@ class LogStream::Text : public LogStream::Reader {
 
   Layout layout_;
   std::optional<Tracker> tracker_;
+  std::optional<Unroller> unroller_;
 };
 
 // --- LogStream ------------------------------------------------------------------------------------------------------

@@ -28,11 +28,13 @@ struct Fault {
 
 /// What becomes of each column of the file.
 struct Role {
-  enum Kind : unsigned char { skip, number, stamp } kind = skip;
+  enum Kind : unsigned char { skip, number, stamp, word } kind = skip;
   double* numbers = nullptr;
   double to_si = 1;
   std::int64_t ns_per_unit = 1;
   bool further_part = false;  ///< adds to a stamp that another column has begun
+  StampForm form = StampForm::number;
+  std::string_view wanted = {};  ///< word: the number is 1 where the cell is this, else 0
   const std::string* name = nullptr;
 };
 
@@ -40,11 +42,18 @@ std::vector<Role> roles_of(const Layout& layout, const Choice& choice, Table& ta
   std::vector<Role> roles(layout.columns);
   for (std::size_t i = 0; i < choice.data.size(); ++i) {
     const DataColumn& c = choice.data[i];
-    roles[c.index] = {Role::number, table.numbers[i].data(), c.to_si, 1, false, &c.name};
+    roles[c.index] = {c.word ? Role::word : Role::number,
+                      table.numbers[i].data(),
+                      c.to_si,
+                      1,
+                      false,
+                      StampForm::number,
+                      c.word ? *c.word : std::string_view{},
+                      &c.name};
   }
   std::size_t first = layout.columns;
   for (const StampColumn& s : choice.stamps) {
-    roles[s.index] = {Role::stamp, nullptr, 1, s.ns_per_unit, true, &choice.time_name};
+    roles[s.index] = {Role::stamp, nullptr, 1, s.ns_per_unit, true, s.form, {}, &choice.time_name};
     first = std::min(first, s.index);
   }
   if (first < layout.columns) roles[first].further_part = false;
@@ -125,8 +134,11 @@ class RowParser {
         return std::isfinite(value) ? stop : nullptr;
       }
       case Role::stamp:
-        return role.further_part ? nullptr
-                                 : text::scan_stamp(at, end, dialect_.decimal_comma, role.ns_per_unit, stamps_[row]);
+        return role.further_part || role.form != StampForm::number
+                   ? nullptr
+                   : text::scan_stamp(at, end, dialect_.decimal_comma, role.ns_per_unit, stamps_[row]);
+      case Role::word:
+        return nullptr;
       case Role::skip:
         break;
     }
@@ -150,9 +162,16 @@ class RowParser {
       if (kind == text::Cell::missing && complete_.load(std::memory_order_relaxed)) complete_ = false;
       return kind == text::Cell::missing || (kind == text::Cell::number && std::isfinite(role.numbers[row]));
     }
+    if (role.kind == Role::word) {
+      cell = text::trim(cell);
+      if (cell.size() > 1 && cell.front() == '"' && cell.back() == '"') cell = cell.substr(1, cell.size() - 2);
+      role.numbers[row] = cell == role.wanted ? 1 : 0;
+    }
     if (role.kind == Role::stamp) {
       std::int64_t ns = 0;
-      const text::Cell kind = text::parse_stamp(cell, dialect_.decimal_comma, role.ns_per_unit, ns);
+      const text::Cell kind = role.form == StampForm::number
+                                  ? text::parse_stamp(cell, dialect_.decimal_comma, role.ns_per_unit, ns)
+                                  : parse_calendar(cell, role.form, ns);
       if (!role.further_part) {
         stamps_[row] = ns;
       } else if (ns == text::kNoStamp || stamps_[row] == text::kNoStamp) {
@@ -178,6 +197,10 @@ class RowParser {
   /// What should stand instead of a bad cell, and how to mend it.
   std::string expectation(const Role& role, std::string_view cell) const {
     constexpr std::string_view kMend = "correct it, or write nan where a sample is missing";
+    if (role.kind == Role::stamp && role.form != StampForm::number) {
+      return fmt::format("{} like those of the first rows, from 1700 to 2260; {}",
+                         role.form == StampForm::time_of_day ? "a time of day" : "a date", kMend);
+    }
     double ignored = 0;
     if (text::parse_number(cell, dialect_.decimal_comma, ignored) != text::Cell::text) {
       return fmt::format("{}; {}",

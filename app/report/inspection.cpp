@@ -66,6 +66,9 @@ std::string columns_table(const InspectedStream& s) {
   return table.text();
 }
 
+/// Its numbers were read, not only its rows counted.
+bool is_looked_at(const InspectedStream& s) { return s.first_ns || s.columns.empty() || s.columns.front().numbers > 0; }
+
 std::string stream_text(const InspectedStream& s) {
   std::string text = fmt::format("\n{}\n", printable(s.name));
   if (s.first_ns)
@@ -125,7 +128,7 @@ std::string inspection_text(const InspectionResult& result) {
   const log::Inspection& log = result.log;
   std::string text = fmt::format("{}: {}\n\n", printable(log.source), log.format) + streams_table(log);
   for (const InspectedStream& s : log.streams)
-    if (s.is_read) text += stream_text(s);
+    if (s.is_read && is_looked_at(s)) text += stream_text(s);
   if (!log.notes.empty()) text += "\n";
   for (const std::string& note : log.notes) text += wrapped("Note: " + printable(note) + ".", "", "  ");
   if (!log.calibrate.empty()) text += "\nNext:\n";

@@ -21,6 +21,67 @@ nlohmann::json json_of(const Outcome& run) {
   return parsed<nlohmann::json>(run.out);
 }
 
+// --- Which rows, which clock, which files ----------------------------------------------------------------------------
+
+class LogOptionsOfTheLine : public testing::Test {
+ protected:
+  [[nodiscard]] Outcome allan(const std::string& arguments) const {
+    return gyrobudget_run("allan " + arguments + " --taus octave --json");
+  }
+  Scratch scratch_;
+};
+
+/// 64 rows of a clock in milliseconds, a word and a reading.
+std::string rows_with_words() {
+  std::string text = "tick,which,x\n";
+  for (int i = 0; i < 64; ++i) text += fmt::format("{},{},{}\n", 1000 + 10 * i, i % 2 ? "odd" : "even", i * 7 % 11);
+  return text;
+}
+
+TEST_F(LogOptionsOfTheLine, ChooseClockRowsAndUnits) {
+  const std::string log = "'" + scratch_.file("log.csv", rows_with_words()) + "' --column x --unit deg/s ";
+  EXPECT_DOUBLE_EQ(json_of(allan(log + "--time tick=ms"))["record"]["rate_hz"].get<double>(), 100);
+  EXPECT_DOUBLE_EQ(json_of(allan(log + "--time tick=us"))["record"]["rate_hz"].get<double>(), 1e5);
+  EXPECT_EQ(json_of(allan(log + "--time none --rate 7"))["record"]["samples"], 64);
+  EXPECT_EQ(json_of(allan(log + "--time tick=counter --rate 7"))["record"]["samples"], 64);
+  for (const std::string name : {"--rows", "--where"})
+    EXPECT_EQ(json_of(allan(log + "--time tick=ms " + name + " which=odd"))["record"]["samples"], 32);
+  for (const std::string wrong : {"--time tick=h", "--time tick=counter", "--where which", "--where which="}) {
+    const Outcome run = allan(log + wrong);
+    EXPECT_EQ(run.exit_code, kUsage) << wrong;
+    EXPECT_NE(run.err.find(wrong.starts_with("--time") ? "--time" : "--rows"), std::string::npos) << run.err;
+  }
+  EXPECT_EQ(allan(log + "--time clock=ms").exit_code, kBadInput);
+  EXPECT_EQ(allan(log + "--time tick=ms --where which=none").exit_code, kBadInput);
+}
+
+TEST_F(LogOptionsOfTheLine, JoinTwoFilesOfOneRecording) {
+  std::string gyro = "time (s),x (deg/s)\n", accelerometer = "time (s),x\n";
+  for (int i = 0; i < 64; ++i) {
+    gyro += fmt::format("{:.3f},{}\n", 0.01 * i, i * 7 % 11);
+    accelerometer += fmt::format("{:.3f},{}\n", 0.01 * i + 0.002, i * 5 % 7);
+  }
+  const std::string first = "'" + scratch_.file("gyro.csv", gyro) + "'";
+  const std::string second = scratch_.file("acc.csv", accelerometer);
+  const auto json = json_of(allan(first + " --with '" + second + "=m/s^2'"));
+  ASSERT_EQ(json["axes"].size(), 2U);
+  const Outcome bare = allan(first + " --with '" + second + "'");
+  EXPECT_EQ(bare.exit_code, kBadInput);
+  EXPECT_NE(bare.err.find("acc.csv:1:10: column 'x' has no unit"), std::string::npos) << bare.err;
+}
+
+TEST_F(LogOptionsOfTheLine, AnEmptyValueIsAnErrorOfUse) {
+  const std::string log = "'" + scratch_.file("log.csv", "x (1)\n1\n2\n1\n") + "' ";
+  for (const std::string option : {"--rate", "--unit", "--scale", "--column", "--rows", "--time", "--with", "--taus",
+                                   "--resample", "--segments", "--plot"}) {
+    const Outcome run = allan(log + (option == "--rate" ? "" : "--rate 1 ") + option + " ''");
+    EXPECT_EQ(run.exit_code, kUsage) << option;
+    EXPECT_NE(run.err.find(option + ": the value is empty; was a variable of the shell not set?"), std::string::npos)
+        << run.err;
+    EXPECT_EQ(gyrobudget_run("allan " + log + option + "=").exit_code, kUsage) << option;
+  }
+}
+
 // --- Tables of deviations -------------------------------------------------------------------------------------------
 
 constexpr double kArw = 0.15;  // deg/sqrt(h)

@@ -104,6 +104,26 @@ void read_log(std::string_view bytes) {
   promise(same(*whole.record, *cut.record), "the record depends on the chunks");
 }
 
+/// Clocks that are asked for, rows by a word, and a log that is joined to itself.
+void read_clock(std::string_view bytes) {
+  if (bytes.empty()) return;
+  const auto choice = static_cast<std::uint8_t>(bytes.front());
+  const MemoryFile file(bytes.substr(1));
+  log::LogOptions options{.path = file.path(), .rate_hz = 100, .unit = "deg/s"};
+  if (choice & 1) options.rate_hz.reset();
+  if (choice & 2) options.unit.reset();
+  if (choice & 4) options.with = {{file.path(), "m/s^2"}};
+  if (choice & 8) options.rows = log::RowsOf{"2", 0, "a"};
+  const std::size_t unit = choice >> 4;
+  if (unit < log::kTimeUnitNames.size()) options.time = log::TimeOf{"1", std::string(log::kTimeUnitNames[unit])};
+  if (unit == 8) options.time = log::TimeOf{"1+2"};
+  if (unit == 9) options.time = log::TimeOf{"none"};
+  if (options.time && options.time->unit == "counter") options.rate_hz = 100;
+  const Reading reading = read(options, 1 << 20);
+  promise(reading.record.has_value() || !reading.message.empty(), "an error without a message");
+  if (reading.record) check(*reading.record);
+}
+
 /// The first byte chooses among .npy and raw numbers.
 void read_binary(std::string_view bytes) {
   if (bytes.empty()) return;
@@ -347,6 +367,22 @@ const std::vector<Entry>& other_entries() {
         with_options(35, "x\n0.1\n6.2\n0.3\n\n0.2\n12345678901234567890\n1e308\n"),
         with_options(0, "secs,nsecs,gyro_x (deg/s)\n1,0,1\n1,500000000,2\n2,0,3\n2,500000000,4\n"),
         with_options(2, "\x1f\x8b\x08")}},
+      {"clock",
+       read_clock,
+       {with_options(240, "Sensor: LSM6\nVendor: x\nstamp [ms]; gx [deg/s]\n1; 0.5;\n11; 0.25;\n21; 1;\n31; 2;\n"),
+        with_options(240, "GYROFLOW IMU LOG\ntscale,0.001\ngscale,0.5\nt,gx,gy,gz\n0,1,2,3\n2,2,1,2\n4,3,2,1\n"),
+        with_options(241,
+                     "sep=;\ndate;time;gx (deg/s)\n2024-03-05;23:59:59.9;1\n2024-03-06;00:00:00.0;2\n"
+                     "2024-03-06;00:00:00.1;1\n"),
+        with_options(64, "2024-03-05T09:14:22.005Z,1\n2024-03-05T09:14:22.015Z,2\n2024-03-05T09:14:22.025Z,1\n"),
+        with_options(96, "count,gx\n253,1\n254,2\n255,1\n0,2\n1,1\n3,2\n4,1\n5,2\n6,1\n"),
+        with_options(131, "2290,604799.99,gx (deg/s)\n2291,0,1\n2291,0.01,2\n"),
+        with_options(244, "time (ms),x (deg/s)\n0,1\n10,2\n20,1\n30,2\n"),
+        with_options(248, "1,a,3\n2,b,4\n3,a,5\n4,b,6\n"),
+        with_options(240, "UTC_Hour,UTC_Minute,UTC_Second,gx (deg/s)\n23,59,58,1\n23,59,59,2\n0,0,0,1\n"),
+        with_options(240,
+                     "$VNIMU,-00.20,+00.11,+00.44,-00.031,+00.052,-09.797,+000.001,-000.003,+0.8,+31.4,+98.7*60\n"
+                     "$VNIMU,-00.20,+00.11,+00.44,-00.029,+00.055,-09.801,+000.002,-000.003,+0.7,+31.4,+98.7*6D\n")}},
       {"binary",
        read_binary,
        {with_options(0, npy("{'descr': '<f8', 'fortran_order': False, 'shape': (3,), }", 24)),

@@ -43,7 +43,7 @@ void TemporaryFolder::copy(const std::string& from, std::string_view file) const
 
 std::string TemporaryFolder::unpack_zstd(const std::string& from, std::string_view file) const {
   require_packing(name_, Packing::zstd);
-  const Bytes packed(from, Content::bytes);
+  const Bytes packed(from, Content::stored);
   const std::uint64_t most = most_unpacked(packed.text().size());
   std::ofstream out(folder_ / file, std::ios::binary);
   std::uint64_t size = 0;

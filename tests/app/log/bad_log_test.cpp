@@ -67,15 +67,15 @@ TEST_F(BadLog, TooShort) {
   EXPECT_CONTAINS(message("w (1)\n5\n", {.rate_hz = 1}), "holds 1 sample, expected at least 2; record longer");
   EXPECT_CONTAINS(message("5\n6\n", {.rate_hz = 1, .unit = "rad", .input = Input::angle}),
                   "holds 2 samples, expected at least 3");
-  EXPECT_CONTAINS(message("w (1),v (1)\n5,nan\n6,nan\n7,nan\n", {.rate_hz = 1}),
+  EXPECT_CONTAINS(message("w (1),v (1)\n5,nan\n6,nan\n7,nan\n", {.rate_hz = 1, .columns = {"w", "v"}}),
                   "holds 0 numbers in column 'v', expected at least 2");
+  EXPECT_CONTAINS(message("w (1),v (1)\nnan,nan\nnan,nan\nnan,nan\n", {.rate_hz = 1}), "holds 0 numbers in column 'w'");
 }
 
 TEST_F(BadLog, BinaryAndForeignFormats) {
   EXPECT_CONTAINS(message(std::string("1,2\n3,\0 4\n", 10)), "found the byte 0x00 at offset 6, expected a text file");
-  EXPECT_CONTAINS(message("PK\x03\x04 and so on"),
-                  "found a zip archive or a spreadsheet, expected a text file; unpack it");
-  EXPECT_CONTAINS(message("#ROSBAG V2.0\n"), "found a ROS bag, expected a text file; export the IMU topic");
+  EXPECT_CONTAINS(message("PK\x03\x04 and so on"), "is a zip archive or a spreadsheet; unpack it");
+  EXPECT_CONTAINS(message("#ROSBAG V2.0\n"), "this ROS 1 bag holds no IMU");
   EXPECT_CONTAINS(message(std::string("\xff\xfe"
                                       "1\0,\0",
                                       6)),
@@ -219,7 +219,7 @@ TEST_F(BadLog, CommasThatMayBeDecimalMarks) {
 // --- Columns, units, rate ------------------------------------------------------------------------------------------
 
 TEST_F(BadLog, MissingRate) {
-  EXPECT_EQ(message("w (1)\n1\n2\n"), ": has no time column and no rate is given; give the sample rate: --rate HZ");
+  EXPECT_EQ(message("w (1)\n1\n2\n"), ":1:1: has no time column and no rate is given; give the sample rate: --rate HZ");
 }
 
 TEST_F(BadLog, MissingUnit) {
@@ -303,7 +303,7 @@ TEST_F(BadLog, TimeWithoutUnit) {
   const std::string named = "time,w (1)\n5,1\n15,2\n25,3\n";
   EXPECT_EQ(
       message(named),
-      ":1:1: the time column 'time' has no unit: its step of 10 is 0.1 Hz in s, 100 Hz in ms, 1e+05 Hz in us or 1e+08 Hz in ns; write the unit into the header, as in \"time (s)\", or give --rate HZ");
+      ":1:1: the time column 'time' has no unit: its step of 10 is 0.1 Hz in s, 100 Hz in ms, 1e+05 Hz in us or 1e+08 Hz in ns; write the unit into the header, as in \"time (s)\", or give --rate HZ or --time 1=ms");
   EXPECT_CONTAINS(message(named, {.rate_hz = 7}),
                   "but --rate is 7 Hz; correct --rate, or choose the data columns with --column");
   EXPECT_CONTAINS(message("5 1\n15 2\n25 1\n", {.unit = "1"}), ":1:1: the time column 1 has no unit");

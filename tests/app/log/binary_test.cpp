@@ -128,9 +128,11 @@ TEST_F(BinaryLog, EveryDefectIsAnErrorThatSaysWhatToDo) {
       {npy(dictionary("<f8", "(1,)"), raw<double>({1})), "holds 1 sample, expected at least 2"},
   };
   for (const Case& c : cases) {
-    const std::string path = file("log.npy", c.bytes);
-    EXPECT_CONTAINS(message_of<InputError>([&] { (void)log::read_log(options(path)); }), c.part);
-    EXPECT_CONTAINS(message_of<InputError>([&] { (void)log::read_log(options(path)); }), "log.npy");
+    auto strict = options(file("log.npy", c.bytes));
+    strict.format = log::Format::npy;  // else the reader of other arrays takes some of them
+    const std::string message = message_of<InputError>([&] { (void)log::read_log(strict); });
+    EXPECT_CONTAINS(message, c.part);
+    EXPECT_CONTAINS(message, "log.npy");
   }
 }
 
