@@ -156,6 +156,8 @@ bool Screened::look_for_departure(std::span<const noise::Process> fitted) {
   if (2 * settling > findings_.samples) return false;
   findings_.warm_up_masked = true;
   keep(findings_.first + settling, findings_.samples - settling);
+  // Jumps that were seen in the part left out were the warm-up.
+  std::erase_if(findings_.steps, [&](const auto& step) { return step.index <= findings_.first; });
   return true;
 }
 

@@ -163,6 +163,20 @@ TEST(Motion, HoldsTheSamplesThatStandOutOfIt) {
   EXPECT_NEAR(masked.axes[0].fit[Term::white].value / kWhite, 1, 5 * 0.0046);
 }
 
+// A warm-up of 3 sigma looks like two steps of the mean as well; masked, nothing of it is left in curve and fit.
+TEST(WarmUp, HoldsTheStepsThatItLookedLike) {
+  constexpr std::size_t kLong = 100'000;
+  auto y = white(kLong, kRate, 13);
+  const double sigma = kWhite * std::sqrt(kRate);
+  for (std::size_t i = 0; i < kLong; ++i) y[i] += 3 * sigma * std::exp(-20 * double(i) / double(kLong));
+  const auto record = allan::make_record({gyro_axis(std::move(y))}, kRate);
+  ASSERT_FALSE(calibrate(record).axes[0].findings->steps.empty());
+  const auto masked = calibrate(record, {.mask = {.warm_up = true}});
+  EXPECT_TRUE(masked.axes[0].findings->warm_up_masked);
+  EXPECT_TRUE(masked.axes[0].findings->steps.empty());
+  EXPECT_FALSE(masked.axes[0].is_spoilt());
+}
+
 TEST(SeveralSensors, LeaveNothingDescribed) {
   auto y = white(kRows, kRate, 9);
   for (std::size_t i = 1; i < y.size(); i += 2) y[i] *= 2;
