@@ -141,8 +141,10 @@ std::size_t choose_stream(const Recording& recording, const std::string& source,
       throw std::invalid_argument(
           fmt::format("{} holds {}; choose one of them: --topic NAME", source, listed(streams, is)));
   }
-  text::fail(source, fmt::format("this {} holds no IMU, gyroscope or accelerometer that can be read; it has {}",
-                                 recording.format(), listed(streams, is_any)));
+  std::string why;
+  for (const std::string& note : recording.notes()) why += "; " + note;
+  text::fail(source, fmt::format("this {} holds no IMU, gyroscope or accelerometer that can be read; it has {}{}",
+                                 recording.format(), listed(streams, is_any), why));
 }
 
 Recorded read_recorded(const Recording& recording, const LogOptions& options) {
@@ -159,6 +161,8 @@ Recorded read_recorded(const Recording& recording, const LogOptions& options) {
   const Headed columns = headed(info, arrays.columns);
   recorded.choice = choose_columns(recorded.source, columns.layout, options, columns.clock);
   Choice& choice = recorded.choice;
+  // A message has many numbers that are no rates, which inspect shows.
+  if (columns.clock) std::erase_if(choice.notes, [](const std::string& note) { return note.starts_with("left out "); });
   put_beside(choice);
   std::vector<std::size_t> fields;
   for (const DataColumn& c : choice.data) fields.push_back(c.index);

@@ -76,7 +76,8 @@ TEST(Recorded, ReadsTheOnlyImuInTheUnitsOfItsFormatAndInOrder) {
   const Recorder recorder({other("/chatter"), imu("/imu")});
   const Recorded r = read_recorded(recorder, {.path = "walk.bag"});
   EXPECT_EQ(r.source, "walk.bag, /imu");
-  ASSERT_EQ(r.choice.data.size(), 3U);  // and the temperature behind them
+  EXPECT_THAT(r.choice.notes, ElementsAre(HasSubstr("is read as the temperature")));  // nothing of what is no rate
+  ASSERT_EQ(r.choice.data.size(), 3U);                                                // and the temperature behind them
   EXPECT_EQ(r.choice.data[0].name, "angular_velocity.x");
   EXPECT_EQ(r.choice.data[1].signal, noise::Signal::specific_force);
   ASSERT_TRUE(r.choice.temperature);
@@ -109,7 +110,8 @@ TEST(Recorded, OneWithoutAnImuSaysWhatItHas) {
     (void)choose_stream(recorder, "walk.bag", {});
     FAIL();
   } catch (const text::InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("it has /chatter (String, 3 rows) and /rosout (String, 3 rows)"));
+    EXPECT_THAT(error.what(),
+                HasSubstr("it has /chatter (String, 3 rows) and /rosout (String, 3 rows); cut at byte 7"));
   }
 }
 
