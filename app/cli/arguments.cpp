@@ -41,9 +41,9 @@ Arguments parse_arguments(int argc, const char* const* argv) {
           "  gyrobudget calibrate imu.csv --report datasheet.html\n"
           "  gyrobudget simulate examples/sensors/mems.yaml --duration 10h -o mems.csv\n",
           fmt::format("gyrobudget {}", kVersion));
-  const std::vector verbs{inspect_verb(app), calibrate_verb(app), allan_verb(app), simulate_verb(app),
-                          plan_verb(app),    accuracy_verb(app),  paper_verb(app), navigate_verb(app),
-                          budget_verb(app),  fly_verb(app)};
+  const std::vector verbs{inspect_verb(app),  calibrate_verb(app), allan_verb(app),    simulate_verb(app),
+                          export_verb(app),   plan_verb(app),      accuracy_verb(app), paper_verb(app),
+                          navigate_verb(app), budget_verb(app),    fly_verb(app)};
   if (const auto exit_code = app.parse(argc, argv)) return Answered{*exit_code};
   const auto verb = std::ranges::find_if(verbs, [](const Verb& v) { return v.app->parsed(); });
   if (verb == verbs.end()) {

@@ -109,6 +109,16 @@ struct InspectArguments {
   std::string log;
 };
 
+struct ExportArguments {
+  Common common;
+  std::string sensor;
+  std::string form;
+  double rate_hz = 0;                    ///< of the IMU whose samples the other tool takes
+  std::optional<double> sensor_rate_hz;  ///< as PlanArguments has it
+  double horizon_s = 100;                ///< over which a walk stands for 1/f noise
+  std::string output = "-";
+};
+
 struct PlanArguments {
   Common common;
   std::string sensor;
@@ -193,8 +203,8 @@ struct Answered {
 };
 
 using Arguments =
-    std::variant<Answered, SimulateArguments, AllanArguments, CalibrateArguments, InspectArguments, PlanArguments,
-                 AccuracyArguments, PaperArguments, NavigateArguments, BudgetArguments, FlyArguments>;
+    std::variant<Answered, SimulateArguments, AllanArguments, CalibrateArguments, InspectArguments, ExportArguments,
+                 PlanArguments, AccuracyArguments, PaperArguments, NavigateArguments, BudgetArguments, FlyArguments>;
 
 /// Reads the command line; prints help, version and usage errors itself.
 [[nodiscard]] Arguments parse_arguments(int argc, const char* const* argv);

@@ -50,6 +50,7 @@ Verb make_verb(App& app, App* (*add)(App&, A&, Texts&), void (*finish)(A&, const
 [[nodiscard]] Verb simulate_verb(App&);
 [[nodiscard]] Verb allan_verb(App&);
 [[nodiscard]] Verb calibrate_verb(App&);
+[[nodiscard]] Verb export_verb(App&);
 [[nodiscard]] Verb plan_verb(App&);
 [[nodiscard]] Verb accuracy_verb(App&);
 [[nodiscard]] Verb paper_verb(App&);

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Options of the verbs that study: plan, accuracy and paper.
+// Options of the verbs on sensor files alone: export, plan, accuracy and paper.
+#include "gyrobudget/app/sensor_file/forms.h"
+#include "gyrobudget/app/text/text.h"
 #include "gyrobudget/estimation/fit/requirement.h"
 #include "gyrobudget/noise/units.h"
 
@@ -16,6 +18,30 @@
 
 namespace gyrobudget::inline v0::cli {
 namespace {
+
+App* add_export(App& app, ExportArguments& a, Texts& texts) {
+  auto* verb = app.add_subcommand("export",
+                                  "A sensor file in the form of another tool, with its units and conventions.\n\n"
+                                  "  gyrobudget export sensor.yaml --form vins --rate 200\n"
+                                  "  gyrobudget export sensor.yaml --form kf_gins --rate 100 -o imunoise.yaml\n");
+  const auto names = sensor_file::form_names();
+  verb->add_option("sensor", a.sensor, "sensor file")->required()->type_name("SENSOR");
+  verb->add_option("--form", a.form, "of " + text::listing(names, "or"))->required()->type_name("NAME");
+  verb->add_option("--rate", texts.rate, "of the IMU's samples, which sigmas of a sample depend on")
+      ->required()
+      ->type_name("HZ");
+  verb->add_option("--horizon", texts.horizon,
+                   "time over which a random walk stands for bias instability where no walk is resolved [100s]")
+      ->type_name("TIME");
+  verb->add_option("-o,--output", a.output, "- is standard output")->type_name("FILE")->capture_default_str();
+  add_common(*verb, a.common, false);
+  return verb;
+}
+
+void finish(ExportArguments& a, const Texts& texts) {
+  a.sensor_rate_hz = a.rate_hz = rate("--rate", texts.rate);
+  if (!texts.horizon.empty()) a.horizon_s = duration("--horizon", texts.horizon);
+}
 
 App* add_plan(App& app, PlanArguments& a, Texts& texts) {
   auto* verb = app.add_subcommand("plan",
@@ -161,6 +187,7 @@ void finish(PaperArguments& a, const Texts& texts) { a.seed = seed(texts.seed); 
 }  // namespace
 
 Verb plan_verb(App& app) { return make_verb<PlanArguments>(app, add_plan, finish); }
+Verb export_verb(App& app) { return make_verb<ExportArguments>(app, add_export, finish); }
 Verb accuracy_verb(App& app) { return make_verb<AccuracyArguments>(app, add_accuracy, finish); }
 Verb paper_verb(App& app) { return make_verb<PaperArguments>(app, add_paper, finish); }
 

@@ -23,6 +23,7 @@ enum Exit : int {
 [[nodiscard]] int run_stream(const AllanArguments&);     ///< with `stream`: read piece by piece, in constant memory
 [[nodiscard]] int run(const CalibrateArguments&);        ///< log -> datasheet
 [[nodiscard]] int run(const InspectArguments&);          ///< log -> what is in it
+[[nodiscard]] int run(const ExportArguments&);           ///< sensor file -> the form of another tool
 [[nodiscard]] int run(const PlanArguments&);             ///< sensor file -> recording time or accuracy
 [[nodiscard]] int run(const AccuracyArguments&);         ///< sensor file -> how wrong the fits are
 /// With `sweep`: every way to fit records of this truth, error against run time.

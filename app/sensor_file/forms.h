@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+// What other tools call a sensor's noise.
+#pragma once
+
+#include "gyrobudget/noise/sensor.h"
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "kalibr.h"
+
+namespace gyrobudget::inline v0::sensor_file {
+
+/// "kalibr", "openvins", "vins", "orb_slam3", "gtsam", "px4_sitl", "kf_gins", "navego", "matlab".
+[[nodiscard]] std::vector<std::string> form_names();
+
+/// A sensor in the form of another tool: its keys and units, white noise and a random walk (kalibr.h says which walk
+/// stands where none is resolved: it is never 0), each with a comment of what it is and where it comes from. Forms that
+/// take one number have the largest of the three axes, the others each axis. With N and K of the sensor, fs the rate:
+///
+///   kalibr, openvins, orb_slam3   N [rad/s/sqrt(Hz)], K [rad/s^2/sqrt(Hz)]; their code multiplies by sqrt(fs)
+///   vins                          N sqrt(fs), K sqrt(fs): sigmas of a sample
+///   gtsam                         N^2, K^2: variances of density
+///   px4_sitl                      N, K of the plugin of the IMU in Gazebo classic
+///   kf_gins                       N [deg/sqrt(h), m/s/sqrt(h)]; a Gauss-Markov bias of time T whose driving noise is K,
+///                                 sigma = K sqrt(T/2) [deg/h, mGal], T = 4 h, or ten times the horizon if longer
+///   navego                        N, K of each axis
+///   matlab                        gyroparams and accelparams of imuSensor: N, K, and B of each axis, double-sided; K and B where they are resolved, or their limits
+/// What a form has no place for is told in comments, and what the sensor does not state is a comment to fill in.
+/// @param form  one of form_names()
+/// @throws std::invalid_argument for another name, and a rate or horizon that is not positive and finite.
+[[nodiscard]] std::string form_text(std::string_view form, const noise::SensorModel& model,
+                                    const KalibrOptions& options);
+
+}  // namespace gyrobudget::inline v0::sensor_file
