@@ -23,10 +23,12 @@ namespace gyrobudget::inline v0::sensor_file {
 ///   vins                          N sqrt(fs), K sqrt(fs): sigmas of a sample
 ///   gtsam                         N^2, K^2: variances of density
 ///   px4_sitl                      N, K of the plugin of the IMU in Gazebo classic
-///   kf_gins                       N [deg/sqrt(h), m/s/sqrt(h)]; a Gauss-Markov bias of time T whose driving noise is K,
-///                                 sigma = K sqrt(T/2) [deg/h, mGal], T = 4 h, or ten times the horizon if longer
+///   kf_gins                       N [deg/sqrt(h), m/s/sqrt(h)]; a Gauss-Markov bias of time T driven by K:
+///                                 K sqrt(T/2) [deg/h, mGal], T = 4 h, or ten times the horizon if longer
 ///   navego                        N, K of each axis
-///   matlab                        gyroparams and accelparams of imuSensor: N, K, and B of each axis, double-sided; K and B where they are resolved, or their limits
+///   matlab                        imuSensor's N, K and B of each axis, double-sided; K and B where they are resolved,
+///                                 or their limits
+///
 /// What a form has no place for is told in comments, and what the sensor does not state is a comment to fill in.
 /// @param form  one of form_names()
 /// @throws std::invalid_argument for another name, and a rate or horizon that is not positive and finite.
