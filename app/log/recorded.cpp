@@ -105,10 +105,10 @@ void put_in_order(Recorded& recorded) {
   std::vector<std::size_t> rows(stamps.size());
   std::iota(rows.begin(), rows.end(), std::size_t{0});
   std::ranges::stable_sort(rows, {}, [&](std::size_t row) { return stamps[row]; });
-  const auto [first, last] =
-      std::ranges::unique(rows, [&](std::size_t a, std::size_t b) { return stamps[a] == stamps[b]; });
-  const auto dropped = static_cast<std::size_t>(last - first);
-  rows.erase(first, last);
+  const auto kept =
+      std::unique(rows.begin(), rows.end(), [&](std::size_t a, std::size_t b) { return stamps[a] == stamps[b]; });
+  const auto dropped = static_cast<std::size_t>(rows.end() - kept);
+  rows.erase(kept, rows.end());
   keep_rows(recorded, rows);
   if (back > 0)
     recorded.notes.push_back(

@@ -129,7 +129,7 @@ class StudyBuilder {
   void add_limit(const Budget& all) {
     const auto [component, position] = *options_.limit;
     const auto axes = result_.axes.of(component);
-    Study::Limit& limit = result_.limit.emplace();
+    Study::Limit& limit = *(result_.limit = Study::Limit{});
     limit.component = component;
     limit.limit = position;
     limit.found = result_.axes.position_sigma(all.total[result_.at_index], component);
@@ -146,7 +146,7 @@ class StudyBuilder {
     result_.stopped = flown.runs + flown.unaligned < options_.runs;
     if (flown.runs == 0) return;
     const std::size_t i = index_of(flown.times, at_);
-    Study::Flown& mc = result_.monte_carlo.emplace();
+    Study::Flown& mc = *(result_.monte_carlo = Study::Flown{});
     mc.runs = flown.runs;
     mc.seed = options_.seed;
     mc.covariance = flown.covariance(i);

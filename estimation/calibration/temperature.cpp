@@ -17,6 +17,7 @@
 #include <utility>
 
 #include <Eigen/Cholesky>
+#include <Eigen/QR>
 
 namespace gyrobudget::inline v0::calibration {
 namespace {

@@ -90,7 +90,7 @@ SweepStudy sweep() {
 Paper paper() {
   Paper paper{.command = "gyrobudget paper", .seed = 1, .rate_hz = 100, .duration_s = 36'000};
   paper.rows = {{.id = "table1.model1.arw", .group = "model 1", .what = "ARW", .unit = "deg/sqrt(h)"}};
-  paper.rows.front().fitted.emplace();
+  paper.rows.front().fitted = PaperRow::Fitted{};
   paper.flight.hypotheses.emplace_back();
   return paper;
 }

@@ -57,7 +57,8 @@ double raised_by(std::int64_t readings, std::int64_t rows) {
 // Here are 150 each (50 records of three axes): binomial, five standard deviations of 1.8 %, around 93 to 97 %.
 TEST(HeldReadings, TheIntervalOfNCovers) {
   constexpr int kRecords = 50;
-  for (const auto& [readings, rows] : {std::pair{1, 2}, std::pair{1, 3}, std::pair{2, 3}, std::pair{5, 7}}) {
+  for (const auto& share : {std::pair{1, 2}, std::pair{1, 3}, std::pair{2, 3}, std::pair{5, 7}}) {
+    const int readings = share.first, rows = share.second;
     const double truth = kWhite * raised_by(readings, rows);
     std::atomic<int> inside = 0, described = 0;
     tbb::parallel_for(1, kRecords + 1, [&](int seed) {
