@@ -35,7 +35,8 @@ Window look(std::span<const double> rows, std::size_t sensors) {
     means[i % sensors] += rows[i];
     ++counts[i % sensors];
   }
-  const double fewest = kLeastFill * static_cast<double>(kWindow / sensors);
+  const std::size_t rows_of_each = kWindow / sensors;
+  const double fewest = kLeastFill * static_cast<double>(rows_of_each);
   for (std::size_t s = 0; s < sensors; ++s) {
     if (counts[s] < fewest) return {};
     means[s] /= counts[s];

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: MIT
 // Scenes: the aids.
+#include "gyrobudget/app/text/text.h"
+
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <functional>
+#include <string>
 #include <utility>
 
 #include "scene_columns.h"
@@ -38,6 +42,13 @@ Dimension dimension_of(Aid::Kind kind) {
   return dimension::kVelocity;
 }
 
+/// Whether a name can be that of a file in a folder, which `simulate --fixes` makes of it.
+bool is_file_name(const std::string& name) {
+  constexpr std::size_t kLongest = 100;
+  return !name.empty() && name.size() <= kLongest && !name.starts_with('.') &&
+         std::ranges::none_of(name, [](char c) { return c == '/' || (c >= 0 && c < ' ') || c == '\x7f'; });
+}
+
 class AidsReader {
  public:
   AidsReader(const SceneYaml& yaml, SceneFile& scene) : yaml_(yaml), scene_(scene) {}
@@ -47,6 +58,9 @@ class AidsReader {
       const std::string where = "aids." + key.Scalar();
       Device device;
       device.common.name = key.Scalar();
+      if (!is_file_name(device.common.name))
+        yaml_.fail_here(key, fmt::format("aids: found the name {}, expected one that a file can have, such as gnss",
+                                         text::quoted(device.common.name)));
       Aid& common = device.common;
       std::vector<sensor_file::YamlKey> keys = use_keys(common);
       const auto add = [&](const char* name, std::function<void(const Node&)> read) {

@@ -117,6 +117,8 @@ TEST_F(SceneFile, WhatIsWrongHasItsPlaceAndAMend) {
   EXPECT_CONTAINS(message(kHead + "until: 20\n"), "scene.yaml:4:8: until: ");
   EXPECT_CONTAINS(message(kHead + "until: 20 m\n"), "scene.yaml:4:8: until: ");
   EXPECT_CONTAINS(message(kHead + "until: 20 s\nuntil: 30 s\n"), "is given twice");
+  for (const char* name : {"../gps", "a/b", "/gps", ".gps", "\"\"", "\"a\\nb\"", "\"a\\u0007\""})
+    EXPECT_CONTAINS(message(kHead + "aids: {" + name + ": {position: 3 m}}\n"), "expected one that a file can have");
   EXPECT_CONTAINS(message(kHead + "aids: {gps: {file: g.csv}}\n"), "aids.gps: found nothing that it measures");
   EXPECT_CONTAINS(message(kHead + "aids: {gps: {file: g.csv, position: {bias_sigma: 1 m}}}\n"), "found no \"sigma:\"");
   EXPECT_CONTAINS(message(kHead + "aids: {gps: {position: 3 m/s}}\n"), "sigma: ");
