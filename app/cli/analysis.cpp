@@ -37,13 +37,13 @@ std::vector<allan::Record> read_cut_record(const CurveArguments& a, double longe
 }
 
 void write_pictures(const report::LogResult& result, const Pictures& pictures, const Common& common) {
+  if (!pictures.report.empty()) {  // first: what a figure lacks does not take the page away
+    text::write_file(pictures.report, report::page(result));
+    say(common, "report page: " + pictures.report);
+  }
   if (!pictures.plot.empty()) {
     report::write_plot(result, pictures.plot);
     say(common, "figure: " + pictures.plot);
-  }
-  if (!pictures.report.empty()) {
-    text::write_file(pictures.report, report::page(result));
-    say(common, "report page: " + pictures.report);
   }
 }
 

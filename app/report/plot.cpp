@@ -75,7 +75,8 @@ struct Layout {
 std::vector<Panel> panels_of(const LogResult& result) {
   std::vector<Panel> panels;
   for (const AxisResult& axis : result.axes) {
-    if (axis.points.empty()) continue;
+    // Of an axis that never varies no deviation has a place on a logarithmic scale.
+    if (std::none_of(axis.points.begin(), axis.points.end(), [](const auto& p) { return p.deviation > 0; })) continue;
     const std::string unit(deviation_unit(axis));
     panels.push_back({&axis, axis_curves(axis, result.rate_hz), unit, noise::parse_unit(unit).to_si});
   }

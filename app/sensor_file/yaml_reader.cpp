@@ -22,7 +22,11 @@ YamlReader::YamlReader(Text read, std::string_view line, std::string_view key) :
   std::string& text = read.text;
   if (text.starts_with("%YAML:")) text[0] = '#';  // OpenCV's own first line is not YAML
   try {
-    root_ = YAML::Load(text);
+    std::vector<Node> documents = YAML::LoadAll(text);
+    if (!documents.empty()) root_ = documents.front();
+    for (std::size_t i = 1; i < documents.size(); ++i)
+      if (!documents[i].IsNull())
+        fail_here(documents[i], "found a second document, expected one; take out the line ---");
   } catch (const YAML::Exception& error) {
     text::fail_at(name(), error.mark.line + 1, error.mark.column + 1,
                   fmt::format("no YAML: {}; expected lines like \"{}\"", error.msg, line));

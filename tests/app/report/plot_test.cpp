@@ -161,6 +161,16 @@ TEST_F(Plot, UnwritableTargetIsAnOutputError) {
   EXPECT_EQ(files(), 1);
 }
 
+TEST_F(Plot, AnAxisThatNeverVariesLeavesTheOthers) {
+  LogResult result = fixtures::imu();
+  ASSERT_GT(result.axes.size(), 1U);
+  for (auto& point : result.axes.front().points) point.deviation = point.lower = point.upper = 0;
+  write_plot(result, path("a.svg"));
+  const std::string svg = content(path("a.svg"));
+  EXPECT_EQ(svg.find(result.axes.front().name), std::string::npos);
+  EXPECT_NE(svg.find(result.axes.back().name), std::string::npos);
+}
+
 TEST_F(Plot, NothingToDrawIsSaid) {
   LogResult result = fixtures::mems();
   result.axes.front().points.clear();
