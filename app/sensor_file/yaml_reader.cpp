@@ -18,19 +18,40 @@ using YAML::Node;
 YamlReader::YamlReader(const std::string& path, std::string_view what, std::string_view line, std::string_view key)
     : YamlReader({text::input_name(path), text::read_text(path, kLargestFile, what)}, line, key) {}
 
+namespace {
+
+/// The line, from 1, of the first content behind a `---` that ends a document; 0 for none. At the head of a line these
+/// three are nothing else in YAML. (YAML::LoadAll has no end on some damaged files.)
+std::int64_t second_document(std::string_view text) {
+  bool content = false, ended = false;
+  for (std::int64_t number = 1; !text.empty(); ++number) {
+    const std::string_view line = text.substr(0, text.find('\n'));
+    text.remove_prefix(std::min(text.size(), line.size() + 1));
+    const bool mark = line.starts_with("---") && text::trim(line.substr(0, 4)).size() == 3;
+    const bool filling = text::trim(line).empty() || text::trim(line).starts_with('#') || line.starts_with('%');
+    if (mark)
+      ended = content;
+    else if (!filling && ended)
+      return number;
+    else if (!filling)
+      content = true;
+  }
+  return 0;
+}
+
+}  // namespace
+
 YamlReader::YamlReader(Text read, std::string_view line, std::string_view key) : name_(std::move(read.name)) {
   std::string& text = read.text;
   if (text.starts_with("%YAML:")) text[0] = '#';  // OpenCV's own first line is not YAML
   try {
-    std::vector<Node> documents = YAML::LoadAll(text);
-    if (!documents.empty()) root_ = documents.front();
-    for (std::size_t i = 1; i < documents.size(); ++i)
-      if (!documents[i].IsNull())
-        fail_here(documents[i], "found a second document, expected one; take out the line ---");
+    root_ = YAML::Load(text);
   } catch (const YAML::Exception& error) {
     text::fail_at(name(), error.mark.line + 1, error.mark.column + 1,
                   fmt::format("no YAML: {}; expected lines like \"{}\"", error.msg, line));
   }
+  if (const std::int64_t at = second_document(text); at > 0)
+    text::fail_at(name(), at, 1, "found a second document, expected one; take out the line --- above it");
   if (!root_.IsMap()) fail_here(root_, fmt::format("found {}, expected keys like \"{}\"", kind(root_), key));
 }
 

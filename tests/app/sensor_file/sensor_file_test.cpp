@@ -261,7 +261,7 @@ TEST_F(SensorFile, ErrorsNamePlaceFindingAndExpectation) {
   EXPECT_CONTAINS(message("gyro:\n  filter: {kind: first_order, bandwidth: 5 Hz}\n  bandwidth: 5 Hz\n"),
                   ":3:14: bandwidth: found it beside filter");
   EXPECT_CONTAINS(message("gyro:\n  bandwidth: 0 Hz\n"), "expected a value above 0");
-  EXPECT_CONTAINS(message("gyro: {arw: 1 deg/h}\n---\ngyro: {}\n"), ":3:1: found a second document");
+  EXPECT_CONTAINS(message("gyro: {arw: 1 deg/sqrt(h)}\n--- # next\ngyro: {}\n"), ":3:1: found a second document");
   EXPECT_CONTAINS(message("gyro:\n  calibrated_ovr: 1 s\n"), "did you mean 'calibrated_over'?");
   EXPECT_CONTAINS(message("gyro:\nlever_arm: 1 m\n"), ":2:12: lever_arm: found '1 m', expected a list of three");
   EXPECT_CONTAINS(message("gyro:\nscale: 1\n"), ":2:1: 'scale' is no key of a sensor file");
