@@ -57,8 +57,9 @@ void add_log(App& app, CurveArguments& curve, Texts& texts) {
           "--with", texts.with,
           "join these text logs by time: the accelerometer of a phone beside its gyro; UNIT where its header has none")
       ->type_name("LOG[=UNIT] ...");
-  add_format(*group, texts,
-             "csv, or binary: f32, f64 (raw, little-endian), npy; needs --rate and --unit [by the ending]");
+  add_format(
+      *group, texts,
+      "csv, or binary: f32, f64 (raw, little-endian), npy; needs --rate and --unit [npy by the content, f32 and f64 by the ending]");
   group->add_option("--columns", curve.log.file_columns, "numbers a sample has in a raw binary log [1]")
       ->check(Range{1, 65536})
       ->type_name("K");

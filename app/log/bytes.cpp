@@ -45,66 +45,45 @@ class Guard {
 
 // --- Packed inputs ---------------------------------------------------------------------------------------------
 
-/// Unpacks an input that may have several frames, one behind the other.
+/// Unpacks an input into memory.
 class Unpacking {
  public:
   Unpacking(std::string_view name, Content content, std::string_view packed)
       : name_(name),
         content_(content),
         compression_(compression_of(packed)),
-        packed_(packed),
-        most_(kMostGrowth * packed.size() + kLeastCap),
-        decompressor_(make_decompressor(compression_, name)) {}
+        most_(most_unpacked(packed.size())),
+        decompressor_(make_decompressor(compression_, name)),
+        frames_(*decompressor_, packed) {}
 
   Pages run() {
+    using State = FrameReader::State;
     Pages unpacked;
     Guard guard(name_);
-    for (;;) {
-      const bool ended = step(unpacked);
+    for (State state = State::going_on; state == State::going_on;) {
+      const FrameReader::Piece piece = frames_.next(std::span(unpacked.room(kBlock), kBlock));
+      unpacked.grow(piece.written);
+      const std::size_t size = unpacked.text().size();
+      state = piece.state;
+      if (state == State::damaged) fail_damaged(size, piece.damage);
+      if (state == State::foreign) fail_foreign();
       if (content_ == Content::text) guard.check(unpacked.text());
-      if (unpacked.text().size() > most_) fail_too_large();
-      if (cut_) return unpacked;
-      if (!ended) continue;
-      to_next_frame();
-      if (packed_.empty()) return unpacked;
-      decompressor_->restart();
+      if (size > most_) fail_too_large();
+      cut_ = state == State::cut;
+      if (cut_ && content_ != Content::recording) fail_truncated(size);
     }
+    return unpacked;
   }
   /// The data stop in the middle; what was whole was kept.
   [[nodiscard]] bool cut() const { return cut_; }
 
  private:
-  // No log of numbers that change is packed so well; gzip cannot do more than the one, whatever it holds.
-  static constexpr std::size_t kMostGrowth = 1100, kLeastCap = std::size_t{1} << 26;
-
-  /// @returns whether a frame has ended
-  bool step(Pages& unpacked) {
-    const std::size_t before = packed_.size();
-    const Decompressor::Step step = decompressor_->step(packed_, std::span(unpacked.room(kBlock), kBlock));
-    unpacked.grow(step.written);
-    const std::size_t size = unpacked.text().size();
-    if (!step.damage.empty()) {
-      text::fail(name_, fmt::format("the {} data are damaged after {} bytes of {} ({}); fetch the file again",
-                                    log::name(compression_), size, what(), step.damage));
-    }
-    const bool stuck = step.written == 0 && packed_.size() == before && !step.ended;  // it wants more than there is
-    if (!stuck) return step.ended;
-    if (content_ != Content::recording) fail_truncated(size);
-    cut_ = true;
-    return false;
+  [[noreturn]] void fail_damaged(std::size_t size, std::string_view damage) const {
+    text::fail(name_, fmt::format("the {} data are damaged after {} bytes of {} ({}); fetch the file again",
+                                  log::name(compression_), size, what(), damage));
   }
 
-  /// What follows the end of a frame: another one, or padding with zeros, which is legal.
-  void to_next_frame() {
-    constexpr std::string_view kSkippable = "\x2a\x4d\x18";  // behind a byte from 0x50 to 0x5f, in zstd and lz4
-    const bool skippable = packed_.size() > kSkippable.size() && (packed_[0] & 0xf0) == 0x50 &&
-                           packed_.substr(1).starts_with(kSkippable) &&
-                           (compression_ == Compression::zstd || compression_ == Compression::lz4);
-    if (packed_.empty() || compression_of(packed_) == compression_ || skippable) return;
-    if (packed_.find_first_not_of('\0') == std::string_view::npos) {
-      packed_ = {};
-      return;
-    }
+  [[noreturn]] void fail_foreign() const {
     text::fail(name_, fmt::format("the {} data end, but the file goes on with something else; fetch the file again",
                                   log::name(compression_)));
   }
@@ -123,16 +102,16 @@ class Unpacking {
   [[noreturn]] void fail_too_large() const {
     text::fail(
         name_,
-        fmt::format("unpacks to more than {} bytes, {} times its own size; it is no log, or else unpack it first ({})",
-                    most_, kMostGrowth, command(compression_)));
+        fmt::format("unpacks to more than {} bytes, which no log of its size does; if it is one, unpack it first ({})",
+                    most_, command(compression_)));
   }
 
   std::string_view name_;
   Content content_;
   Compression compression_;
-  std::string_view packed_;
-  std::size_t most_;
+  std::uint64_t most_;
   std::unique_ptr<Decompressor> decompressor_;
+  FrameReader frames_;
   bool cut_ = false;
 };
 

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace gyrobudget::inline v0::log {
 namespace {
@@ -76,16 +77,55 @@ std::unique_ptr<Decompressor> make_decompressor(Compression compression, std::st
           f.name, f.package, f.command));
 }
 
+void require_library(Compression compression, std::string_view source) {
+  static const auto kThere = [] {
+    std::array<bool, kCompressions.size()> there{};
+    for (std::size_t i = 0; i < there.size(); ++i) there[i] = kCompressions[i].make && kCompressions[i].make();
+    return there;
+  }();
+  if (compression == Compression::none || kThere.at(static_cast<std::size_t>(compression))) return;
+  static_cast<void>(make_decompressor(compression, source));
+}
+
+std::uint64_t most_unpacked(std::size_t packed) {
+  constexpr std::uint64_t kAlways = std::uint64_t{64} << 20, kRatio = 1100;
+  return kAlways + kRatio * packed;
+}
+
+FrameReader::FrameReader(Decompressor& decompressor, std::string_view packed)
+    : decompressor_(decompressor), compression_(compression_of(packed)), packed_(packed) {}
+
+FrameReader::Piece FrameReader::next(std::span<char> out) {
+  const std::size_t before = packed_.size();
+  Decompressor::Step step = decompressor_.step(packed_, out);
+  if (!step.damage.empty()) return {step.written, State::damaged, std::move(step.damage)};
+  if (step.ended) return {step.written, behind_frame(), {}};
+  const bool is_stuck = step.written == 0 && packed_.size() == before;
+  return {step.written, is_stuck && !out.empty() ? State::cut : State::going_on, {}};
+}
+
+FrameReader::State FrameReader::behind_frame() {
+  constexpr std::string_view kSkippable = "\x2a\x4d\x18";  // behind a byte from 0x50 to 0x5f, in zstd and lz4
+  if (packed_.find_first_not_of('\0') == std::string_view::npos) return State::whole;
+  const bool is_skippable = packed_.size() > kSkippable.size() && (packed_[0] & 0xf0) == 0x50 &&
+                            packed_.substr(1).starts_with(kSkippable) &&
+                            (compression_ == Compression::zstd || compression_ == Compression::lz4);
+  if (compression_of(packed_) != compression_ && !is_skippable) return State::foreign;
+  decompressor_.restart();
+  return State::going_on;
+}
+
 std::string unpacked_head(std::string_view packed, std::size_t most) {
   const CompressionFacts& f = facts(compression_of(packed));
   const std::unique_ptr<Decompressor> decompressor = f.make ? f.make() : nullptr;
+  if (!decompressor) return {};
   std::string head(most, '\0');
   std::size_t size = 0;
-  while (decompressor && size < most) {
-    const std::size_t before = packed.size();
-    const Decompressor::Step step = decompressor->step(packed, std::span(head).subspan(size));
-    size += step.written;
-    if (step.ended || !step.damage.empty() || (step.written == 0 && packed.size() == before)) break;
+  FrameReader frames(*decompressor, packed);
+  for (auto state = FrameReader::State::going_on; state == FrameReader::State::going_on && size < most;) {
+    const FrameReader::Piece piece = frames.next(std::span(head).subspan(size));
+    size += piece.written;
+    state = piece.state;
   }
   head.resize(size);
   return head;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -43,6 +44,44 @@ class Decompressor {
 /// @param source  for messages
 /// @throws InputError where this build has no library for it, with the package that brings it; std::bad_alloc
 [[nodiscard]] std::unique_ptr<Decompressor> make_decompressor(Compression compression, std::string_view source);
+
+/// @throws InputError where this build has no library for it, as make_decompressor does.
+void require_library(Compression compression, std::string_view source);
+
+/// What packed bytes may unpack to: 1100 times their number, which is the most that gzip can do, and 64 MiB. No data of
+/// sensors come near it; beyond it a few bytes would fill the memory.
+[[nodiscard]] std::uint64_t most_unpacked(std::size_t packed);
+
+/// Unpacks frame after frame; behind the last one may be padding with zeros.
+class FrameReader {
+ public:
+  enum class State {
+    going_on,
+    whole,
+    cut,      ///< the data stop in the middle: no more is written
+    damaged,  ///< Piece::damage says how
+    foreign,  ///< behind a frame follows what is none
+  };
+  struct Piece {
+    std::size_t written = 0;
+    State state = State::going_on;
+    std::string damage;
+  };
+
+  /// @param decompressor  of the compression of `packed`, at the beginning of a frame; it must outlive this
+  FrameReader(Decompressor& decompressor, std::string_view packed);
+  /// Where `out` is empty it only finds out whether the frame ends here.
+  Piece next(std::span<char> out);
+  /// What was not taken yet.
+  [[nodiscard]] std::string_view rest() const { return packed_; }
+
+ private:
+  [[nodiscard]] State behind_frame();
+
+  Decompressor& decompressor_;
+  Compression compression_;
+  std::string_view packed_;
+};
 
 /// The first bytes of a packed input, `most` of them or fewer where it ends, is damaged, or cannot be unpacked.
 [[nodiscard]] std::string unpacked_head(std::string_view packed, std::size_t most);

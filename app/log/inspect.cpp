@@ -258,7 +258,7 @@ Inspection of_npy(const std::string& path) {
 
 Inspection inspect(const std::string& path) {
   if (const auto recording = open_recording(path)) return of_recording(*recording, path);
-  return format_of(path) == Format::npy ? of_npy(path) : of_text(path);
+  return format_of_input(path) == Format::npy ? of_npy(path) : of_text(path);
 }
 
 }  // namespace gyrobudget::inline v0::log

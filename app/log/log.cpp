@@ -420,7 +420,7 @@ Raw read_raw(const LogOptions& options, std::optional<double> longest_gap_s) {
   if (options.topic)
     throw std::invalid_argument(fmt::format("--topic {}: {} is no recording with topics",
                                             text::printable(*options.topic), text::input_name(options.path)));
-  const Format format = options.format.value_or(format_of(options.path));
+  const Format format = options.format.value_or(format_of_input(options.path));
   if (format != Format::csv) check_text_alone(options);
   return format == Format::csv ? read_text(options, longest_gap_s) : read_binary(options, format, longest_gap_s);
 }

@@ -53,7 +53,7 @@ struct LogOptions {
   std::optional<TimeOf> time = {};         ///< unset: found by name, unit and numbers
   std::vector<With> with = {};             ///< text logs that are joined to this one by time
   std::optional<std::string> topic = {};   ///< stream of a recording (inspect names them); unset: its only IMU
-  std::optional<Format> format = {};       ///< unset: what the ending of the path says
+  std::optional<Format> format = {};       ///< unset: what the content says, or else the ending of the path
   std::int64_t file_columns = 1;           ///< numbers a row of a raw binary log has
   std::optional<double> resample_hz = {};  ///< average uneven readings over even intervals; else never
   /// Text that one task parses, in bytes; the result does not depend on it.

@@ -4,6 +4,7 @@
 #if GYROBUDGET_HAS_LZ4
 #include <lz4frame.h>
 
+#include <algorithm>
 #include <new>
 #endif
 
@@ -18,17 +19,23 @@ class Lz4Decompressor : public Decompressor {
   }
   ~Lz4Decompressor() override { LZ4F_freeDecompressionContext(context_); }
 
+  // As much at a time as the library asks for, a block: of a call that fails it tells nothing of what it wrote.
   Step step(std::string_view& packed, std::span<char> out) override {
-    std::size_t taken = packed.size(), written = out.size();
+    std::size_t taken = std::min(wanted_, packed.size()), written = out.size();
     const std::size_t status = LZ4F_decompress(context_, out.data(), &written, packed.data(), &taken, nullptr);
     if (LZ4F_isError(status) != 0) return {0, false, LZ4F_getErrorName(status)};
     packed.remove_prefix(taken);
+    wanted_ = std::max<std::size_t>(status, 1);
     return {written, status == 0, {}};
   }
-  void restart() override { LZ4F_resetDecompressionContext(context_); }
+  void restart() override {
+    LZ4F_resetDecompressionContext(context_);
+    wanted_ = 1;
+  }
 
  private:
   LZ4F_dctx* context_ = nullptr;
+  std::size_t wanted_ = 1;
 };
 
 }  // namespace

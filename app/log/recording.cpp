@@ -138,6 +138,14 @@ std::string_view recorded_format(std::string_view head) {
   return format ? format->name : std::string_view();
 }
 
+Format format_of_input(const std::string& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return format_of(path);
+  const std::string head = head_of(path);
+  const bool is_packed = compression_of(head) != Compression::none;
+  return (is_packed ? head_of_packed(path) : head).starts_with("\x93NUMPY") ? Format::npy : format_of(path);
+}
+
 std::unique_ptr<Recording> open_recording(const std::string& path) {
   std::error_code error;
   if (std::filesystem::is_directory(path, error)) return open_rosbag2_folder(path);
@@ -148,9 +156,7 @@ std::unique_ptr<Recording> open_recording(const std::string& path) {
   if (!format) return nullptr;
   if (format->open_bytes) return format->open_bytes(std::make_shared<const Bytes>(path, Content::recording));
   if (compression == Compression::none) return format->open(path);
-  if (compression == Compression::zstd) return open_packed_recording(path);
-  text::fail(path, fmt::format("holds a {} in {} data; unpack it first ({})", format->name, name(compression),
-                               command(compression)));
+  return open_packed_recording(path);
 }
 
 }  // namespace gyrobudget::inline v0::log

@@ -11,6 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "format.h"
+
 namespace gyrobudget::inline v0::log {
 
 /// A number that each row of a stream has.
@@ -68,6 +70,10 @@ class Recording {
 /// The format that the first bytes of a file, at least 512 where it has so many, are of; empty for text, raw numbers,
 /// what read_log takes of .npy, packed data (open_recording looks into those), and what no reader knows.
 [[nodiscard]] std::string_view recorded_format(std::string_view head);
+
+/// How the samples of an input that is no recording are written: as its content says, which a .npy does under any name,
+/// else as its name says.
+[[nodiscard]] Format format_of_input(const std::string& path);
 
 /// Opens a recording, recognised by its content and never by its name: a file, or the folder of a rosbag2.
 /// @return null where recorded_format knows nothing of it

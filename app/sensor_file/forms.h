@@ -30,6 +30,7 @@ namespace gyrobudget::inline v0::sensor_file {
 ///                                 or their limits
 ///
 /// What a form has no place for is told in comments, and what the sensor does not state is a comment to fill in.
+/// Sources: the code and documentation of each tool, as of 2026.
 /// @param form  one of form_names()
 /// @throws std::invalid_argument for another name, and a rate or horizon that is not positive and finite.
 [[nodiscard]] std::string form_text(std::string_view form, const noise::SensorModel& model,

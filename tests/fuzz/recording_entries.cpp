@@ -5,18 +5,18 @@
 #include "gyrobudget/app/log/recording.h"
 #include "gyrobudget/app/text/error.h"
 
-#include <zlib.h>
-
 #include <cmath>
 #include <cstdint>
 #include <numeric>
 #include <stdexcept>
 
+#include "../app/packing.h"
 #include "memory_file.h"
 
 namespace gyrobudget::fuzz {
 namespace {
 
+using app_tests::deflated;
 using U8 = std::uint8_t;
 using U16 = std::uint16_t;
 using U32 = std::uint32_t;
@@ -69,21 +69,6 @@ std::string packed(Numbers... numbers) {
 std::string padded(std::string text, std::size_t size) {
   text.resize(size, '\0');
   return text;
-}
-
-/// @param window  zlib's
-std::string deflated(const std::string& text, int window) {
-  z_stream stream = {};
-  deflateInit2(&stream, 6, Z_DEFLATED, window, 8, Z_DEFAULT_STRATEGY);
-  std::string result(deflateBound(&stream, text.size()), '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
-  stream.avail_in = static_cast<uInt>(text.size());
-  stream.next_out = reinterpret_cast<Bytef*>(result.data());
-  stream.avail_out = static_cast<uInt>(result.size());
-  deflate(&stream, Z_FINISH);
-  result.resize(stream.total_out);
-  deflateEnd(&stream);
-  return result;
 }
 
 std::string ulog() {

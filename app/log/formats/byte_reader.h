@@ -2,22 +2,12 @@
 // Numbers and strings at the front of bytes that a stranger wrote.
 #pragma once
 
-#include <bit>
 #include <cstdint>
-#include <cstring>
 #include <string_view>
-#include <type_traits>
+
+#include "number_type.h"
 
 namespace gyrobudget::inline v0::log {
-
-/// The little-endian number in the first bytes at `at`, of which there must be enough.
-template <class Number>
-[[nodiscard]] Number little_endian_at(const char* at) {
-  static_assert(std::endian::native == std::endian::little && std::is_trivially_copyable_v<Number>);
-  Number number;
-  std::memcpy(&number, at, sizeof number);
-  return number;
-}
 
 /// Takes little-endian numbers and strings off the front. What lies past the end is zero or empty, and from then on
 /// ok() is false: a record is read to its end and judged once.
@@ -28,7 +18,7 @@ class ByteReader {
   template <class Number>
   Number number() {
     const std::string_view taken = bytes(sizeof(Number));
-    return taken.size() == sizeof(Number) ? little_endian_at<Number>(taken.data()) : Number{};
+    return taken.size() == sizeof(Number) ? load<Number>(taken.data()) : Number{};
   }
   std::string_view bytes(std::uint64_t count) {
     if (count > rest_.size()) {

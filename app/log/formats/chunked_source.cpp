@@ -92,7 +92,7 @@ void ChunkedSource::declare(std::uint32_t id, Topic topic) {
 }
 
 void ChunkedSource::add_chunk(Part chunk) {
-  require_packing(name(), chunk.packing);
+  require_library(chunk.packing, name());
   chunk.is_chunk = true;
   parts_.push_back(std::move(chunk));
 }
@@ -171,7 +171,7 @@ std::string_view ChunkedSource::unpack(const Part& part, Unpacker& unpacker, Fin
 
 void ChunkedSource::read(const Part& part, Unpacker& unpacker, RecordSink& sink, Findings& findings) const {
   std::string_view rest = unpack(part, unpacker, findings);
-  const bool is_mapped = part.packing == Packing::none;
+  const bool is_mapped = part.packing == Compression::none;
   std::size_t step = is_mapped ? kStep : rest.size();
   while (!rest.empty()) {
     const std::string_view piece = rest.substr(0, step);

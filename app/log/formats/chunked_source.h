@@ -33,7 +33,7 @@ using Counts = std::unordered_map<std::uint32_t, std::int64_t>;
 /// A part of a file that holds messages.
 struct Part {
   std::string_view bytes;  ///< as they stand in the file
-  Packing packing = Packing::none;
+  Compression packing = Compression::none;
   std::uint64_t size = 0;            ///< of the records, by the file
   std::optional<std::uint32_t> crc;  ///< of the records, where it was computed
   bool is_chunk = false;

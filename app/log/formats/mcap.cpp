@@ -187,9 +187,9 @@ void McapSource::take_chunk(const McapRecord& record) {
   chunk.bytes = reader.rest().substr(0, static_cast<std::size_t>(std::min<std::uint64_t>(size, reader.rest().size())));
   chunk.is_cut = record.missing > 0;
   if (how == "lz4") {
-    chunk.packing = Packing::lz4;
+    chunk.packing = Compression::lz4;
   } else if (how == "zstd") {
-    chunk.packing = Packing::zstd;
+    chunk.packing = Compression::zstd;
   } else if (!how.empty()) {
     found().add(fmt::format("the chunk at byte {} is left out: it is packed by {}, expected none, lz4 or zstd",
                             place(chunk.bytes), text::quoted(how)));

@@ -18,11 +18,11 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 template <class Number, bool kSwapped>
 Number number_at(const char* at) {
   if constexpr (!kSwapped || sizeof(Number) == 1) {
-    return little_endian_at<Number>(at);
+    return load<Number>(at);
   } else {
     std::array<char, sizeof(Number)> bytes;
     std::reverse_copy(at, at + sizeof(Number), bytes.begin());
-    return little_endian_at<Number>(bytes.data());
+    return load<Number>(bytes.data());
   }
 }
 

@@ -137,8 +137,8 @@ class RowSink : public MessageSink {
     if (source_->topics()[message.topic].encoding == Encoding::ros1) {
       return ros1_.decode(message.data, stamp_ns, values_, absent_);
     }
-    if (!is_zstd(message.data)) return cdr_.decode(message.data, stamp_ns, values_, absent_);
-    const Unpacked unpacked = unpacker_->unpack(Packing::zstd, message.data, std::nullopt);
+    if (compression_of(message.data) != Compression::zstd) return cdr_.decode(message.data, stamp_ns, values_, absent_);
+    const Unpacked unpacked = unpacker_->unpack(Compression::zstd, message.data, std::nullopt);
     if (!unpacked.fault.empty()) return Decoded::other_length;
     return cdr_.decode(unpacked.bytes, stamp_ns, values_, absent_);
   }

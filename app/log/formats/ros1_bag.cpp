@@ -72,7 +72,7 @@ bool read_bag_header(std::string_view bytes, BagHeader& header) {
 template <class Number>
 std::optional<Number> bag_number(std::string_view field) {
   if (field.size() != sizeof(Number)) return std::nullopt;
-  return little_endian_at<Number>(field.data());
+  return load<Number>(field.data());
 }
 
 struct BagRecord {
@@ -110,13 +110,13 @@ struct MessageHeader {
     const bool is_whole = for_each_bag_field(header, [&](std::string_view name, std::string_view value) {
       if (name == "op" && value.size() == 1) op = static_cast<BagOp>(value.front());
       if (name == "conn" && value.size() == sizeof conn) {
-        conn = little_endian_at<std::uint32_t>(value.data());
+        conn = load<std::uint32_t>(value.data());
         has_conn = true;
       }
       if (name == "time" && value.size() == sizeof time_ns) {
         constexpr std::int64_t kNsPerS = 1'000'000'000;
-        time_ns = little_endian_at<std::uint32_t>(value.data()) * kNsPerS +
-                  little_endian_at<std::uint32_t>(value.data() + sizeof(std::uint32_t));
+        time_ns =
+            load<std::uint32_t>(value.data()) * kNsPerS + load<std::uint32_t>(value.data() + sizeof(std::uint32_t));
         has_time = true;
       }
     });
@@ -239,9 +239,9 @@ void BagSource::take_chunk(const BagRecord& record) {
   Part chunk{.bytes = record.data, .size = bag_number<std::uint32_t>(record.header.size).value_or(0)};
   chunk.is_cut = record.missing > 0;
   if (how == "bz2") {
-    chunk.packing = Packing::bzip2;
+    chunk.packing = Compression::bzip2;
   } else if (how == "lz4") {
-    chunk.packing = Packing::lz4;
+    chunk.packing = Compression::lz4;
   } else if (how != "none") {
     found().add(fmt::format("the chunk at byte {} is left out: it is packed by {}, expected none, bz2 or lz4",
                             place(record.data), text::quoted(how)));

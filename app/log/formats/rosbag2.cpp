@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "rosbag2.h"
 
+#include "gyrobudget/app/log/compression.h"
 #include "gyrobudget/app/text/input.h"
 #include "gyrobudget/app/text/text.h"
 
@@ -19,7 +20,6 @@
 #include "ros1_bag.h"
 #include "sqlite_source.h"
 #include "temporary_folder.h"
-#include "unpacker.h"
 
 namespace gyrobudget::inline v0::log {
 namespace {
@@ -108,11 +108,13 @@ OpenedFile open_unpacked_file(const std::string& path, const std::string& name) 
 }
 
 OpenedFile open_file(const std::string& path) {
-  if (!is_zstd(first_bytes(path))) return open_unpacked_file(path, path);
+  const Compression compression = compression_of(first_bytes(path));
+  if (compression == Compression::none) return open_unpacked_file(path, path);
   const TemporaryFolder folder(path);
-  const std::string fault = folder.unpack_zstd(path, "unpacked");
+  const std::string fault = folder.unpack(path, "unpacked");
   OpenedFile file = open_unpacked_file(folder.path("unpacked"), path);
-  if (!fault.empty()) file.note = fmt::format("{}: its zstd stream is cut or damaged ({})", path, fault);
+  if (!fault.empty())
+    file.note = fmt::format("{}: its {} data are cut or damaged ({})", path, name(compression), fault);
   return file;
 }
 

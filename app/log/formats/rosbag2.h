@@ -25,7 +25,7 @@ namespace gyrobudget::inline v0::log {
 /// Opens a bare database. @throws text::InputError where it cannot be read, or is none of a bag.
 [[nodiscard]] std::unique_ptr<Recording> open_rosbag2_database(const std::string& path);
 
-/// Opens a file of a recording that is packed as a whole with zstd.
+/// Opens a file of a recording that is packed as a whole.
 /// @throws text::InputError where it cannot be unpacked, or holds something else.
 [[nodiscard]] std::unique_ptr<Recording> open_packed_recording(const std::string& path);
 

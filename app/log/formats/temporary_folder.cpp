@@ -2,6 +2,7 @@
 #include "temporary_folder.h"
 
 #include "gyrobudget/app/log/bytes.h"
+#include "gyrobudget/app/log/compression.h"
 #include "gyrobudget/app/text/text.h"
 
 #include <fmt/format.h>
@@ -10,9 +11,7 @@
 #include <cstring>
 #include <fstream>
 #include <utility>
-
-#include "packing_library.h"
-#include "unpacker.h"
+#include <vector>
 
 namespace gyrobudget::inline v0::log {
 
@@ -41,26 +40,32 @@ void TemporaryFolder::copy(const std::string& from, std::string_view file) const
   }
 }
 
-std::string TemporaryFolder::unpack_zstd(const std::string& from, std::string_view file) const {
-  require_packing(name_, Packing::zstd);
+std::string TemporaryFolder::unpack(const std::string& from, std::string_view file) const {
+  constexpr std::size_t kPiece = std::size_t{1} << 20;
+  using State = FrameReader::State;
   const Bytes packed(from, Content::stored);
+  const auto decompressor = make_decompressor(compression_of(packed.text()), name_);
+  FrameReader frames(*decompressor, packed.text());
   const std::uint64_t most = most_unpacked(packed.text().size());
   std::ofstream out(folder_ / file, std::ios::binary);
-  std::uint64_t size = 0;
-  return unpack_zstd_stream(packed.text(), [&](std::string_view piece) {
-    size += piece.size();
-    if (size > most) {
+  std::vector<char> room(kPiece);
+  FrameReader::Piece piece;
+  for (std::uint64_t size = 0; piece.state == State::going_on;) {
+    piece = frames.next(room);
+    size += piece.written;
+    if (size > most)
       text::fail(name_, fmt::format(
                             "unpacks to more than {} bytes, which {} packed bytes of a recording cannot; it is damaged",
                             most, packed.text().size()));
-    }
-    out.write(piece.data(), static_cast<std::streamsize>(piece.size()));
-    out.flush();
-    if (!out) {
+    out.write(room.data(), static_cast<std::streamsize>(piece.written));
+    if (!out)
       text::fail(name_, fmt::format("cannot be unpacked to {}: {}; name a folder with more room in TMPDIR",
                                     folder_.string(), std::strerror(errno)));
-    }
-  });
+  }
+  out.flush();
+  if (piece.state == State::damaged) return piece.damage;
+  if (piece.state == State::foreign) return "something else follows";
+  return piece.state == State::cut ? "it ends early" : "";
 }
 
 }  // namespace gyrobudget::inline v0::log

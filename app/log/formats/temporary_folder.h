@@ -21,10 +21,11 @@ class TemporaryFolder {
   [[nodiscard]] std::string path(std::string_view file) const { return (folder_ / file).string(); }
   /// @throws text::InputError where there is no room.
   void copy(const std::string& from, std::string_view file) const;
-  /// Unpacks a file that is one zstd stream.
+  /// Unpacks a file that is packed as a whole.
   /// @return the fault where not all of it is whole
-  /// @throws text::InputError where there is no room, or it unpacks to more than a recording can.
-  [[nodiscard]] std::string unpack_zstd(const std::string& from, std::string_view file) const;
+  /// @throws text::InputError where there is no room, it unpacks to more than a recording can, or this build leaves the
+  /// library out.
+  [[nodiscard]] std::string unpack(const std::string& from, std::string_view file) const;
 
  private:
   std::string name_;

@@ -4,13 +4,13 @@
 
 #include <sys/resource.h>
 #include <unistd.h>
-#include <zlib.h>
 
 #include <array>
 #include <chrono>
 #include <random>
 #include <stdexcept>
 
+#include "../packing.h"
 #include "../temporary.h"
 
 namespace gyrobudget::app_tests {
@@ -29,20 +29,6 @@ class BadLog : public TemporaryFolder {
     return found.substr(std::min(found.size(), options.path.size()));
   }
 };
-
-std::string gzip(std::string_view text) {
-  z_stream stream = {};
-  deflateInit2(&stream, 6, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY);
-  std::string result(deflateBound(&stream, text.size()), '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
-  stream.avail_in = static_cast<uInt>(text.size());
-  stream.next_out = reinterpret_cast<Bytef*>(result.data());
-  stream.avail_out = static_cast<uInt>(result.size());
-  deflate(&stream, Z_FINISH);
-  result.resize(stream.total_out);
-  deflateEnd(&stream);
-  return result;
-}
 
 // --- Files that are no logs ----------------------------------------------------------------------------------------
 

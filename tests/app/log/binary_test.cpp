@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "../packing.h"
 #include "../temporary.h"
 
 namespace gyrobudget::app_tests {
@@ -160,12 +161,13 @@ TEST_F(BinaryLog, RateAndUnitMustBeGiven) {
   EXPECT_CONTAINS(message_of<std::invalid_argument>([&] { (void)log::read_log(without); }), "file_columns");
 }
 
-TEST_F(BinaryLog, ATextThatIsNumPyIsPointedToItsFormat) {
-  const std::string path = file("log.csv", npy(dictionary("<f8", "(6,)"), raw<double>(kValues)));
-  EXPECT_CONTAINS(message_of<InputError>([&] { (void)log::read_log(options(path)); }), "--format npy");
-  auto said = options(path);
-  said.format = Format::npy;
-  EXPECT_EQ(log::read_log(said).samples, 6);
+TEST_F(BinaryLog, NumPyIsKnownByItsContentUnlessAnotherFormatIsAskedFor) {
+  const std::string bytes = npy(dictionary("<f8", "(6,)"), raw<double>(kValues));
+  EXPECT_EQ(log::read_log(options(file("log.csv", bytes))).samples, 6);
+  EXPECT_EQ(log::read_log(options(file("log.dat.gz", gzip(bytes)))).samples, 6);
+  auto said = options(file("log.csv", bytes));
+  said.format = Format::csv;
+  EXPECT_CONTAINS(message_of<InputError>([&] { (void)log::read_log(said); }), "--format npy");
 }
 
 // --- Writing --------------------------------------------------------------------------------------------------------

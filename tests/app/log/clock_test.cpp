@@ -7,7 +7,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "../temporary.h"
 #include "text_writer.h"
 
 namespace gyrobudget::app_tests {
@@ -20,22 +19,7 @@ using text::InputError;
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-class Clock : public TemporaryFolder {
- protected:
-  [[nodiscard]] Record read(std::string_view text, LogOptions options = {}) const {
-    options.path = file("log.csv", text);
-    return log::read_log(options);
-  }
-  [[nodiscard]] std::string refusal(std::string_view text, const LogOptions& options = {}) const {
-    return message_of<InputError>([&] { (void)read(text, options); });
-  }
-};
-
-std::string joined_notes(const Record& record) {
-  std::string all;
-  for (const std::string& note : record.notes) all += note + '\n';
-  return all;
-}
+using Clock = TextLog;
 
 /// Every axis holds its readings at the grid points of their rows, and nothing where rows are lost.
 void expect_rows(const Record& record, double unit, const std::function<bool(int)>& is_lost = {}) {
@@ -125,7 +109,7 @@ TEST_F(Clock, TimesOfDayRunOnOverMidnight) {
     EXPECT_NEAR(r.rate_hz, 50, 1e-9);
     EXPECT_EQ(r.samples, 200);
     expect_rows(r, kDegree, kFewLost);
-    EXPECT_CONTAINS(joined_notes(r), "starts again at midnight, 1 time: it is counted on");
+    EXPECT_CONTAINS(notes_of(r), "starts again at midnight, 1 time: it is counted on");
   }
   // A recording that stood still around midnight.
   const auto night = [](int i) { return i > 60 && i < 5000; };
@@ -151,7 +135,7 @@ TEST_F(Clock, DateAndTimeOfDayInTwoColumns) {
     const Record r = read(all);
     EXPECT_EQ(r.samples, 200);
     EXPECT_NEAR(r.rate_hz, 100, 1e-9);
-    EXPECT_CONTAINS(joined_notes(r), "on the day of column");
+    EXPECT_CONTAINS(notes_of(r), "on the day of column");
     expect_rows(r, kDegree);
   }
   const Record blanks = read(text(" ", false), {.unit = "deg/s"});
@@ -188,7 +172,7 @@ TEST_F(Clock, WeekAndSecondsOfIt) {
   const Record r = read("GPS week,sow (s)," + kAxes + rows);
   EXPECT_EQ(r.samples, 200);
   expect_rows(r, kDegree, kFewLost);
-  EXPECT_CONTAINS(joined_notes(r), "in the week of column 'GPS week', without leap seconds");
+  EXPECT_CONTAINS(notes_of(r), "in the week of column 'GPS week', without leap seconds");
   const Record asked = read("a,week," + kAxes + swapped, {.time = log::TimeOf{"week+a", "gps"}});
   EXPECT_EQ(asked.samples, 200);
   expect_rows(asked, kDegree, kFewLost);
@@ -196,7 +180,7 @@ TEST_F(Clock, WeekAndSecondsOfIt) {
   const auto alone = [](int i) { return printed("%.2f", std::fmod(604'799 + 0.01 * i, 604'800)); };
   const Record wrapped = read("tow (s)," + kAxes + SensorRows{.rows = 200, .clock = alone}.text());
   EXPECT_EQ(wrapped.samples, 200);
-  EXPECT_CONTAINS(joined_notes(wrapped), "starts again at the end of the week");
+  EXPECT_CONTAINS(notes_of(wrapped), "starts again at the end of the week");
 }
 
 // --- Counters -------------------------------------------------------------------------------------------------------
@@ -211,8 +195,8 @@ TEST_F(Clock, ACounterShowsLostSamplesAndStartsAgain) {
     EXPECT_EQ(r.samples, 120);
     EXPECT_EQ(r.missing_samples, 4);
     expect_rows(r, kDegree, kFewLost);
-    EXPECT_CONTAINS(joined_notes(r), "starts again at " + std::to_string(most));
-    EXPECT_CONTAINS(joined_notes(r), "column 'count' counts the samples, at --rate 151.5 Hz");
+    EXPECT_CONTAINS(notes_of(r), "starts again at " + std::to_string(most));
+    EXPECT_CONTAINS(notes_of(r), "column 'count' counts the samples, at --rate 151.5 Hz");
     const Record headerless = read(rows, {.rate_hz = 151.5, .unit = "deg/s"});
     ASSERT_EQ(headerless.axes.size(), 3U) << bits;
     expect_rows(headerless, kDegree, kFewLost);
@@ -237,7 +221,7 @@ TEST_F(Clock, ACounterOfSomethingElseIsNotUsedUnlessAskedFor) {
   const Record r = read(text, {.rate_hz = 100});
   EXPECT_EQ(r.samples, 400);
   expect_rows(r, kDegree);
-  EXPECT_CONTAINS(joined_notes(r), "column 'count' goes back (line 302) and is not taken for a count of samples");
+  EXPECT_CONTAINS(notes_of(r), "column 'count' goes back (line 302) and is not taken for a count of samples");
   EXPECT_CONTAINS(refusal(text, {.rate_hz = 100, .time = log::TimeOf{"count", "counter"}}),
                   ":302:1: column 'count' goes back, expected a count of samples; correct --time");
 }
@@ -270,7 +254,7 @@ TEST_F(Clock, AJitteringClockIsFoundInAnyColumn) {
     EXPECT_EQ(r.axes.size(), rows.axes + (rows.clock(0).find(' ') == std::string::npos ? 0U : 1U));
     EXPECT_NEAR(r.missing_samples, 600, 12);  // the stretch lasts as long as its turns do, to 2 %
     EXPECT_NEAR(r.rate_hz, 151.5, 1.5);
-    EXPECT_CONTAINS(joined_notes(r), "agrees with --rate in ms: it is read as time");
+    EXPECT_CONTAINS(notes_of(r), "agrees with --rate in ms: it is read as time");
   }
   // Beside columns that are asked for it is found too; without a rate it is asked for.
   EXPECT_NEAR(read(last.text(), {.rate_hz = 151.5, .unit = "deg/s", .columns = {"1", "2"}}).missing_samples, 600, 12);
@@ -291,7 +275,7 @@ TEST_F(Clock, WhatLooksLikeAClockIsNoSensor) {
   const auto two = [](int i) { return printed("%.2f,%d", 0.01 * i, 900 + 7 * i); };
   const Record r = read("time (s),ticker,gx,gy,gz\n" + SensorRows{.clock = two}.text(), {.unit = "deg/s"});
   EXPECT_EQ(r.axes.size(), 3U);
-  EXPECT_CONTAINS(joined_notes(r), "left out 'ticker' (rises like a time or a counter)");
+  EXPECT_CONTAINS(notes_of(r), "left out 'ticker' (rises like a time or a counter)");
 }
 
 TEST_F(Clock, AskedForByNameAndUnit) {
@@ -321,7 +305,7 @@ TEST_F(Clock, StampsThatRepeatAreCountedThroughAtAGivenRate) {
   EXPECT_EQ(r.samples, 2000);
   EXPECT_EQ(r.missing_samples, 100);
   EXPECT_NEAR(r.rate_hz, 5, 0.01);
-  EXPECT_CONTAINS(joined_notes(r), "goes in steps of 1 s: the rows between are counted through at --rate");
+  EXPECT_CONTAINS(notes_of(r), "goes in steps of 1 s: the rows between are counted through at --rate");
   expect_rows(r, kDegree, gap);
   EXPECT_CONTAINS(refusal(text), "repeats the stamp of the row before it");
   // Whole milliseconds at 1.6 kHz, without a unit in the header.
@@ -338,7 +322,7 @@ TEST_F(Clock, MicrosecondsOf32BitsRunOn) {
   const Record r = read("TimeUS," + kAxes + SensorRows{.rows = 200, .clock = us, .is_lost = kFewLost}.text());
   EXPECT_EQ(r.samples, 200);
   expect_rows(r, kDegree, kFewLost);
-  EXPECT_CONTAINS(joined_notes(r), "starts again at 4294967296, 1 time");
+  EXPECT_CONTAINS(notes_of(r), "starts again at 4294967296, 1 time");
   // A clock that was set back is another thing.
   const auto back = [](int i) { return std::to_string(1'000'000 + 10'000L * (i < 100 ? i : i - 60)); };
   EXPECT_CONTAINS(refusal("TimeUS," + kAxes + SensorRows{.rows = 200, .clock = back}.text()), ":102:1: ");
@@ -374,7 +358,7 @@ TEST_F(Clock, SensorsThatWroteByTurnsAreRefusedAndTold) {
   const Record right = read(text, {.rows = log::RowsOf{"name", 0, "right"}});
   EXPECT_EQ(right.samples, 200);
   EXPECT_DOUBLE_EQ(right.axes[0].rate[5], reading(5, 1) * kDegree);
-  EXPECT_CONTAINS(joined_notes(right), "200 of 400 rows are read: those with 'right' in column 'name'");
+  EXPECT_CONTAINS(notes_of(right), "200 of 400 rows are read: those with 'right' in column 'name'");
   EXPECT_CONTAINS(refusal(text, {.rows = log::RowsOf{"name", 0, "up"}}), ":2:1: no row has 'up' in column 'name'");
   EXPECT_EQ(read(text, {.rate_hz = 50, .time = log::TimeOf{"none"}}).samples, 400);
 }
@@ -384,11 +368,11 @@ TEST_F(Clock, EmptyColumnsAreLeftOutByName) {
   const Record r = read("PacketCounter,SampleTimeFine,Gyr_X,Gyr_Y,Gyr_Z\n" + SensorRows{.clock = clock}.text(),
                         {.rate_hz = 100, .unit = "rad/s"});
   EXPECT_EQ(r.axes.size(), 3U);
-  EXPECT_CONTAINS(joined_notes(r), "left out 'SampleTimeFine' (empty)");
+  EXPECT_CONTAINS(notes_of(r), "left out 'SampleTimeFine' (empty)");
   expect_rows(r, 1);
   const Record dead = read("gx (rad/s),gy (rad/s)\n1,\n2,\n1,\n", {.rate_hz = 1});
   EXPECT_EQ(dead.axes.size(), 1U);
-  EXPECT_CONTAINS(joined_notes(dead), "left out 'gy' (empty)");
+  EXPECT_CONTAINS(notes_of(dead), "left out 'gy' (empty)");
 }
 
 // --- Two files -------------------------------------------------------------------------------------------------------
@@ -412,7 +396,7 @@ TEST_F(Clock, TwoLogsOfOneRecordingAreJoined) {
   EXPECT_EQ(r.axes[1].name, "x of Accelerometer");
   EXPECT_DOUBLE_EQ(r.axes[0].rate[7], reading(7, 0) * kDegree);
   EXPECT_DOUBLE_EQ(r.axes[1].rate[7], reading(7, 0));
-  EXPECT_CONTAINS(joined_notes(r), "is joined by time: its stamps are 3 ms behind those of " + gyro);
+  EXPECT_CONTAINS(notes_of(r), "is joined by time: its stamps are 3 ms behind those of " + gyro);
 
   for (const auto& [base, with] : {std::pair{gyro, slow}, std::pair{slow, gyro}}) {
     const Record sparse = log::read_log({.path = base, .with = {{with}}});
@@ -439,7 +423,7 @@ TEST_F(Clock, HeadersOfKnownProgramsTellUnitsAndClock) {
   ASSERT_EQ(px4.axes.size(), 4U);
   EXPECT_DOUBLE_EQ(px4.rate_hz, 250);
   EXPECT_EQ(px4.axes[3].signal, noise::Signal::specific_force);
-  EXPECT_CONTAINS(joined_notes(px4), "by its header this is PX4 sensor_combined");
+  EXPECT_CONTAINS(notes_of(px4), "by its header this is PX4 sensor_combined");
   expect_rows(px4, 1);
 
   const auto ticks = [](int i) { return std::to_string(2 * i); };

@@ -2,14 +2,13 @@
 // Logs as people have them: every form that is read, and what comes out of it.
 #include "gyrobudget/app/log/log.h"
 
-#include <zlib.h>
-
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <limits>
 #include <numbers>
 
+#include "../packing.h"
 #include "../temporary.h"
 
 namespace gyrobudget::app_tests {
@@ -47,20 +46,6 @@ void expect_note(const Record& record, const std::string& part) {
   std::string all;
   for (const std::string& note : record.notes) all += note + '\n';
   EXPECT_CONTAINS(all, part);
-}
-
-std::string gzip(std::string_view text) {
-  z_stream stream = {};
-  deflateInit2(&stream, 6, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY);
-  std::string result(deflateBound(&stream, text.size()), '\0');
-  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(text.data()));
-  stream.avail_in = static_cast<uInt>(text.size());
-  stream.next_out = reinterpret_cast<Bytef*>(result.data());
-  stream.avail_out = static_cast<uInt>(result.size());
-  deflate(&stream, Z_FINISH);
-  result.resize(stream.total_out);
-  deflateEnd(&stream);
-  return result;
 }
 
 // --- Text ----------------------------------------------------------------------------------------------------------

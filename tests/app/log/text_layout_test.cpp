@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "../temporary.h"
 #include "text_writer.h"
 
 namespace gyrobudget::app_tests {
@@ -18,22 +17,7 @@ using text::InputError;
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-class TextLayout : public TemporaryFolder {
- protected:
-  [[nodiscard]] Record read(std::string_view text, LogOptions options = {}) const {
-    options.path = file("log.csv", text);
-    return log::read_log(options);
-  }
-  [[nodiscard]] std::string refusal(std::string_view text, const LogOptions& options = {}) const {
-    return message_of<InputError>([&] { (void)read(text, options); });
-  }
-};
-
-std::string notes_of(const Record& record) {
-  std::string all;
-  for (const std::string& note : record.notes) all += note + '\n';
-  return all;
-}
+using TextLayout = TextLog;
 
 /// All axes hold the readings of the writer, times `unit`, from row `first` on.
 void expect_readings(const Record& record, double unit, int first = 0) {

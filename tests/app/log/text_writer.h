@@ -2,12 +2,36 @@
 // Logs as text for tests, with numbers that are known: sensor rows behind any clock.
 #pragma once
 
+#include "gyrobudget/app/log/log.h"
+
 #include <cstdint>
 #include <cstdio>
 #include <functional>
 #include <string>
+#include <string_view>
+
+#include "../temporary.h"
 
 namespace gyrobudget::app_tests {
+
+/// A test with a folder, which reads texts as logs.
+class TextLog : public TemporaryFolder {
+ protected:
+  [[nodiscard]] allan::Record read(std::string_view text, log::LogOptions options = {}) const {
+    options.path = file("log.csv", text);
+    return log::read_log(options);
+  }
+  [[nodiscard]] std::string refusal(std::string_view text, const log::LogOptions& options = {}) const {
+    return message_of<text::InputError>([&] { (void)read(text, options); });
+  }
+};
+
+/// One line each.
+inline std::string notes_of(const allan::Record& record) {
+  std::string all;
+  for (const std::string& note : record.notes) all += note + '\n';
+  return all;
+}
 
 /// What column `axis` of the sensor holds in row `i`: no two neighbours are equal, and it never rises like a clock.
 inline double reading(int i, int axis) { return ((i * 7 + axis * 3) % 11 - 5) * 0.25; }

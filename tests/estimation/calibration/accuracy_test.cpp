@@ -47,7 +47,7 @@ std::vector<Case> cases() {
       {"gaps", {.gaps = 0.02}},
       {"outliers_masked", {.outliers = 0.001}, {.outliers = true}},
       {"outliers_left_in", {.outliers = 0.02}, {}, 1},
-      {"warm_up_masked", {.warm_up = 3}, {.warm_up = true}, 1},
+      {"warm_up_masked", {.warm_up = 3}, {.warm_up = true}},
       {"knock_masked", {.knock = 30}, {.motion = true}, 0.4},  // its ends are below what is seen as motion
   };
 }

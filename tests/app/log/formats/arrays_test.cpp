@@ -2,7 +2,7 @@
 // What NumPy saves, written byte by byte, and what is refused with advice.
 #include <gtest/gtest.h>
 
-#include "packing.h"
+#include "../../packing.h"
 #include "recorded.h"
 
 namespace gyrobudget::app_tests {

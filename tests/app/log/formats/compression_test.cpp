@@ -18,7 +18,7 @@
 
 #include <functional>
 
-#include "packing.h"
+#include "../../packing.h"
 #include "recorded.h"
 #include "ulog_writer.h"
 

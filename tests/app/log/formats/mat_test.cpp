@@ -2,7 +2,7 @@
 // MAT-files of versions 5 to 7, written element by element.
 #include <gtest/gtest.h>
 
-#include "packing.h"
+#include "../../packing.h"
 #include "recorded.h"
 
 namespace gyrobudget::app_tests {

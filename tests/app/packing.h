@@ -24,4 +24,6 @@ inline std::string deflated(std::string_view text, int window) {
   return result;
 }
 
+inline std::string gzip(std::string_view text) { return deflated(text, 15 + 16); }
+
 }  // namespace gyrobudget::app_tests
