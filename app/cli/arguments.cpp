@@ -2,6 +2,7 @@
 // The command line: which verb, and what it is asked.
 #include "arguments.h"
 
+#include "gyrobudget/app/text/text.h"
 #include "gyrobudget/noise/version.h"
 
 #include <fmt/format.h>
@@ -19,17 +20,7 @@ namespace {
 
 std::string command_line(int argc, const char* const* argv) {
   std::string line = "gyrobudget";
-  for (int i = 1; i < argc; ++i) {
-    const std::string word = argv[i];
-    const bool plain = !word.empty() && word.find_first_of(" \t\n'\"\\$`*?[](){}<>|&;#~!") == std::string::npos;
-    if (plain) {
-      line += " " + word;
-      continue;
-    }
-    line += " '";
-    for (const char c : word) line += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    line += "'";
-  }
+  for (int i = 1; i < argc; ++i) line += " " + text::shell_word(argv[i]);
   return line;
 }
 

@@ -21,6 +21,7 @@
 #include "bytes.h"
 #include "columns.h"
 #include "layout.h"
+#include "recorded.h"
 #include "table.h"
 
 namespace gyrobudget::inline v0::log {
@@ -107,11 +108,8 @@ void say_what_is_odd(InspectedStream& s) {
 
 // --- Recordings ----------------------------------------------------------------------------------------------------
 
-bool is_looked_at(const StreamInfo& info) {
-  return !info.fields.empty() && (info.kind != StreamKind::other || info.clock.empty());
-}
-
-InspectedStream looked_at(const Recording& recording, std::size_t place) {
+/// @param with_numbers  what its columns hold too, which has to read them
+InspectedStream looked_at(const Recording& recording, std::size_t place, bool with_numbers) {
   const StreamInfo& info = recording.streams()[place];
   InspectedStream stream{.name = info.name,
                          .type = info.type,
@@ -120,7 +118,7 @@ InspectedStream looked_at(const Recording& recording, std::size_t place) {
                          .is_read = !info.fields.empty(),
                          .clock = info.clock};
   for (const Field& f : info.fields) stream.columns.push_back({f.name, f.unit, f.unit_from});
-  if (!is_looked_at(info)) return stream;
+  if (!with_numbers) return stream;
   std::vector<std::size_t> fields(info.fields.size());
   std::iota(fields.begin(), fields.end(), std::size_t{0});
   Rows rows = recording.read(place, fields);
@@ -133,31 +131,20 @@ InspectedStream looked_at(const Recording& recording, std::size_t place) {
   return stream;
 }
 
-bool is_inertial(const InspectedStream& s) {
-  return s.kind == StreamKind::imu || s.kind == StreamKind::gyroscope || s.kind == StreamKind::accelerometer;
-}
-
-/// Between quotes where a shell would read something into it.
-std::string shell_word(const std::string& word) {
-  const bool plain = std::ranges::all_of(word, [](char c) {
-    return std::isalnum(static_cast<unsigned char>(c)) != 0 ||
-           std::string_view("/_.-+,:=@%").find(c) != std::string_view::npos;
-  });
-  if (plain && !word.empty()) return word;
-  std::string quoted = "'";
-  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
-
 Inspection of_recording(const Recording& recording, const std::string& path) {
   Inspection result{.source = text::input_name(path), .format = recording.format(), .notes = recording.notes()};
-  for (std::size_t i = 0; i < recording.streams().size(); ++i) result.streams.push_back(looked_at(recording, i));
-  const auto inertial = std::ranges::count_if(result.streams, is_inertial);
-  for (const InspectedStream& s : result.streams) {
-    const bool is_array = s.is_read && s.clock.empty() && s.kind == StreamKind::other;
-    if (!s.is_read || !(is_inertial(s) || is_array)) continue;
-    std::string line = shell_word(path);
-    if (inertial > 1 || (is_array && result.streams.size() > 1)) line += " --topic " + shell_word(s.name);
+  const std::vector<std::size_t> sensors = sensor_streams(recording);
+  for (std::size_t i = 0; i < recording.streams().size(); ++i) {
+    const StreamInfo& info = recording.streams()[i];
+    const bool is_sensor = std::ranges::find(sensors, i) != sensors.end();
+    const bool with_numbers = !info.fields.empty() && (is_sensor || info.kind != StreamKind::other);
+    result.streams.push_back(looked_at(recording, i, with_numbers));
+  }
+  for (const std::size_t i : sensors) {
+    const InspectedStream& s = result.streams[i];
+    if (!s.is_read) continue;
+    std::string line = text::shell_word(path);
+    if (sensors.size() > 1) line += " --topic " + text::shell_word(s.name);
     const bool has_unit = std::ranges::any_of(s.columns, [](const auto& c) { return !c.unit.empty(); });
     if (!has_unit) line += " --unit UNIT";
     if (s.clock.empty()) line += " --rate HZ";
@@ -207,7 +194,7 @@ Inspection of_text(const std::string& path) {
     if (!column.unit.empty()) column.unit_from = "header";
   }
   stream.kind = kind_by_units(stream.columns);
-  std::string line = shell_word(path);
+  std::string line = text::shell_word(path);
   try {
     const Choice chosen = choose_columns(source.name(), layout, {.path = path});
     all.stamps = chosen.stamps;
@@ -250,7 +237,7 @@ Inspection of_npy(const std::string& path) {
   for (std::size_t i = 0; i < numbers.size(); ++i)
     summarise(stream.columns.emplace_back(InspectedColumn{.name = all.data[i].name}), numbers[i]);
   say_what_is_odd(stream);
-  result.calibrate.push_back(shell_word(path) + " --unit UNIT --rate HZ");
+  result.calibrate.push_back(text::shell_word(path) + " --unit UNIT --rate HZ");
   return result;
 }
 

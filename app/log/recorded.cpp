@@ -32,11 +32,17 @@ std::string described(const StreamInfo& s) {
                      s.count);
 }
 
-std::string listed(const std::vector<StreamInfo>& streams, bool (*of)(const StreamInfo&)) {
+std::vector<std::size_t> places_of(const std::vector<StreamInfo>& streams, bool (*of)(const StreamInfo&)) {
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < streams.size(); ++i)
+    if (of(streams[i])) places.push_back(i);
+  return places;
+}
+
+std::string listed(const std::vector<StreamInfo>& streams, const std::vector<std::size_t>& places) {
   constexpr std::size_t kListed = 20;
   std::vector<std::string> names;
-  for (const StreamInfo& s : streams)
-    if (of(s)) names.push_back(described(s));
+  for (const std::size_t i : places) names.push_back(described(streams[i]));
   if (names.empty()) return "nothing";
   const std::size_t more = names.size() > kListed ? names.size() - kListed : 0;
   names.resize(names.size() - more);
@@ -45,7 +51,8 @@ std::string listed(const std::vector<StreamInfo>& streams, bool (*of)(const Stre
 }
 
 bool is_any(const StreamInfo&) { return true; }
-bool is_array(const StreamInfo& s) { return s.clock.empty() && !s.fields.empty(); }
+bool is_read(const StreamInfo& s) { return !s.fields.empty(); }
+bool is_array(const StreamInfo& s) { return s.clock.empty() && is_read(s); }
 
 /// The columns of a stream as the chooser of text logs knows them: the fields, and the clock behind them.
 struct Headed {
@@ -118,6 +125,11 @@ void put_in_order(Recorded& recorded) {
 
 }  // namespace
 
+std::vector<std::size_t> sensor_streams(const Recording& recording) {
+  auto places = places_of(recording.streams(), holds_inertial);
+  return places.empty() ? places_of(recording.streams(), is_array) : places;
+}
+
 std::size_t choose_stream(const Recording& recording, const std::string& source,
                           const std::optional<std::string>& topic) {
   const auto& streams = recording.streams();
@@ -127,24 +139,23 @@ std::size_t choose_stream(const Recording& recording, const std::string& source,
     if (found != streams.end()) {
       if (!found->fields.empty()) return place(found);
       text::fail(source, fmt::format("{} is not a type that is read; there are {}", described(*found),
-                                     listed(streams, [](const StreamInfo& s) { return !s.fields.empty(); })));
+                                     listed(streams, places_of(streams, is_read))));
     }
     std::vector<std::string> names;
     for (const StreamInfo& s : streams) names.push_back(s.name);
     throw std::invalid_argument(fmt::format("--topic {}: {} has no such stream{}; it has {}", text::printable(*topic),
-                                            source, text::suggestion(*topic, names), listed(streams, is_any)));
+                                            source, text::suggestion(*topic, names),
+                                            listed(streams, places_of(streams, is_any))));
   }
-  for (const auto is : {holds_inertial, is_array}) {
-    const auto count = std::ranges::count_if(streams, is);
-    if (count == 1) return place(std::ranges::find_if(streams, is));
-    if (count > 1)
-      throw std::invalid_argument(
-          fmt::format("{} holds {}; choose one of them: --topic NAME", source, listed(streams, is)));
-  }
+  const auto places = sensor_streams(recording);
+  if (places.size() == 1) return places.front();
+  if (places.size() > 1)
+    throw std::invalid_argument(
+        fmt::format("{} holds {}; choose one of them: --topic NAME", source, listed(streams, places)));
   std::string why;
   for (const std::string& note : recording.notes()) why += "; " + note;
   text::fail(source, fmt::format("this {} holds no IMU, gyroscope or accelerometer that can be read; it has {}{}",
-                                 recording.format(), listed(streams, is_any), why));
+                                 recording.format(), listed(streams, places_of(streams, is_any)), why));
 }
 
 Recorded read_recorded(const Recording& recording, const LogOptions& options) {

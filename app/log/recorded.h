@@ -22,6 +22,10 @@ struct Recorded {
   std::vector<std::string> notes;
 };
 
+/// The streams that a log may be read from: those that hold an IMU, a gyroscope or an accelerometer, or where there is
+/// none those of arrays.
+[[nodiscard]] std::vector<std::size_t> sensor_streams(const Recording& recording);
+
 /// The stream that a log is read from.
 /// @param source  name of the recording, for messages
 /// @param topic   its name; unset: the only one that holds an IMU, a gyroscope or an accelerometer, or the only one of

@@ -56,6 +56,13 @@ std::string lower(std::string_view text) {
   return result;
 }
 
+std::string shell_word(const std::string& word) {
+  if (!word.empty() && word.find_first_of(" \t\n'\"\\$`*?[](){}<>|&;#~!") == std::string::npos) return word;
+  std::string line = "'";
+  for (const char c : word) line += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return line + "'";
+}
+
 std::string quoted(std::string_view found) {
   constexpr std::size_t kShown = 40;
   std::string result = "'";

@@ -18,6 +18,8 @@ namespace gyrobudget::inline v0::text {
 [[nodiscard]] std::string_view trim(std::string_view);
 /// ASCII letters in lower case; other bytes as they are.
 [[nodiscard]] std::string lower(std::string_view);
+/// A word of a command line, between quotes where a shell would read something into it.
+[[nodiscard]] std::string shell_word(const std::string& word);
 /// 'what was found', fit for one line of a message: control bytes as \xNN, at most 40 bytes shown.
 [[nodiscard]] std::string quoted(std::string_view found);
 /// The text as UTF-8: as it is where it is valid, read as Latin-1 otherwise (the degree sign of old loggers).

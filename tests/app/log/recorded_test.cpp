@@ -125,6 +125,13 @@ TEST(Recorded, ArraysHaveTheirTimeByNameAndTheirUnitFromTheUser) {
   EXPECT_THROW((void)read_recorded(recorder, {.path = "imu.mat", .rate_hz = 100}), text::InputError);  // no unit
 }
 
+TEST(Recorded, ArraysCountOnlyWhereThereIsNoSensor) {
+  const Recorder::Made arrays{{.name = "FMT", .fields = {{"Type", "", ""}}, .count = 3}, {}};
+  EXPECT_THAT(sensor_streams(Recorder({arrays, imu("/imu")})), ElementsAre(1U));
+  EXPECT_THAT(sensor_streams(Recorder({other("/chatter"), arrays})), ElementsAre(1U));
+  EXPECT_THAT(sensor_streams(Recorder({other("/chatter")})), ElementsAre());
+}
+
 TEST(Recorded, RowsOfOneSensorAreChosenByAField) {
   const Recorder recorder({imu("/imu")});
   const Recorded r = read_recorded(recorder, {.path = "walk.bag", .rows = RowsOf{"id", 0}});

@@ -97,5 +97,12 @@ TEST(Text, ListsEndInAWord) {
   EXPECT_EQ(listing(Words{"N", "B", "K"}, "or"), "N, B or K");
 }
 
+TEST(Text, ShellWordsAreQuotedWhereAShellWouldReadSomethingIntoThem) {
+  EXPECT_EQ(text::shell_word("a/b-1.csv"), "a/b-1.csv");
+  EXPECT_EQ(text::shell_word("IMU[0]"), "'IMU[0]'");
+  EXPECT_EQ(text::shell_word("it's"), "'it'\\''s'");
+  EXPECT_EQ(text::shell_word(""), "''");
+}
+
 }  // namespace
 }  // namespace gyrobudget::text
