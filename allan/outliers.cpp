@@ -21,12 +21,13 @@ constexpr double kMadToSigma = 1.4826;    // of a Gaussian
 constexpr double kScaleMargin = 1.05;     // four standard errors of a scale from 10^4 looks
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// Distance of sample k from the median of its surroundings, itself included.
-double distance_at(std::span<const double> rate, std::int64_t k) {
+/// Distance of sample k from the median of its surroundings, itself included or not.
+double distance_at(std::span<const double> rate, std::int64_t k, bool with_itself = true) {
   std::array<double, 2 * kReach + 1> near{};
   const auto samples = static_cast<std::int64_t>(rate.size());
   auto end = near.begin();
   for (std::int64_t j = std::max<std::int64_t>(0, k - kReach); j <= std::min(samples - 1, k + kReach); ++j) {
+    if (j == k && !with_itself) continue;
     if (const double y = rate[static_cast<std::size_t>(j)]; std::isfinite(y)) *end++ = y;
   }
   const auto middle = near.begin() + (end - near.begin()) / 2;
@@ -104,19 +105,38 @@ std::vector<std::int64_t> search(std::span<const double> rate, std::int64_t begi
 
 }  // namespace
 
+double median_distance(std::span<const double> rate, std::int64_t looks) {
+  const auto samples = static_cast<std::int64_t>(rate.size());
+  looks = std::min(samples, looks);
+  std::vector<double> distances;
+  for (std::int64_t i = 0; i < looks; ++i) {
+    const std::int64_t k = i * (samples / looks);
+    if (!std::isfinite(rate[static_cast<std::size_t>(k)])) continue;
+    const double distance = std::abs(distance_at(rate, k, false));
+    if (std::isfinite(distance)) distances.push_back(distance);
+  }
+  return distances.empty() ? 0 : median(distances);
+}
+
 std::vector<Outlier> find_outliers(std::span<const double> rate, const OutlierOptions& options) {
   if (!(options.false_alarm > 0 && options.false_alarm < 1)) {
     throw std::invalid_argument(
         fmt::format("false alarm probability is {}; it must be in (0, 1)", options.false_alarm));
   }
+  if (!(options.limit >= 0))
+    throw std::invalid_argument(fmt::format("limit of outliers is {} sigmas; it must not be negative", options.limit));
   const auto samples = static_cast<std::int64_t>(rate.size());
   const Scale scale = scale_of(rate);
   if (!(scale.distance > 0)) return {};
   const double each = options.false_alarm / static_cast<double>(samples);
-  const double limit = scale.distance * std::sqrt(2.) * boost::math::erfc_inv(each);
-  // The edge of a burst has half its height as curvature; coarse counts have no scale of curvature.
-  constexpr double kSuspicious = 3, kEdge = 0.3;
-  const double suspicion = std::max(kSuspicious * scale.curvature, kEdge * limit);
+  const double sigmas = options.limit > 0 ? options.limit : std::sqrt(2.) * boost::math::erfc_inv(each);
+  const double limit = scale.distance * sigmas;
+  // The edge of a burst has half its height as curvature; coarse counts have no scale of curvature. Of white noise the
+  // curvature at a distance is that distance and 0.7 sigma of the neighbours', over 1.22 in sigmas of its own: beyond a
+  // low limit one in a hundred hides behind them.
+  constexpr double kSuspicious = 3, kEdge = 0.3, kNeighbours = 0.7 * 2.33, kOwn = 1.22;
+  const double suspicious = std::clamp((sigmas - kNeighbours) / kOwn, 0., kSuspicious);
+  const double suspicion = std::max(suspicious * scale.curvature, kEdge * limit);
   const auto chunks = static_cast<std::size_t>((samples + kChunk - 1) / kChunk);
   std::vector<std::vector<std::int64_t>> parts(chunks);
   tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t i) {

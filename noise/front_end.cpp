@@ -18,8 +18,15 @@ namespace {
 using Complex = std::complex<double>;
 using std::numbers::pi;
 constexpr double kLowest = 1e-4, kHighest = 100;  // of bandwidth * dt
+constexpr double kSampledAlike = 0.02;            // likewise
 
 constexpr double square(double x) { return x * x; }
+
+/// base^exponent; of a real base that is not positive the exponent is whole.
+Complex power(Complex base, double exponent) {
+  if (base.imag() == 0) return std::pow(base.real(), exponent);
+  return std::polar(std::pow(std::abs(base), exponent), std::arg(base) * exponent);
+}
 
 /// Of the mean of K samples, K^2 times the gain: sin^2(pi K f)/sin^2(pi f).
 double summing_power(double count, double cycles) {
@@ -50,6 +57,20 @@ std::array<double, 2> spectral_factor(double even, double odd) {
   return {(plus + minus) / 2, (plus - minus) / 2};
 }
 
+/// The same of the second order, n0 = b0^2 + b1^2 + b2^2, n1 = b0 b1 + b1 b2, n2 = b0 b2, up to a factor: with
+/// x = z + 1/z the spectrum is n2 x^2 + n1 x + n0 - 2 n2, and each root x has one zero z inside the circle.
+std::array<double, 3> spectral_factor(double n0, double n1, double n2) {
+  const auto zero_of = [](Complex x) {
+    const Complex root = std::sqrt(x * x - 4.), above = x + root, below = x - root;
+    return 2. / (std::norm(above) > std::norm(below) ? above : below);
+  };
+  const Complex root = std::sqrt(Complex(square(n1) - 4 * n2 * (n0 - 2 * n2), 0));
+  const Complex q = n1 < 0 ? (root - n1) / 2. : -(n1 + root) / 2.;
+  if (q == 0.) return {1, 0, 0};
+  const Complex near = zero_of((n0 - 2 * n2) / q), far = n2 == 0 ? Complex(0) : zero_of(q / n2);
+  return {1, -(near + far).real(), (near * far).real()};
+}
+
 }  // namespace
 
 std::string_view name(FrontEnd::Kind kind) {
@@ -73,7 +94,17 @@ SampledFrontEnd::SampledFrontEnd(FrontEnd front_end, double dt) {
   detail::require_interval(dt);
   detail::require(front_end.bandwidth * dt >= kLowest && std::isfinite(front_end.bandwidth),
                   "bandwidth of the low pass times the sample interval", front_end.bandwidth * dt, "at least 1e-4");
+  detail::require(front_end.oversampling >= 1 && front_end.oversampling <= FrontEnd::kMostOversampling,
+                  "oversampling of the low pass", front_end.oversampling, "from 1 to 100");
   front_end.bandwidth = std::min(front_end.bandwidth, kHighest / dt);
+  // A corner far below the rate makes all ways of sampling one, and leaves the difference to rounding.
+  const bool decimated = front_end.sampling == FrontEnd::Sampling::bilinear && front_end.oversampling > 1 &&
+                         front_end.bandwidth * dt > kSampledAlike;
+  if (decimated) {
+    constexpr double kNearlyNone = 0.45;  // of its own rate: at half of it it is none, and rounding is all that is left
+    dt /= front_end.oversampling;
+    front_end.bandwidth = std::min(front_end.bandwidth, kNearlyNone / dt);
+  }
   const double corner = front_end.bandwidth * dt;
   switch (front_end.kind) {
     case FrontEnd::Kind::moving_average:
@@ -90,6 +121,7 @@ SampledFrontEnd::SampledFrontEnd(FrontEnd front_end, double dt) {
     default:
       throw std::invalid_argument("a value that is no kind of front end");
   }
+  if (decimated) decimate(front_end.oversampling);
   if (residue_ == 0.) set_residue();
   log_pole_ = pole_ == 0. ? Complex(-std::numeric_limits<double>::infinity(), 0) : std::log(pole_);
 }
@@ -163,6 +195,30 @@ void SampledFrontEnd::set_residue() {
   const Complex inside = first_order ? b_[0] * p + b_[1] : (b_[0] * p * p + b_[1] * p + b_[2]) / (p - std::conj(p));
   const Complex outside = (b_[0] + p * (b_[1] + p * b_[2])) / (1. + p * (a_[0] + p * a_[1]));  // H(1/p)
   residue_ = (first_order ? 1. : 2.) * inside * outside / ((1. - p) * (1. - p));
+}
+
+// r(h), h >= 1, is Re[c p^h]; so is that of every `by`-th sample, with p^by. r(0) is what is left of the filter's own
+// equation times y_k. The new numerator has the spectrum of r times |a|^2, three coefficients.
+void SampledFrontEnd::decimate(double by) {
+  set_residue();
+  if (pole_.imag() == 0 && pole_.real() <= 0) by = std::round(by);
+  const Complex p = pole_, per_lag = residue_ * (1. - p) * (1. - p);  // c p^h = per_lag p^(h-1)
+  const auto r = [&](double h) { return (per_lag * power(p, h - 1)).real(); };
+  const double second = b_[1] - a_[0] * b_[0],
+               third = b_[2] - a_[0] * second - a_[1] * b_[0];  // response to an impulse
+  const double variance = b_[0] * b_[0] + b_[1] * second + b_[2] * third - a_[0] * r(1) - a_[1] * r(2);
+  const bool first_order = a_[1] == 0;
+  pole_ = power(p, by);
+  a_[0] = first_order ? -pole_.real() : -2 * pole_.real(), a_[1] = first_order ? 0 : std::norm(pole_);
+  const auto of = [&](int h) { return h == 0 ? variance : r(std::abs(h) * by); };
+  const auto numerator = [&](int lag) {
+    const double outer = a_[0] * (1 + a_[1]), inner = 1 + square(a_[0]) + square(a_[1]);
+    return of(lag) * inner + (of(lag - 1) + of(lag + 1)) * outer + (of(lag - 2) + of(lag + 2)) * a_[1];
+  };
+  const auto b = spectral_factor(numerator(0), numerator(1), first_order ? 0 : numerator(2));
+  const double gain = (b[0] + b[1] + b[2]) / (1 + a_[0] + a_[1]);
+  for (int i = 0; i < 3; ++i) b_[i] = b[static_cast<std::size_t>(i)] / gain;
+  residue_ = 0;
 }
 
 double SampledFrontEnd::power_gain(double cycles) const {

@@ -26,12 +26,17 @@ struct FrontEnd {
   enum class Kind { first_order, second_order, moving_average };
   enum class Sampling {
     analogue,  ///< filtered at a rate far above that of the log, then sampled: what lies above half the rate folds down
-    bilinear,  ///< a digital filter at the rate of the log, by the bilinear transform with its frequency kept
+    bilinear,  ///< a digital filter by the bilinear transform, its frequency kept, at `oversampling` times the rate
     held,      ///< the filter answers to a rate that is constant over each sample; its mean over samples: Imu's (imu.h)
   };
   Kind kind = Kind::first_order;
   double bandwidth = 0;  ///< -3 dB [Hz]
   Sampling sampling = Sampling::analogue;
+  /// Of a bilinear one: of so many filtered samples one is logged, 1 to kMostOversampling; more is analogue. It counts
+  /// for bandwidths above 0.02 of the log's rate: below, all are the same. Between whole numbers autocovariances run
+  /// smoothly, for searches; but not where the bandwidth is above a quarter of the filter's own rate.
+  double oversampling = 1;
+  static constexpr double kMostOversampling = 100;
 
   friend bool operator==(const FrontEnd&, const FrontEnd&) = default;
 };
@@ -47,8 +52,8 @@ inline constexpr double kMovingAverageWidth = 0.442946470689452;
 
 /// A front end beside samples every dt [s]: white noise v of unit variance becomes y with
 ///
-///   y_k + a1 y_{k-1} + a2 y_{k-2} = b0 v_k + b1 v_{k-1} + b2 v_{k-2}     (first and second order; analogue: a process
-///                                                                         of the same spectrum)
+///   y_k + a1 y_{k-1} + a2 y_{k-2} = b0 v_k + b1 v_{k-1} + b2 v_{k-2}     (first and second order; analogue and
+///                                                                         oversampled: a process of the same spectrum)
 ///   power gain |H(f)|^2, |H(0)| = 1
 ///   memory(h) = -sum_{j > h} (j - h) r(j), r the autocovariance of y
 ///
@@ -78,6 +83,7 @@ class SampledFrontEnd {
   void set_first_order(const FrontEnd& front_end, double dt);
   void set_second_order(const FrontEnd& front_end, double dt);
   void set_residue();
+  void decimate(double by);
   [[nodiscard]] std::complex<double> decayed(double lag) const;  ///< pole^lag
   friend class FrontEndFilter;
 

@@ -112,6 +112,20 @@ std::string describe_hump(const allan::Hump& hump, const Of& of) {
       hump.low_hz, hump.high_hz, hump.frequency_hz, hump.ratio, size_text(hump.amplitude, of), 1 / hump.low_hz);
 }
 
+// Errors of which only the largest stand out of the noise.
+std::string describe_tail(const Findings& found) {
+  if (!found.tail) return {};
+  const allan::OutlierTail& tail = *found.tail;
+  return fmt::format(
+      " They look like errors of {:.3g} sigma in {} of the samples, some of which hide in the noise: {}.", tail.sigmas,
+      percent(tail.share),
+      found.outliers_masked
+          ? fmt::format(
+                "N is without the {:+.2g} % that these and the mask would make of it, and its interval allows for it",
+                50 * tail.left)
+          : "N's interval allows for their scatter");
+}
+
 std::string describe_outliers(const Findings& found, const Of& of) {
   std::vector<double> at;
   bool in_use = false;
@@ -122,20 +136,23 @@ std::string describe_outliers(const Findings& found, const Of& of) {
   const auto& worst = *std::ranges::max_element(found.outliers, {}, &allan::Outlier::sigmas);
   const std::string worst_text = fmt::format("the worst at {} by {} ({:.3g} sigma)", at_text(worst.index, of),
                                              size_text(worst.distance, of), worst.sigmas);
+  const std::string hidden_text = describe_tail(found);
   if (found.has_heavy_tail()) {
     return fmt::format(
-        "{} of the samples ({} of {}) lie further from their surroundings than Gaussian noise would put any, all over the record, {}: the noise has a heavy tail. {}",
+        "{} of the samples ({} of {}) lie further from their surroundings than Gaussian noise would put any, all over the record, {}: the noise has a heavy tail. {}{}",
         percent(found.outlier_share()), count_text(std::ssize(found.outliers)), count_text(of.samples), worst_text,
         found.outliers_masked
             ? "It is masked: N is that of the core of the noise, and whoever uses the samples as they are has more."
-            : "N holds it, and its interval is too narrow for it: --mask outliers gives the N of the core. Look for a link that drops bits, or for vibration.");
+            : "N holds it, and its interval is too narrow for it: --mask outliers gives the N of the core. Look for a link that drops bits, or for vibration.",
+        hidden_text);
   }
   return fmt::format(
-      "{} of {} samples ({}) lie further from their surroundings than noise would put any (at {}), {}. {}",
+      "{} of {} samples ({}) lie further from their surroundings than noise would put any (at {}), {}. {}{}",
       found.outliers.size(), of.samples, percent(found.outlier_share()), times(at), worst_text,
       found.outliers_masked || !in_use
           ? "They are masked: neither curve nor fit holds them."
-          : "They are in curve and fit: find what knocked, and leave the samples out with --mask outliers.");
+          : "They are in curve and fit: find what knocked, and leave the samples out with --mask outliers.",
+      hidden_text);
 }
 
 std::string describe_steps(const Findings& found, const Of& of) {

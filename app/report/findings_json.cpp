@@ -98,6 +98,13 @@ class FindingList {
     }
     out["count"] = found_.outliers.size();
     out["list"] = list;
+    out["tail"] = nullptr;
+    if (const auto& tail = found_.tail)
+      out["tail"] = {{"share", tail->share},
+                     {"sigmas", tail->sigmas},
+                     {"limit_sigmas", tail->limit},
+                     {"variance_left", tail->left},
+                     {"variance_left_sigma", tail->left_sigma}};
   }
   void motion(const allan::Motion& m) {
     Json& out = add("motion", m.peak, share(m.count), at(m.first), {found_.motion_masked, found_.not_at_rest()});

@@ -70,6 +70,7 @@ CrossChecked cross_check(const fit::Result& fit, const allan::Series& series) {
   options.find_front_end = false;
   if (fit.front_end && fit.front_end->kind) {
     options.front_end = fit.front_end->value();
+    options.front_end_choice = fit.front_end->choice;
     options.fit_bandwidth = fit.front_end->fitted;
   } else {
     options.unknown_front_end = !fit.moved.empty();
@@ -101,6 +102,15 @@ void complete(AxisDatasheet& sheet, const Fitted& fitted, Screened& screened, Jo
     if (!screened.findings().spoil() && !job.options.tau_min_s)
       sheet.facts.later = later_start(fit, fitted.curves, screened.series().rate(), sheet.name, job);
   });
+}
+
+// Errors in single samples shift and widen N.
+void allow_for_outliers(const Findings& found, double dt, AxisDatasheet& sheet) {
+  const auto shift = [&](fit::Result& fit) {
+    if (const auto* white = fit::find(fit, Term::white)) shift_white(fit, found.shift_by_outliers(white->value, dt));
+  };
+  shift(sheet.fit);
+  if (sheet.cross_checked) shift(sheet.cross_checked->likelihood);
 }
 
 // What the findings mean for the fit: a record that is not of one sensor at rest is described by nothing, and rounding
@@ -214,7 +224,10 @@ Outcome calibrate_axis(const allan::Axis& axis, const allan::Record& record, con
     sheet.octaves = std::move(fitted.curves.octaves);
   }
   sheet.findings = look.screened->findings();
-  if (!outcome.error) apply(*sheet.findings, sheet.fit, sheet.facts);
+  if (!outcome.error) {
+    apply(*sheet.findings, sheet.fit, sheet.facts);
+    allow_for_outliers(*sheet.findings, samples.dt(), sheet);
+  }
   if (held) {
     double raised = 1;
     if (!outcome.error)

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "findings.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 
 namespace gyrobudget::inline v0::calibration {
 
@@ -24,6 +26,18 @@ bool Findings::has_heavy_tail() const {
   std::size_t count = 0;
   for (const bool one : has) count += one ? 1 : 0;
   return count >= kMost;
+}
+
+fit::WhiteShift Findings::shift_by_outliers(double white, double dt) const {
+  if (!tail || !(white > 0)) return {};
+  const double part = tail->sigma * tail->sigma * dt / (white * white);  // of N^2: below 1 behind a low pass
+  if (outliers_masked) {
+    const double left = std::max(tail->left * part, -0.5);
+    return {-0.5 * std::log1p(left), 0.5 * tail->left_sigma * part / (1 + left)};
+  }
+  const double raised = 1 - tail->share + tail->share * tail->sigmas * tail->sigmas;
+  const double excess = std::max(0., kurtosis(*tail) - 3) / static_cast<double>(samples);
+  return {0, 0.5 * std::sqrt(excess) * std::min(1., part * raised)};
 }
 
 double Findings::saturated_share() const {

@@ -6,12 +6,14 @@
 #include "gyrobudget/allan/humps.h"
 #include "gyrobudget/allan/lines.h"
 #include "gyrobudget/allan/motion.h"
+#include "gyrobudget/allan/outlier_tail.h"
 #include "gyrobudget/allan/outliers.h"
 #include "gyrobudget/allan/repeats.h"
 #include "gyrobudget/allan/rounding.h"
 #include "gyrobudget/allan/saturation.h"
 #include "gyrobudget/allan/steps.h"
 #include "gyrobudget/allan/turns.h"
+#include "gyrobudget/estimation/fit/fit.h"
 
 #include <cstdint>
 #include <optional>
@@ -46,6 +48,7 @@ struct Findings {
   std::vector<allan::Saturation> saturation;  ///< the lower end of the range first
   std::optional<allan::Turns> turns;          ///< the rows are of several sensors
   std::vector<allan::Outlier> outliers;
+  std::optional<allan::OutlierTail> tail;  ///< of errors that the outliers belong to, where they are many
   std::vector<allan::Motion> motion;
   std::vector<allan::Step> steps;
   std::optional<allan::Departure> departure;  ///< slow, beside the noise that was fitted: a warm-up or a drift
@@ -65,6 +68,11 @@ struct Findings {
   /// Outliers that are half a per cent of the samples or more, and lie in nearly every part of the record, are not
   /// knocks but the tail of the noise.
   [[nodiscard]] bool has_heavy_tail() const;
+  /// What errors in single samples do to N [signal sqrt(s)] of samples every dt [s]. Where outliers are masked, those
+  /// that hide in the noise are still in N^2, and some of the noise is not, by OutlierTail::left times sigma^2 dt.
+  /// Where they are not, N has them in it, and the scatter of a sum of squares of kurtosis k: (k - 3)/(4 samples) more
+  /// of its logarithm's variance than its interval has.
+  [[nodiscard]] fit::WhiteShift shift_by_outliers(double white, double dt) const;
   /// Share of the samples that are at an end of the range.
   [[nodiscard]] double saturated_share() const;
   /// The step is above the noise: N and Q of this axis are no longer those of its noise, nor are the others where the

@@ -177,7 +177,14 @@ void add_front_end(Result& result, const Prepared& p, const TestedFit& run, cons
   constexpr double kUsual = 0.13, kLeast = 0.104, kMost = 0.159;
   if (options.front_end) {
     const noise::FrontEnd& f = *options.front_end;
-    result.front_end = {f.kind, f.bandwidth, f.bandwidth, f.bandwidth, f.sampling, run.free == Free::bandwidth};
+    result.front_end = {f.kind,
+                        f.bandwidth,
+                        f.bandwidth,
+                        f.bandwidth,
+                        f.sampling,
+                        f.oversampling,
+                        run.free == Free::bandwidth,
+                        options.front_end_choice};
   }
   const auto white = std::find(run.terms.begin(), run.terms.end(), Term::white) - run.terms.begin();
   if (run.gamma.size() == 0 || white == static_cast<std::ptrdiff_t>(run.terms.size())) return;
@@ -195,7 +202,7 @@ void add_front_end(Result& result, const Prepared& p, const TestedFit& run, cons
     const double shortest = (value - kScatter95 * deviation) * p.dt, longest = (value + kScatter95 * deviation) * p.dt;
     // A memory beyond the first tau of the run is none that the term could stand for.
     if (!(value < static_cast<double>(p.m[static_cast<std::size_t>(run.first)]))) return;
-    result.front_end = {{}, kUsual / (value * p.dt), kLeast / longest, kMost / shortest, {}, true};
+    result.front_end = {{}, kUsual / (value * p.dt), kLeast / longest, kMost / shortest, {}, 1, true};
   }
 }
 
@@ -269,7 +276,31 @@ std::vector<noise::Process> Result::processes() const {
 
 noise::FrontEnd FittedFrontEnd::value() const {
   if (!kind) throw std::logic_error("a front end of unknown kind has no value");
-  return {*kind, bandwidth, sampling};
+  return {*kind, bandwidth, sampling, oversampling};
+}
+
+void shift_white(Result& result, const WhiteShift& by) {
+  if (by.shift == 0 && !(by.sigma > 0)) return;
+  constexpr double kSigmas95 = 1.96, kSigmasOneSided = 1.645;
+  const double factor = std::exp(by.shift);
+  for (Coefficient& c : result.coefficients) {
+    if (c.term != Term::white || !c.fitted || !(c.value > 0)) continue;
+    const auto further = [&](double limit, double sigmas) {
+      if (!(limit > 0)) return limit;
+      const double away = std::log(limit / c.value);
+      return c.value * std::exp(by.shift + std::copysign(std::hypot(away, sigmas * by.sigma), away));
+    };
+    const bool identified = c.status == Status::identified;
+    c.lower = further(c.lower, kSigmas95);
+    c.upper = further(c.upper, identified ? kSigmas95 : kSigmasOneSided);
+    c.upper_two_sided = further(c.upper_two_sided, kSigmas95);
+    c.value *= factor;
+    c.relative_std = std::hypot(c.relative_std, by.sigma);
+    const auto at = std::ranges::find(result.fitted_terms, Term::white) - result.fitted_terms.begin();
+    if (at >= result.covariance.rows()) continue;
+    result.covariance.row(at) *= factor, result.covariance.col(at) *= factor;
+    result.covariance(at, at) += std::pow(c.value * by.sigma, 2);
+  }
 }
 
 std::string_view name(Method method) {
@@ -307,6 +338,7 @@ Result fit(const allan::Curve& curve, const allan::CurveCovariance& covariance, 
   result.fitted_terms = run.terms;
   finish(p, run, result);
   add_coefficients(result, run, p.scale, options);
+  shift_white(result, options.front_end_choice);
   result.tau_min_s = static_cast<double>(p.m[static_cast<std::size_t>(run.first)]) * p.dt;
   result.tau_max_s = static_cast<double>(p.m.back()) * p.dt;
   add_residuals(result, p, run, curve);
@@ -420,8 +452,10 @@ std::optional<Result> behind_front_end(const Data& record, const allan::Curve& c
   const bool asked = options.front_end || options.front_end_kind;
   if (!options.front_end) {
     if (!asked && !may_be_filtered(curve, covariance, options)) return {};
-    options.front_end = find_front_end(record.rate, record.dt, options);
-    if (!options.front_end) return {};
+    const auto found = find_front_end(record.rate, record.dt, options);
+    if (!found) return {};
+    options.front_end = found->front_end;
+    options.front_end_choice = found->choice;
     options.fit_bandwidth = true;
   }
   std::optional<Result> result = fit_bandwidth(curve, options);

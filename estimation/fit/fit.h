@@ -99,6 +99,12 @@ struct Move {
 /// N, B and K: what datasheets give and most records hold.
 inline constexpr std::array kDefaultTerms{noise::Term::white, noise::Term::flicker, noise::Term::rate_random_walk};
 
+/// How N is to be moved by what a fit does not see, and what is not known of that.
+struct WhiteShift {
+  double shift = 0;  ///< of ln N
+  double sigma = 0;  ///< one sigma of it
+};
+
 struct Options {
   std::vector<noise::Term> terms{kDefaultTerms.begin(), kDefaultTerms.end()};
   Method method = Method::gls;
@@ -115,6 +121,7 @@ struct Options {
   /// The low pass in front of the samples, where it is known: taken as it is, or its bandwidth as a start.
   std::optional<noise::FrontEnd> front_end;
   bool fit_bandwidth = false;
+  WhiteShift front_end_choice = {};  ///< FittedFrontEnd::choice of the one that was found
   /// The kind, where that alone is known.
   std::optional<noise::FrontEnd::Kind> front_end_kind;
   /// Whether a front end is looked for where the record's short taus are not those of the terms.
@@ -131,7 +138,11 @@ struct FittedFrontEnd {
   double bandwidth = 0;                                                      ///< -3 dB [Hz]
   double lower = 0, upper = 0;                                               ///< 95 %; of a given front end equal to it
   noise::FrontEnd::Sampling sampling = noise::FrontEnd::Sampling::analogue;  ///< that explains the record best
+  double oversampling = 1;                                                   ///< likewise
   bool fitted = false;                                                       ///< false: given
+  /// It was chosen among kinds and ways of sampling that explain the record about as well: from its N to the mean over
+  /// all of them, each with its weight, and their scatter about that. Result's N has it in it.
+  WhiteShift choice = {};
 
   /// @throws std::logic_error where the kind is unknown.
   [[nodiscard]] noise::FrontEnd value() const;
@@ -180,6 +191,9 @@ struct Data {
   const allan::Curve* curve = nullptr;                 ///< octaves of it; null: made from `rate`
   const allan::CurveCovariance* covariance = nullptr;  ///< of the curve, with the terms asked for; null: made
 };
+
+/// Moves N, its limits and covariances, and adds what is not known of the shift to its interval and variance.
+void shift_white(Result& result, const WhiteShift& by);
 
 /// Fits by any method: every Options::method answers with the same Result.
 ///

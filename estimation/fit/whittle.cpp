@@ -45,6 +45,7 @@ struct Model {
   std::vector<noise::Process> processes;  // the random ones among them
   bool ramp = false, line = false, search_time = false;
   std::optional<noise::FrontEnd> front_end;
+  WhiteShift front_end_choice;
 };
 
 /// What stands between the noise and the samples, as far as a fit knows it.
@@ -227,11 +228,16 @@ void test_fit(Fitted& f) {
 // no filter. The high frequencies of nearly every record are white noise, flicker and a walk: enough to tell a filter
 // by, whatever terms are asked for.
 Eigen::ArrayXd set_filter(Fitted& f, SineBins& bins, const Options& options) {
-  if (f.filter == Filter::given || f.filter == Filter::fitted) f.model.front_end = options.front_end;
+  if (f.filter == Filter::given || f.filter == Filter::fitted) {
+    f.model.front_end = options.front_end;
+    f.model.front_end_choice = options.front_end_choice;
+  }
   if (f.filter == Filter::searched && !f.model.front_end) {
     const std::array plain{noise::unit_process(Term::white), noise::unit_process(Term::flicker),
                            noise::unit_process(Term::rate_random_walk)};
-    f.model.front_end = search_front_end(bins, plain, options.front_end_kind);
+    const ChosenFrontEnd chosen = search_front_end(bins, plain, options.front_end_kind);
+    f.model.front_end = chosen.front_end;
+    f.model.front_end_choice = chosen.choice;
   }
   if (f.model.front_end) leave_out_stop_band(bins, *f.model.front_end);
   if (f.filter == Filter::given) return gain_of(bins, *f.model.front_end);
@@ -284,7 +290,7 @@ Fitted fit_band(const Transformed& t, const Band& band, const Options& options, 
 
 // The front end that describes the upper end of the spectrum, if one of the kinds asked for does; slow processes and
 // drifts of any kind have nothing to do with it.
-std::optional<noise::FrontEnd> seen_front_end(const Transformed& t, const Options& asked) {
+std::optional<FoundFrontEnd> seen_front_end(const Transformed& t, const Options& asked) {
   constexpr std::int64_t kReach = 2000, kFewest = 1000;
   if (t.used.count < kFewest) return {};  // kinds and samplings cannot be told
   const std::int64_t last = t.used.count - 1;
@@ -300,7 +306,7 @@ std::optional<noise::FrontEnd> seen_front_end(const Transformed& t, const Option
   constexpr double kSlowest = 1e-3, kFastest = 2;
   const double corner = front_end.bandwidth * t.dt;
   if (!(corner > kSlowest && corner < kFastest && found.tilt_deviation < kVague)) return {};
-  return front_end;
+  return FoundFrontEnd{front_end, found.model.front_end_choice};
 }
 
 // The band halved from above until the model describes it, with a filter of which only the curvature of the logarithm
@@ -333,9 +339,10 @@ Fitted choose_band(const Transformed& t, const Options& options) {
   if (options.tau_min_s || whole.p_value >= kCutBelow) return whole;
   if (filter == Filter::none && !asked && options.find_front_end) {
     Options behind = options;
-    behind.front_end = seen_front_end(t, options);
-    behind.fit_bandwidth = true;
-    if (behind.front_end) {
+    if (const auto seen = seen_front_end(t, options)) {
+      behind.front_end = seen->front_end;
+      behind.front_end_choice = seen->choice;
+      behind.fit_bandwidth = true;
       Fitted found = fit_band(t, band, behind, Filter::fitted, true);
       if (found.point.converged && found.tilt_deviation < kVague) return found;
     }
@@ -480,7 +487,11 @@ void add_coefficients(Result& result, const Fitted& f, const Transformed& t, con
 void add_front_end(Result& result, const Fitted& f) {
   if (!f.model.front_end) return;
   const noise::FrontEnd& front_end = *f.model.front_end;
-  FittedFrontEnd found{.kind = front_end.kind, .sampling = front_end.sampling, .fitted = f.tilt.has_value()};
+  FittedFrontEnd found{.kind = front_end.kind,
+                       .sampling = front_end.sampling,
+                       .oversampling = front_end.oversampling,
+                       .fitted = f.tilt.has_value(),
+                       .choice = f.model.front_end_choice};
   found.bandwidth = front_end.bandwidth;
   if (f.tilt) found.bandwidth = noise::in_range(found.bandwidth * std::exp(f.tilt->x), f.flat->bins().dt);
   found.lower = found.bandwidth * std::exp(-kScatter95 * f.tilt_deviation);
@@ -553,6 +564,7 @@ Result fit_likelihood(std::span<const double> rate, double dt, const Options& op
   result.log_likelihood = -0.5 * f.point.cost;
   add_coefficients(result, f, t, options);
   add_covariance(result, f, t.unit);
+  shift_white(result, f.model.front_end_choice);
   const double n = static_cast<double>(t.used.count);
   result.tau_min_s = f.last + 1 == t.used.count ? dt : n * dt / static_cast<double>(f.last);
   result.tau_max_s = options.tau_max_s.value_or(0.5 * n * dt);
@@ -564,7 +576,7 @@ Result fit_likelihood(std::span<const double> rate, double dt, const Options& op
   return result;
 }
 
-std::optional<noise::FrontEnd> find_front_end(std::span<const double> rate, double dt, const Options& options) {
+std::optional<FoundFrontEnd> find_front_end(std::span<const double> rate, double dt, const Options& options) {
   check(dt, options);
   const Transformed t = transform_record(rate, dt);
   return t.coefficients.empty() ? std::nullopt : seen_front_end(t, options);

@@ -45,9 +45,16 @@ namespace gyrobudget::inline v0::fit {
 /// Source: P. Whittle 1953; the transform of differences and its end corrections are this project's (theory in dst.h).
 [[nodiscard]] Result fit_likelihood(std::span<const double> rate, double dt, const Options& options = {});
 
+/// A front end that was found in a record.
+struct FoundFrontEnd {
+  noise::FrontEnd front_end;
+  WhiteShift choice;
+};
+
 /// The low pass in front of a record's samples, if one of the kinds (Options::front_end_kind: of this kind) describes
 /// its spectrum from half the rate down to 1/2000 of that, with white noise, flicker and a walk behind it.
-/// The kind is that of the least -2 ln L over its bandwidth, for each way of sampling (noise::FrontEnd), with the gain
+/// The kind is that of the least -2 ln L over its bandwidth, for each way of sampling (noise::FrontEnd; at two to
+/// four times the log's rate too), with the gain
 /// of each bin a factor on every spectrum; it stands where the p-value of the 33 bands reaches 0.001 (a kind that was
 /// asked for: always). None for fewer than 1000 samples, outside bandwidths of 0.001 to 2 times the rate, and where one
 /// sigma of the bandwidth's logarithm is above 0.35. Cost: some 250 maximisations over up to 1200 bins, 0.1 to 0.2 s on
@@ -58,8 +65,8 @@ namespace gyrobudget::inline v0::fit {
 /// @return bandwidth in Hz; its standard deviation is that of fit_likelihood's profile
 /// @throws std::invalid_argument as fit_likelihood does
 /// Source: likelihood as in fit_likelihood; the candidates and their acceptance are this project's.
-[[nodiscard]] std::optional<noise::FrontEnd> find_front_end(std::span<const double> rate, double dt,
-                                                            const Options& options = {});
+[[nodiscard]] std::optional<FoundFrontEnd> find_front_end(std::span<const double> rate, double dt,
+                                                          const Options& options = {});
 
 /// Whether two fits of one record tell the same of one coefficient.
 struct Agreement {

@@ -30,14 +30,16 @@ std::vector<FrontEnd> front_ends(double corner) {
   for (const Kind kind : {Kind::first_order, Kind::second_order}) {
     for (const Sampling sampling : {Sampling::analogue, Sampling::bilinear, Sampling::held})
       list.push_back({kind, corner / kDt, sampling});
+    for (const double oversampling : {2., 3.3, 16.})
+      list.push_back({kind, corner / kDt, Sampling::bilinear, oversampling});
   }
   list.push_back({Kind::moving_average, corner / kDt, Sampling::analogue});
   return list;
 }
 
 std::string text(const FrontEnd& f) {
-  return std::string(name(f.kind)) + ", sampling " + std::to_string(static_cast<int>(f.sampling)) + ", corner " +
-         std::to_string(f.bandwidth * kDt);
+  return std::string(name(f.kind)) + ", sampling " + std::to_string(static_cast<int>(f.sampling)) + " x " +
+         std::to_string(f.oversampling) + ", corner " + std::to_string(f.bandwidth * kDt);
 }
 
 /// r(0), r(1), ... of samples with a power gain, by the mean over equally spaced frequencies: exact but for r at lags
@@ -77,7 +79,8 @@ TEST(FrontEnd, PassesFrequencyZeroAndHalvesThePowerAtItsBandwidth) {
       const SampledFrontEnd front_end(f, kDt);
       EXPECT_NEAR(front_end.power_gain(0), 1, 1e-9) << text(f);
       // What folds down, and the mean over a sample of `held`, are of second order in the corner; pi^2 is the most.
-      const double sampled = f.sampling == Sampling::bilinear ? 1e-9 : pi * pi * corner * corner;
+      const bool exact = f.sampling == Sampling::bilinear && f.oversampling == 1;
+      const double sampled = exact ? 1e-9 : pi * pi * corner * corner;
       EXPECT_NEAR(front_end.power_gain(corner), 0.5, sampled + 1e-9) << text(f);
     }
   }
@@ -111,6 +114,28 @@ TEST(FrontEnd, AnalogueSamplesHaveTheAutocovarianceOfTheContinuousFilter) {
   };
   compare(Kind::first_order, first);
   compare(Kind::second_order, second);
+}
+
+// Of every R-th sample the spectrum is the sum of R pieces of the filter's own, folded onto one another.
+TEST(FrontEnd, OversampledIsTheFilterAtItsOwnRateFolded) {
+  for (const Kind kind : {Kind::first_order, Kind::second_order}) {
+    for (const double corner : {0.03, 0.2, 0.5, 0.9}) {  // of the first order, R 2 and corner 0.5: a pole at 0
+      for (const int R : {2, 3, 4, 16}) {
+        const SampledFrontEnd own({kind, corner / kDt, Sampling::bilinear}, kDt / R);
+        const auto folded = [&](double cycles) {
+          double sum = 0;
+          for (int j = 0; j < R; ++j) sum += own.power_gain(std::abs(std::remainder((cycles + j) / R, 1.)));
+          return sum;
+        };
+        const FrontEnd f{kind, corner / kDt, Sampling::bilinear, static_cast<double>(R)};
+        const SampledFrontEnd logged(f, kDt);
+        // Rounding of what is left of 1 by differences of the pole, (pi corner/R)^-4 times, over the gain itself.
+        constexpr double kStated = 1e-8;
+        for (const double cycles : {0., 0.1, 0.37, 0.5})
+          EXPECT_NEAR(logged.power_gain(cycles) * folded(0) / folded(cycles), 1, kStated) << text(f) << ", " << cycles;
+      }
+    }
+  }
 }
 
 TEST(FrontEnd, HeldIsTheFilterOfSimulatedSensors) {
@@ -168,6 +193,8 @@ TEST(FrontEnd, RefusesWhatItCannotBe) {
     EXPECT_THROW((void)made({Kind::first_order, bandwidth}, kDt), std::invalid_argument) << bandwidth;
   EXPECT_THROW((void)made({Kind::first_order, 5}, 0), std::invalid_argument);
   EXPECT_THROW((void)made({static_cast<Kind>(9), 5}, kDt), std::invalid_argument);
+  for (const double oversampling : {-1., 0.99, FrontEnd::kMostOversampling + 1, kNaN})
+    EXPECT_THROW((void)made({Kind::first_order, 5, Sampling::bilinear, oversampling}, kDt), std::invalid_argument);
   EXPECT_THROW(MovingAverage{0.5}, std::invalid_argument);
   EXPECT_THROW(MovingAverage{kNaN}, std::invalid_argument);
 }
@@ -177,6 +204,7 @@ TEST(FrontEnd, AboveAHundredTimesTheRateIsThat) {
     FrontEnd faster = f;
     faster.bandwidth *= 1000;
     EXPECT_EQ(SampledFrontEnd(f, kDt).memory(0), SampledFrontEnd(faster, kDt).memory(0)) << text(f);
+    if (f.oversampling > 1) continue;  // what it stops at half its own rate folds down to 0
     EXPECT_LT(std::abs(SampledFrontEnd(f, kDt).memory(0)), 0.01) << text(f);
   }
 }

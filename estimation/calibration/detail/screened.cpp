@@ -96,6 +96,7 @@ void Screened::look_at_values() {
 
 void Screened::look_for_outliers() {
   findings_.outliers = allan::find_outliers(rate_);
+  findings_.tail = allan::find_outlier_tail(rate_, findings_.outliers);
   findings_.outliers_masked = masking_.outliers && !findings_.outliers.empty();
   if (findings_.outliers.empty()) return;
   clean_.assign(rate_.begin(), rate_.end());
@@ -123,6 +124,7 @@ void Screened::look_for_turns_and_motion() {
     if (masking_.motion) std::fill_n(masked_.begin() + m.first, m.count, kMissing);
   }
   drop_outliers_of(findings_.outliers, findings_.motion);
+  findings_.tail.reset();  // motion was in it
   findings_.outliers_masked = findings_.outliers_masked && !findings_.outliers.empty();
   if (masking_.motion) keep(findings_.first, findings_.samples);
 }

@@ -15,8 +15,11 @@ namespace gyrobudget::inline v0::fit {
 namespace {
 
 using noise::FrontEnd;
+using Sampling = FrontEnd::Sampling;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::int64_t kLinearBins = 1024;  // of half the rate: lobes of averages over up to 64 samples are resolved
+constexpr double kOversamplingCounts = 0.03;  // of bandwidth * dt: below, all ways of sampling are one (front_end.h)
+constexpr double kQuarterOfOwnRate = 0.45;    // likewise: from half the log's rate on that is below twice the log's
+constexpr std::int64_t kLinearBins = 1024;    // of half the rate: lobes of averages over up to 64 samples are resolved
 
 // Shares of the modelled variance, a column for each coefficient above zero but the held one.
 Eigen::MatrixXd shares(const SineLikelihood& likelihood, const Eigen::VectorXd& theta, const Eigen::ArrayXd& lambda,
@@ -46,6 +49,8 @@ double curvature(const Eigen::ArrayXd& count, const Eigen::ArrayXd& slope, const
 struct Candidate {
   FrontEnd front_end;
   double cost = kInfinity;
+  double white = 0;  // N^2
+  double prior = 1;
 };
 
 // Bandwidths to begin with, descending. A moving average has zeros: only within a sample of its length do they meet
@@ -75,6 +80,8 @@ class FilteredCost {
     point_ = filtered.maximise({}, {}, again ? &start : nullptr);
     return point_.cost;
   }
+  // N^2 where the cost was asked for last.
+  [[nodiscard]] double white() const { return point_.theta(0); }
 
  private:
   const SineLikelihood& flat_;
@@ -93,8 +100,8 @@ Candidate best_between(const SineLikelihood& flat, bool has_floor, FrontEnd fron
   constexpr int kBits = 12;
   std::uintmax_t budget = 40;
   const auto found = boost::math::tools::brent_find_minima(at, low, high, kBits, budget);
-  front_end.bandwidth = std::exp(found.first) / flat.bins().dt;
-  return {front_end, found.second};
+  (void)at(found.first);
+  return {front_end, found.second, cost.white()};
 }
 
 // The logarithms between which the best bandwidth of a kind lies.
@@ -114,14 +121,79 @@ std::pair<double, double> around_best(const SineLikelihood& flat, FrontEnd front
 // The best of every way of sampling a kind. They differ near half the rate alone, so that one of them says where to
 // look for the others too, a little further about.
 void add_best(std::vector<Candidate>& found, const SineLikelihood& flat, FrontEnd::Kind kind) {
-  using Sampling = FrontEnd::Sampling;
   constexpr double kBeside = 0.2;
   const auto [low, high] = around_best(flat, {kind, 0, Sampling::analogue});
   found.push_back(best_between(flat, true, {kind, 0, Sampling::analogue}, low, high));
   if (kind == FrontEnd::Kind::moving_average) return;
   for (const Sampling sampling : {Sampling::bilinear, Sampling::held})
     found.push_back(best_between(flat, true, {kind, 0, sampling}, low - kBeside, high + kBeside));
+  if (low < std::log(kOversamplingCounts)) return;
+  for (const double oversampling : {2., 4.})
+    found.push_back(
+        best_between(flat, true, {kind, 0, Sampling::bilinear, oversampling}, low - kBeside, high + kBeside));
 }
+
+WhiteShift choice_of(const std::vector<Candidate>& candidates, const Candidate& best) {
+  double weights = 0, sum = 0, squares = 0;
+  for (const Candidate& c : candidates) {
+    if (!(c.white > 0 && best.white > 0)) continue;
+    const double weight = c.prior * std::exp(-0.5 * (c.cost - best.cost)), shift = 0.5 * std::log(c.white / best.white);
+    weights += weight, sum += weight * shift, squares += weight * shift * shift;
+  }
+  if (!(weights > 0)) return {};
+  const double mean = sum / weights;
+  return {mean, std::sqrt(std::max(0., squares / weights - mean * mean))};
+}
+
+bool is_faster_than_log(const FrontEnd& f) { return f.sampling == Sampling::analogue || f.oversampling > 1; }
+
+// The candidates of the best one's kind that filter at a faster rate than the log's, from twice that on, are one family
+// of a parameter u, the log's rate over the filter's own, 0 of an analogue one: all u from 0 to 1/2 are as likely
+// before the record is seen. The cost of a bandwidth at its best is a parabola about the best u, ln N a straight line.
+class Oversampling {
+ public:
+  Oversampling(const SineLikelihood& flat, const Candidate& best)
+      : flat_(flat), kind_(best.front_end.kind), middle_(std::log(best.front_end.bandwidth * flat.bins().dt)) {}
+
+  // In place of those of the family.
+  void refine(std::vector<Candidate>& found) const {
+    constexpr int kBits = 7;
+    std::uintmax_t budget = 15;
+    const double u =
+        boost::math::tools::brent_find_minima([&](double x) { return at(x).cost; }, 0., kMostU, kBits, budget).first;
+    constexpr double kBeside = 0.04;
+    const double center = std::clamp(u, kBeside, kMostU - kBeside);
+    const Candidate best = at(u), below = at(center - kBeside), middle = at(center), above = at(center + kBeside);
+    if (!(below.white > 0 && above.white > 0)) return;
+    const double curvature = (above.cost - 2 * middle.cost + below.cost) / (kBeside * kBeside);
+    const double slope = (above.cost - below.cost) / (2 * kBeside);
+    const double log_slope = 0.5 * std::log(above.white / below.white) / (2 * kBeside);
+    std::erase_if(found,
+                  [&](const Candidate& c) { return c.front_end.kind == kind_ && is_faster_than_log(c.front_end); });
+    found.push_back(best);
+    found.back().prior = 0;  // the points stand for it
+    constexpr int kPoints = 200;
+    for (int i = 0; i < kPoints; ++i) {
+      const double x = (i + 0.5) * kMostU / kPoints, away = x - center;
+      const double cost = middle.cost + slope * away + 0.5 * std::max(0., curvature) * away * away;
+      found.push_back(
+          {best.front_end, std::max(cost, best.cost), middle.white * std::exp(2 * log_slope * away), 1. / kPoints});
+    }
+  }
+
+ private:
+  static constexpr double kMostU = 0.5;
+  [[nodiscard]] Candidate at(double u) const {
+    constexpr double kReach = 0.2, kNone = 1 / FrontEnd::kMostOversampling;
+    const bool analogue = u < kNone;
+    const FrontEnd f{kind_, 0, analogue ? Sampling::analogue : Sampling::bilinear, analogue ? 1 : 1 / u};
+    return best_between(flat_, false, f, middle_ - kReach, middle_ + kReach);
+  }
+
+  const SineLikelihood& flat_;
+  FrontEnd::Kind kind_;
+  double middle_;  // logarithm of a bandwidth near which the best ones lie
+};
 
 }  // namespace
 
@@ -214,24 +286,29 @@ void leave_out_stop_band(SineBins& bins, const FrontEnd& front_end) {
   bins.count = (gain < kEnds / static_cast<double>(bins.samples)).select(0, bins.count);
 }
 
-FrontEnd search_front_end(SineBins bins, std::span<const noise::Process> processes,
-                          std::optional<FrontEnd::Kind> kind) {
+ChosenFrontEnd search_front_end(SineBins bins, std::span<const noise::Process> processes,
+                                std::optional<FrontEnd::Kind> kind) {
   std::vector<noise::Process> with_floor(processes.begin(), processes.end());
   with_floor.emplace_back(noise::White{1});
   std::vector<Candidate> found;
-  const auto cheapest = [&] { return std::ranges::min_element(found, {}, &Candidate::cost)->front_end; };
+  const auto cheapest = [&] { return *std::ranges::min_element(found, {}, &Candidate::cost); };
   const SineLikelihood all(bins, with_floor, false);
   using Kind = FrontEnd::Kind;
   for (const Kind k : {Kind::first_order, Kind::second_order, Kind::moving_average})
     if (!kind || *kind == k) add_best(found, all, k);
-  leave_out_stop_band(bins, cheapest());
+  leave_out_stop_band(bins, cheapest().front_end);
   const SineLikelihood seen(std::move(bins), processes, false);
   constexpr double kReach = 0.1;
   for (Candidate& c : found) {
     const double middle = std::log(c.front_end.bandwidth * seen.bins().dt);
     c = best_between(seen, false, c.front_end, middle - kReach, middle + kReach);
   }
-  return cheapest();
+  const Candidate best = cheapest();
+  const double corner = best.front_end.bandwidth * seen.bins().dt;
+  const bool resolved = corner > kOversamplingCounts && corner < kQuarterOfOwnRate;
+  if (best.front_end.kind != Kind::moving_average && is_faster_than_log(best.front_end) && resolved)
+    Oversampling(seen, best).refine(found);
+  return {cheapest().front_end, choice_of(found, cheapest())};
 }
 
 }  // namespace gyrobudget::inline v0::fit

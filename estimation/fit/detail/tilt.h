@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "gyrobudget/estimation/fit/fit.h"
 #include "gyrobudget/noise/front_end.h"
 
 #include <cstdint>
@@ -48,10 +49,18 @@ struct TiltedPoint {
 /// neither independent nor of the modelled variance.
 void leave_out_stop_band(SineBins&, const noise::FrontEnd&);
 
-/// The front end of one of the kinds (any where empty) that explains the spectrum best, whichever way it was sampled.
+/// A front end that explains a spectrum better than the others that were tried.
+struct ChosenFrontEnd {
+  noise::FrontEnd front_end;
+  WhiteShift choice;
+};
+
+/// The front end of one of the kinds (any where empty) that explains the spectrum best, whichever way it was sampled;
+/// the first of the processes is white noise. Each that was tried weighs exp(-(cost - least cost)/2) in the mean
+/// (Akaike's weights: K. Burnham and D. Anderson, Model Selection and Multimodel Inference, section 4.3).
 /// Looked for twice: with a floor of white noise behind it, that the stop band may hold what it will; then without a
 /// floor, which would take sides with one sampling or another, and without the stop band.
-[[nodiscard]] noise::FrontEnd search_front_end(SineBins bins, std::span<const noise::Process> processes,
-                                               std::optional<noise::FrontEnd::Kind> kind);
+[[nodiscard]] ChosenFrontEnd search_front_end(SineBins bins, std::span<const noise::Process> processes,
+                                              std::optional<noise::FrontEnd::Kind> kind);
 
 }  // namespace gyrobudget::inline v0::fit

@@ -6,6 +6,7 @@
 #include "gyrobudget/estimation/fit/fit.h"
 #include "gyrobudget/estimation/fit/whittle.h"
 #include "gyrobudget/noise/generate.h"
+#include "gyrobudget/noise/recorder.h"
 
 #include <gtest/gtest.h>
 
@@ -84,8 +85,8 @@ TEST(FrontEndFit, FindsNoneInIdealNoise) {
 }
 
 TEST(FrontEndFit, IntervalsOfNCover) {
-  // Binomial with 0.95 in 80: fewer than 68 in one run of 4000.
-  constexpr int kRecords = 80, kFewest = 68;
+  // Binomial with 0.95 in 24: fewer than 18 in one run of 7800.
+  constexpr int kRecords = 24, kFewest = 18;
   for (const FrontEnd& truth : {FrontEnd{Kind::first_order, 10, Sampling::analogue}, kAverage}) {
     int covered = 0;
     for (std::uint64_t run = 0; run < kRecords; ++run)
@@ -121,6 +122,47 @@ TEST(FrontEndFit, TheModelOfAResultIsBehindItsFilter) {
   const Residual& first = result.residuals.front();
   constexpr double kSlowPart = 0.01;  // what the filter takes off flicker and walk is in the fit's model only
   EXPECT_NEAR(std::sqrt(noise::allan_variance(processes, first.m, kDt)) / first.model, 1, kSlowPart);
+}
+
+TEST(FrontEndFit, AShiftMovesNAndAddsToItsIntervalInQuadrature) {
+  Result result;
+  result.coefficients = {{.term = Term::white,
+                          .value = 2,
+                          .lower = 1.9,
+                          .upper = 2.2,
+                          .upper_two_sided = 2.2,
+                          .relative_std = 0.03,
+                          .status = Status::identified,
+                          .fitted = true},
+                         {.term = Term::flicker, .value = 3, .lower = 2, .upper = 4, .fitted = true}};
+  result.fitted_terms = {Term::white, Term::flicker};
+  result.covariance = Eigen::MatrixXd::Constant(2, 2, 0.01);
+  const double shift = std::log(1.1), sigma = 0.04;
+  shift_white(result, {shift, sigma});
+  const Coefficient& white = result.coefficients[0];
+  EXPECT_DOUBLE_EQ(white.value, 2.2);
+  EXPECT_NEAR(std::log(white.lower / 2.2), -std::hypot(std::log(2 / 1.9), 1.96 * sigma), 1e-14);
+  EXPECT_NEAR(std::log(white.upper / 2.2), std::hypot(std::log(1.1), 1.96 * sigma), 1e-14);
+  EXPECT_DOUBLE_EQ(white.relative_std, 0.05);
+  EXPECT_NEAR(result.covariance(0, 0), 0.0121 + 2.2 * 2.2 * sigma * sigma, 1e-15);
+  EXPECT_NEAR(result.covariance(0, 1), 0.011, 1e-15);
+  EXPECT_EQ(result.covariance(1, 1), 0.01);
+  EXPECT_EQ(result.coefficients[1].value, 3);
+}
+
+// Of a filter at three times the log's rate neither the analogue nor the bilinear form at the log's rate holds.
+TEST(FrontEndFit, TellsTheRateAtWhichALowPassWasApplied) {
+  constexpr double kBandwidth = 20, kStep = 0.01;
+  const noise::Recorder recorder{.front_end = FrontEnd{Kind::first_order, kBandwidth}, .decimation = 3};
+  const std::vector<noise::Process> white{noise::White{1}};
+  const noise::RecorderGenerator generator(white, recorder, 200'000, kStep);
+  const auto found = find_front_end(generator({5, 0}), kStep);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->front_end.kind, Kind::first_order);
+  EXPECT_EQ(found->front_end.sampling, Sampling::bilinear);
+  EXPECT_NEAR(1 / found->front_end.oversampling, 1. / 3, 0.1);  // a record of this length tells it to 0.03
+  EXPECT_NEAR(found->front_end.bandwidth, kBandwidth, 1);
+  EXPECT_GT(found->choice.sigma, 0);
 }
 
 }  // namespace
