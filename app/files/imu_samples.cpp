@@ -24,24 +24,26 @@ namespace dimension = noise::dimension;
 // Names of texts, of sensor_msgs/Imu, PX4's sensor_combined and vehicle_imu, and ArduPilot's IMU.
 constexpr std::array<log::Wanted, 3> kGyro{
     {{"gyro_x",
-      {"w_rs_s_x", "gyrox", "angular_velocity.x", "gyro_rad[0]", "gyrx", "delta_angle[0]"},
+      {"w_rs_s_x", "gyrox", "angular_velocity.x", "gyro_rad[0]", "gyrx", "delta_angle[0]", "gyr_x"},
       dimension::kAngularRate},
      {"gyro_y",
-      {"w_rs_s_y", "gyroy", "angular_velocity.y", "gyro_rad[1]", "gyry", "delta_angle[1]"},
+      {"w_rs_s_y", "gyroy", "angular_velocity.y", "gyro_rad[1]", "gyry", "delta_angle[1]", "gyr_y"},
       dimension::kAngularRate},
      {"gyro_z",
-      {"w_rs_s_z", "gyroz", "angular_velocity.z", "gyro_rad[2]", "gyrz", "delta_angle[2]"},
+      {"w_rs_s_z", "gyroz", "angular_velocity.z", "gyro_rad[2]", "gyrz", "delta_angle[2]", "gyr_z"},
       dimension::kAngularRate}}};
-constexpr std::array<log::Wanted, 3> kAccelerometer{
-    {{"accel_x",
-      {"a_rs_s_x", "accelerometer_x", "linear_acceleration.x", "accelerometer_m_s2[0]", "accx", "delta_velocity[0]"},
-      dimension::kSpecificForce},
-     {"accel_y",
-      {"a_rs_s_y", "accelerometer_y", "linear_acceleration.y", "accelerometer_m_s2[1]", "accy", "delta_velocity[1]"},
-      dimension::kSpecificForce},
-     {"accel_z",
-      {"a_rs_s_z", "accelerometer_z", "linear_acceleration.z", "accelerometer_m_s2[2]", "accz", "delta_velocity[2]"},
-      dimension::kSpecificForce}}};
+constexpr std::array<log::Wanted, 3> kAccelerometer{{{"accel_x",
+                                                      {"a_rs_s_x", "accelerometer_x", "linear_acceleration.x",
+                                                       "accelerometer_m_s2[0]", "accx", "delta_velocity[0]", "acc_x"},
+                                                      dimension::kSpecificForce},
+                                                     {"accel_y",
+                                                      {"a_rs_s_y", "accelerometer_y", "linear_acceleration.y",
+                                                       "accelerometer_m_s2[1]", "accy", "delta_velocity[1]", "acc_y"},
+                                                      dimension::kSpecificForce},
+                                                     {"accel_z",
+                                                      {"a_rs_s_z", "accelerometer_z", "linear_acceleration.z",
+                                                       "accelerometer_m_s2[2]", "accz", "delta_velocity[2]", "acc_z"},
+                                                      dimension::kSpecificForce}}};
 
 constexpr log::StreamUse kImuStream{[](const log::StreamInfo& s) { return s.kind == log::StreamKind::imu; }, "IMU",
                                     "topic:"};

@@ -19,11 +19,11 @@ namespace gyrobudget::inline v0::log {
 /// A column by its name, other names in lower case that mean the same, and what it measures.
 struct Wanted {
   std::string_view name;
-  std::array<std::string_view, 6> others;  ///< those that are empty name nothing
+  std::array<std::string_view, 7> others;  ///< those that are empty name nothing
   noise::Dimension dimension;
 };
 
-inline constexpr Wanted kTimeColumn{"time", {"t", "timestamp"}, noise::dimension::kTime};
+inline constexpr Wanted kTimeColumn{"time", {"t", "timestamp", "timeus", "sampletimefine"}, noise::dimension::kTime};
 
 inline constexpr noise::Dimension kLengthDimension = noise::dimension::kLength;
 /// Geodetic place.

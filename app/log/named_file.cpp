@@ -11,6 +11,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "dialects.h"
+
 namespace gyrobudget::inline v0::log {
 namespace {
 
@@ -25,14 +27,27 @@ Layout layout_of_stream(const StreamInfo& stream) {
   return layout;
 }
 
+/// Units that the program which wrote a text has by its format, where its header has none; with a factor before them
+/// where a number counts several: "100 us".
+void take_units_of_dialect(Layout& layout) {
+  const auto dialect = recognise(layout);
+  if (!dialect) return;
+  for (std::size_t i = 0; i < layout.headings.size(); ++i) {
+    const ToldUnit& told = dialect->columns[i];
+    if (!layout.headings[i].unit.empty() || told.unit.empty()) continue;
+    layout.headings[i].unit = told.scale == 1 ? told.unit : fmt::format("{} {}", told.scale, told.unit);
+  }
+}
+
 }  // namespace
 
 NamedFile::NamedFile(const std::string& path, const std::optional<std::string>& topic, const StreamUse& use)
-    : name_(text::input_name(path)), recording_(open_recording(path)) {
+    : path_(text::input_name(path)), name_(path_), recording_(open_recording(path)) {
   if (!recording_) {
     if (topic) text::fail(name_, fmt::format("{} {}: it is no recording with topics", use.topic, text::quoted(*topic)));
     source_.emplace(path);
     layout_ = read_layout(*source_);
+    take_units_of_dialect(layout_);
     reader_.emplace(*source_, layout_, kNamedChunk);
     return;
   }
@@ -82,7 +97,7 @@ Table NamedFile::read_stream(const Choice& choice, std::vector<std::string>& not
   table.complete = false;
   for (std::size_t i = 0; i < table.numbers.size(); ++i)
     for (double& x : table.numbers[i]) x *= choice.data[i].to_si;
-  for (const std::string& note : recording_->notes()) notes.push_back(fmt::format("{}: {}", name_, note));
+  for (const std::string& note : recording_->notes()) notes.push_back(fmt::format("{}: {}", path_, note));
   for (const std::string& note : rows.notes) notes.push_back(fmt::format("{}: {}", name_, note));
   is_decimated = rows.is_decimated;
   return table;

@@ -62,7 +62,7 @@ class NamedFile {
  private:
   [[nodiscard]] Table read_stream(const Choice& choice, std::vector<std::string>& notes, bool& is_decimated) const;
 
-  std::string name_;
+  std::string path_, name_;
   std::unique_ptr<Recording> recording_;
   std::size_t stream_ = 0;
   std::optional<Bytes> source_;

@@ -122,15 +122,17 @@ std::optional<std::int64_t> time_of(std::string_view cell) {
   std::int64_t seconds = 0;
   constexpr int kLeapSecond = 60;
   if (hours < 0 || hours > 23 || minutes < 0 || minutes > 59 || whole < 0 || whole > kLeapSecond) return std::nullopt;
-  if (text::parse_stamp(cell.substr(4), false, noise::kNanosecondsPerSecond, seconds) != text::Cell::number)
-    return std::nullopt;
+  const bool is_number =
+      text::parse_stamp(cell.substr(4), false, noise::kNanosecondsPerSecond, seconds) == text::Cell::number;
+  if (!is_number || seconds > (kLeapSecond + 1) * noise::kNanosecondsPerSecond) return std::nullopt;
   return (hours * 60 + minutes) * 60 * noise::kNanosecondsPerSecond + seconds;
 }
 
 /// Days since 1970 of a day, month and year; empty for what is none.
 std::optional<std::int64_t> day_of(int day, int month, int year) {
   using namespace std::chrono;
-  if (day < 0 || month < 0 || year < 0) return std::nullopt;
+  constexpr int kFirst = 1970, kLast = 2200;  // of 64 bits of nanoseconds
+  if (day < 0 || month < 0 || year < kFirst || year > kLast) return std::nullopt;
   const year_month_day date{std::chrono::year(year), std::chrono::month(static_cast<unsigned>(month)),
                             std::chrono::day(static_cast<unsigned>(day))};
   if (!date.ok()) return std::nullopt;

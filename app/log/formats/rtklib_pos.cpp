@@ -131,7 +131,7 @@ double number_of(std::string_view cell) {
 std::optional<std::int64_t> stamp_of(std::string_view first, std::string_view second) {
   std::int64_t day = 0, time = 0;
   if (parse_calendar(first, StampForm::date, day) == text::Cell::number) {
-    if (parse_calendar(second, StampForm::time_of_day, time) != text::Cell::number) return std::nullopt;
+    if (parse_calendar(second, StampForm::time_of_day, time) != text::Cell::number || time > kDay) return std::nullopt;
     return day + time;
   }
   constexpr double kMostWeeks = 12'000;  // of 64 bits of nanoseconds

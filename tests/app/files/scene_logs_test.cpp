@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
+
 #include "../log/formats/ulog_writer.h"
 #include "../log/recording_writer.h"
 #include "../temporary.h"
@@ -314,6 +316,35 @@ TEST_F(SceneLogs, ErrorsOfTheFileHaveToBeThere) {
                     file("plan.yaml", "trajectory: ascent\naids:\n  gnss: {file: gnss.csv, position: file}\n"));
               }),
               HasSubstr("where nothing was recorded there is no file"));
+}
+
+// --- Real recordings ------------------------------------------------------------------------------------------------------
+
+TEST_F(SceneLogs, RealRecordingsHaveImuAndFixesOnOneClock) {
+  const std::string logs = std::string(GYROBUDGET_DATA) + "/logs/";
+  if (!std::filesystem::exists(logs)) GTEST_SKIP() << "no public recordings in " << logs << "; set GYROBUDGET_DATA";
+  const auto scene = [&](const std::string& log, const std::string& imu, const std::string& gnss) {
+    return data(fmt::format("imu: {{file: {0}{1}, topic: '{2}'}}\naids:\n  gnss: {{file: {0}{1}, position: {3}}}\n",
+                            logs, log, imu, gnss));
+  };
+  // Of README's counts: 1298 rows of sensor_combined; receivers at 5 Hz beside them, all of them with a fix.
+  const auto px4 = scene("ulog/cube_small.ulg", "sensor_combined", "file, velocity: file").recording;
+  EXPECT_GE(px4.imu.increments.size(), 1298U);
+  ASSERT_EQ(px4.fixes[0].size(), 32U);
+  EXPECT_GT(px4.fixes[0].front().stamp, px4.imu.stamps.front());
+  EXPECT_LT(px4.fixes[0].back().stamp, px4.imu.stamps.back() + 1'000'000'000);
+  const earth::Geodetic trondheim = earth::to_geodetic(px4.fixes[0].front().value);
+  EXPECT_NEAR(trondheim.latitude, 63.41705 * kDegree, 1e-4 * kDegree);
+  constexpr double kMean = 104.328, kSigma = 5.96;  // of alt_ellipsoid, which is 40 m over alt; of epv [m]
+  EXPECT_NEAR(trondheim.height, kMean, kSigma);
+  const auto sitl =
+      scene("ardupilot/copter_444_sitl.bin", "IMU[0]", "file, velocity: file, geoid_separation: 0 m").recording;
+  EXPECT_EQ(sitl.fixes[0].size(), 125U);
+  EXPECT_LT(sitl.fixes[1].front().value.norm(), 1);
+  EXPECT_THAT(message(fmt::format(
+                  "imu: {{file: {}ros1/razor_lz4.bag}}\naids:\n  gnss: {{file: {}ros1/razor_lz4.bag, position: 1 m}}\n",
+                  logs, logs)),
+              HasSubstr("holds no GNSS receiver that can be read; it has"));
 }
 
 }  // namespace
