@@ -45,12 +45,12 @@ std::string stamp_in(std::int64_t stamp, const std::string& scale) {
 std::string device_name(const Aid& aid) { return aid.name.substr(0, aid.name.rfind('.')); }
 
 /// One of the two counts from an epoch and the other does not.
-void check_kind_of_clock(const Aid& aid, const AidFixes& found, const navigation::ImuLog& imu) {
+void check_kind_of_clock(const Aid& aid, const AidFixes& found, std::int64_t first_sample) {
   const std::int64_t first = found.fixes.front().stamp;
-  if (is_dated(first) == is_dated(imu.stamps.front())) return;
+  if (is_dated(first) == is_dated(first_sample)) return;
   const std::string clocks =
       fmt::format("aids.{}: its fixes begin at {} and the IMU's samples at {}, expected one clock", device_name(aid),
-                  stamp_in(first, found.time_scale), stamp_in(imu.stamps.front(), ""));
+                  stamp_in(first, found.time_scale), stamp_in(first_sample, ""));
   if (!is_dated(first)) throw text::InputError(clocks + "; put the fixes on the IMU's");
   throw text::InputError(
       fmt::format("{}; say in the scene which instant is 0 on the IMU's clock, as in imu: {{epoch: {}{}}}", clocks,
@@ -126,7 +126,7 @@ SceneData read_recording(const SceneFile& scene) {
     if (!recorded) continue;
     AidFixes found = read_fixes(aid, scene.aids[i], aid.name.starts_with("reference."), data.notes);
     if (!found.fixes.empty()) {
-      check_kind_of_clock(aid, found, data.recording.imu);
+      check_kind_of_clock(aid, found, first);
       check_scale(*scene.imu, aid, found, data.notes);
       note_overlap(aid, found, data.recording.imu, data.notes);
     }

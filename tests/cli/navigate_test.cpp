@@ -193,8 +193,7 @@ TEST_F(Navigate, NumbersOfThreadsChangeNothing) {
 
 // --- Recorded data -------------------------------------------------------------------------------------------
 
-// A hand-held IMU beside RTKLIB's solution, on clocks that the scene makes one: hardly a fix is refused, and the heading
-// of the walk is found from 10 deg on.
+// A hand-held IMU beside RTKLIB's solution, on clocks that the scene makes one: hardly a fix is refused.
 TEST(WalkWithRtk, TheExampleOfTheDocumentationNavigates) {
   if (!std::filesystem::exists(kData + "/nav/walk_rtk.pos")) GTEST_SKIP() << "no public walk in " << kData << "/nav";
   const json found =

@@ -48,7 +48,7 @@ class SceneLogs : public TemporaryFolder {
   }
 };
 
-// --- The IMU ----------------------------------------------------------------------------------------------------------
+// --- The IMU ---------------------------------------------------------------------------------------------------------
 
 std::string bag(int imus, int first_status = 0) {
   using namespace recording_writer;
@@ -115,7 +115,7 @@ TEST_F(SceneLogs, AnImuOfWhichTheRecorderLeftOutSamplesIsRefused) {
   EXPECT_EQ(r.imu.increments[3].angle[1], static_cast<double>(.002F));  // an increment stays what it is
 }
 
-// --- Fixes of recordings ------------------------------------------------------------------------------------------------
+// --- Fixes of recordings ---------------------------------------------------------------------------------------------
 
 TEST_F(SceneLogs, FixesOfABagWithTheErrorsThatTheyHave) {
   (void)file("walk.bag", bag(1, -1));
@@ -204,7 +204,7 @@ TEST_F(SceneLogs, ArduPilotsFixesWithTheErrorsOfTheMessageBeside) {
   EXPECT_EQ(*fixes[1][1].sigma, Vector3d::Constant(.05));
 }
 
-// --- Solutions of receivers -----------------------------------------------------------------------------------------------
+// --- Solutions of receivers ------------------------------------------------------------------------------------------
 
 const std::string kPos =
     "% (lat/lon/height=WGS84/ellipsoidal,Q=1:fix,2:float,5:single,ns=# of satellites)\n"
@@ -236,7 +236,7 @@ TEST_F(SceneLogs, ClocksThatAreNotOneAreRefused) {
   EXPECT_THAT(
       message("imu: {file: imu.csv}\naids:\n  gnss: {file: walk.pos, position: 1 m}\n"),
       HasSubstr(
-          "begin at 2025-08-28 17:30:39.500 GPST and the IMU's samples at -1.000 s, expected one clock; say in the scene which instant is 0 on the IMU's clock, as in imu: {epoch: 2025-08-28 17:30:39.000 GPST}"));
+          "begin at 2025-08-28 17:30:39.500 GPST and the IMU's samples at 0.000 s, expected one clock; say in the scene which instant is 0 on the IMU's clock, as in imu: {epoch: 2025-08-28 17:30:39.000 GPST}"));
   EXPECT_THAT(
       message("imu: {file: imu.csv, epoch: 2025-08-28 17:30:21 UTC}\naids:\n  gnss: {file: walk.pos, position: 1 m}\n"),
       HasSubstr("its stamps are GPST and the IMU's \"epoch:\" is UTC"));
@@ -318,7 +318,7 @@ TEST_F(SceneLogs, ErrorsOfTheFileHaveToBeThere) {
               HasSubstr("where nothing was recorded there is no file"));
 }
 
-// --- Real recordings ------------------------------------------------------------------------------------------------------
+// --- Real recordings -------------------------------------------------------------------------------------------------
 
 TEST_F(SceneLogs, RealRecordingsHaveImuAndFixesOnOneClock) {
   const std::string logs = std::string(GYROBUDGET_DATA) + "/logs/";
