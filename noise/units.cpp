@@ -305,7 +305,8 @@ class Parser {
       const bool divide = accept("/") || accept_word("per");
       if (divide) {
         result = bounded(product(result, power(factor(), -2)));
-      } else if (accept("*") || accept_hyphen() || is_letter(next()) || next() == '(' || next() == '%') {
+      } else if (accept("*") || accept_hyphen() || accept_dot() || is_letter(next()) || next() == '(' ||
+                 next() == '%') {
         result = bounded(product(result, factor()));
       } else {
         return result;
@@ -369,6 +370,13 @@ class Parser {
 
   bool accept_hyphen() {
     if (next() != '-' || !is_letter(next(1))) return false;
+    ++at_;
+    return true;
+  }
+
+  // m.s^-2, where no number goes on.
+  bool accept_dot() {
+    if (next() != '.' || !is_letter(next(1))) return false;
     ++at_;
     return true;
   }

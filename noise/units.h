@@ -47,7 +47,7 @@ inline constexpr Dimension kTemperature{0, 0, 0, 0, 2};
 ///
 /// Grammar, blanks free between tokens (UTF-8; unicode signs as their ASCII forms):
 ///
-///     unit     = factor { ("*" | "·" | "-" | "/" | "per" | blank) factor }     left to right: a/b c is (a/b) c
+///     unit     = factor { ("*" | "·" | "." | "-" | "/" | "per" | blank) factor }     left to right: a/b c is (a/b) c
 ///     factor   = ( name | "(" unit ")" | "1" ) [ power ]  |  root factor
 ///     root     = ("sqrt" | "root" | "rt" | "√") [ "-" ]                         joined too: rtHz, sqrthr
 ///     power    = ("^" | "**") exponent | "^(" exponent ")"

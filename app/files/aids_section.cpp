@@ -67,6 +67,11 @@ class AidsReader {
         keys.push_back({name, std::move(read)});
       };
       add("file", [&](const Node& v) { device.source.path = yaml_.data_path("file", v); });
+      add("topic", [&](const Node& v) { device.source.topic = yaml_.text("topic", v); });
+      add("geoid_separation", [&](const Node& v) {
+        device.source.geoid_separation = yaml_.quantity("geoid_separation", v, kLength, sensor_file::Sign::any);
+      });
+      add("quality", [&](const Node& v) { device.source.quality = numbers("quality", v); });
       add("columns", [&](const Node& v) { device.source.columns = yaml_.columns(v, aid_column_names()); });
       add("rate", [&](const Node& v) {
         common.rate = yaml_.quantity("rate", v, dimension::kFrequency, sensor_file::Sign::above_zero);
@@ -126,6 +131,15 @@ class AidsReader {
     return result;
   }
 
+  /// One, or a list.
+  [[nodiscard]] std::vector<double> numbers(std::string_view key, const Node& node) const {
+    if (!node.IsSequence()) return {yaml_.number(key, node)};
+    std::vector<double> result;
+    for (const Node& one : node) result.push_back(yaml_.number(key, one));
+    if (result.empty()) yaml_.fail_here(node, fmt::format("{}: found an empty list, expected numbers", key));
+    return result;
+  }
+
   [[nodiscard]] Vector3d lever_arm(const Node& v) const {
     if (!v.IsSequence())
       yaml_.fail_here(v, fmt::format("lever_arm: found {}, expected [forward, right, down] as in [0.2 m, 0 m, -1 m]",
@@ -139,9 +153,12 @@ class AidsReader {
     aid.name = fmt::format("{}.{}", device.common.name, navigation::name(kind));
     const Dimension d = dimension_of(kind);
     bool sigma = true;
+    AidSource source = device.source;
     const auto read_sigma = [&](const Node& v) {
-      aid.sigma = yaml_.triple("sigma", v, d, sensor_file::Sign::above_zero);
       sigma = true;
+      source.sigma_from_file = v.IsScalar() && v.Scalar() == "file";
+      if (source.sigma_from_file) return check_sigma_of_file(aid, source, v);
+      aid.sigma = yaml_.triple("sigma", v, d, sensor_file::Sign::above_zero);
     };
     if (node.IsMap()) {
       sigma = false;
@@ -156,10 +173,22 @@ class AidsReader {
       read_sigma(node);
     }
     if (!sigma) yaml_.fail_here(node, fmt::format("aids.{}: found no \"sigma:\", expected its white noise", aid.name));
-    AidSource source = device.source;
     if (kind == Aid::Kind::rest) source = {};
     scene_.scenario.aids.push_back(std::move(aid));
     scene_.aids.push_back(std::move(source));
+  }
+
+  // Errors that each fix has of its own are there where it was recorded.
+  void check_sigma_of_file(const Aid& aid, const AidSource& source, const Node& node) const {
+    const bool can =
+        aid.kind == Aid::Kind::position || aid.kind == Aid::Kind::velocity || aid.kind == Aid::Kind::height;
+    const Node& root = yaml_.root();
+    const bool is_planned = !root["imu"] || root["trajectory"] || root["flight"];
+    if (can && !source.path.empty() && !is_planned) return;
+    yaml_.fail_here(node, fmt::format("aids.{}: found sigma: file, expected {}", aid.name,
+                                      !can ? "numbers: only positions, heights and velocities have theirs in a file"
+                                      : is_planned ? "numbers: where nothing was recorded there is no file with them"
+                                                   : "\"file:\" in the aid, whose columns have them"));
   }
 
   void read_correlated(const Node& node, const Dimension& d, Aid& aid) const {

@@ -144,6 +144,8 @@ class SceneReader {
     ImuSource imu;
     yaml_.section(node, "imu",
                   {{"file", [&](const Node& v) { imu.path = yaml_.data_path("file", v); }},
+                   {"topic", [&](const Node& v) { imu.topic = yaml_.text("topic", v); }},
+                   {"epoch", [&](const Node& v) { imu.epoch = yaml_.epoch("epoch", v); }},
                    {"columns", [&](const Node& v) { imu.columns = yaml_.columns(v, imu_column_names()); }},
                    {"axes", [&](const Node& v) { read_axes(v, imu); }},
                    {"rate",

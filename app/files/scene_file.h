@@ -9,6 +9,7 @@
 #include "gyrobudget/vehicle/flight/plan.h"
 
 #include <array>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
@@ -19,21 +20,34 @@
 
 namespace gyrobudget::inline v0::files {
 
+/// An instant as people write it.
+struct ClockEpoch {
+  std::int64_t ns = 0;  ///< since 1970, without leap seconds
+  std::string scale;    ///< "GPST", "UTC", "JST"; empty: not said
+};
+
 /// Where an IMU log is and how it is to be read.
 struct ImuSource {
   std::string path;
+  std::optional<std::string> topic;            ///< of a recording; unset: its only IMU
   std::map<std::string, std::string> columns;  ///< "gyro_x" -> "wx (deg/s)"
   std::optional<double> rate_hz;               ///< where there is no time column
   std::array<int, 3> axis{0, 1, 2};            ///< which axis of the log is forward, right, down
   std::array<int, 3> sign{1, 1, 1};
   bool instants = false;  ///< rates hold at their stamps; else they are means over the interval
   navigation::StampAt stamp = navigation::StampAt::end;
+  std::optional<ClockEpoch> epoch;  ///< what its time 0 is
 };
 
 /// Where the fixes of an aid are.
 struct AidSource {
-  std::string path;  ///< empty: not recorded
+  std::string path;                  ///< empty: not recorded
+  std::optional<std::string> topic;  ///< of a recording; unset: its only GNSS receiver
   std::map<std::string, std::string> columns;
+  bool sigma_from_file = false;  ///< Fix::sigma
+  std::optional<double>
+      geoid_separation;         ///< heights are over the geoid, and this is that of it over the ellipsoid [m]
+  std::vector<double> quality;  ///< fixes that are used; empty: all that the file's format calls measured
 };
 
 /// What flies in place of a trajectory.
@@ -66,7 +80,8 @@ struct SceneFile {
 /// Reads a scene (YAML), a test card: where, what moves, with which sensors and aids, what is asked. Every value
 /// has its unit. Left out is what the scene does not need. Times are those of the IMU log's clock, or, where that
 /// counts from an epoch (beyond 1e6 s), after its first sample; or after the start of the trajectory. Files are looked
-/// for from the scene file's folder on, data in `data_folder` where that is given.
+/// for from the scene file's folder on, data in `data_folder` where that is given. Logs are texts or recordings
+/// (log/recording.h), known by their content.
 ///
 ///     site: alcantara
 ///     trajectory: ascent
@@ -103,9 +118,12 @@ struct SceneData {
   std::vector<std::string> notes;  ///< what a person should know of how it was read, one sentence each
 };
 
-/// Reads the logs of a scene. Rows of an aid with a number missing are passed over, and said; IMU samples with one
-/// missing are bridged (recording.h).
-/// @throws InputError for logs that are missing or malformed, and a scene without `imu`.
+/// Reads the logs of a scene, texts or recordings. Rows of an aid with a number missing, or that the receiver calls no
+/// fix, are passed over, and said; IMU samples with a number missing are bridged (recording.h). Heights are over the
+/// ellipsoid: of those over the geoid it has to be known how high that lies, by the file or by the scene. Clocks that
+/// one recording gives its streams are one; of others the scale is said where it is known, and never changed.
+/// @throws InputError for logs that are missing or malformed, a scene without `imu`, heights over a geoid that nobody
+/// tells, and clocks of which one counts from an epoch and the other does not.
 [[nodiscard]] SceneData read_recording(const SceneFile&);
 
 }  // namespace gyrobudget::inline v0::files

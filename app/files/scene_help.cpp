@@ -42,7 +42,9 @@ flight:                       # or, in its place, what flies in closed loop: for
   integrator: automatic       # or {method: fehlberg78, step: 10 ms, tolerance: 1e-9}: automatic, exact,
                               #   runge_kutta4, dormand_prince, fehlberg78, rosenbrock
 imu:                          # what was recorded
-  file: imu.csv               # CSV or text, also .gz
+  file: imu.csv               # text, or a recording: ROS bag, MCAP, ULog, dataflash, MAT, HDF5; also packed
+  topic: /imu/data_raw        # of a recording: its stream, as inspect names it [the only IMU]
+  epoch: 2026-03-05 09:14:22 GPST   # what instant its time 0 is, where fixes have dates and it has none
   columns:                    # where the header does not say time (s), gyro_x (deg/s) ... accel_z (g):
     time: t_s (s)             #   column of the file, and its unit where the header has none
     gyro_x: gx (0.1 arcsec)   #   rad: an increment, rad/s: a rate; a count has a factor before its unit
@@ -78,9 +80,15 @@ alignment:
   heading_sigma: 1 deg
 aids:
   gnss:                       # a name of yours
-    file: gnss.csv            # columns as of the IMU: time, latitude, longitude, height, velocity_north,
-    columns: {}               #   velocity_east, velocity_down or velocity_up; heading or yaw (clockwise
-                              #   from north) or yaw_ccw, pitch, roll; or q_w, q_x, q_y, q_z
+    file: gnss.csv            # text, a recording, RTKLIB's .pos, NMEA 0183 or gpsd's JSON
+    topic: /fix               # of a recording [the only GNSS receiver]
+    columns: {}               # of a text, as of the IMU: time, latitude, longitude, height, velocity_north,
+                              #   velocity_east, velocity_down or velocity_up; heading or yaw (clockwise
+                              #   from north) or yaw_ccw, pitch, roll; or q_w, q_x, q_y, q_z; ecef_x, _y, _z;
+                              #   position_sigma (or _east, _north, _up), velocity_sigma; quality
+    geoid_separation: -24.9 m # heights are over the geoid, which is so high over the ellipsoid
+                              #   [they are over the ellipsoid, or the file tells the geoid]
+    quality: [1, 2]           # only fixes of which the receiver says this [all that it has measured]
     rate: 1 Hz                # of simulated fixes and of rest
     lever_arm: [0.2 m, 0 m, -1 m]     # from the IMU, forward, right, down
     lever_arm_sigma: 5 cm             # estimated where not 0, as are the next and the biases
@@ -91,7 +99,8 @@ aids:
     outages: [[60 s, 120 s]]          # but not there
     used: yes                         # no: only to compare with
     position:                         # what it measures: position, velocity, height, attitude, rest
-      sigma: [2 m, 2 m, 4 m]          # white from fix to fix; position: 2 m says just that
+      sigma: [2 m, 2 m, 4 m]          # white from fix to fix; position: 2 m says just that; file: that
+                                      # which each fix has in its file, as in position: file
       bias_sigma: 0 m                 # a constant error; of an attitude, the mounting
       correlated: {sigma: 1 m, time: 5 min}
                                       # from, until, outages and used stand here too

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
 #include "scene_yaml.h"
 
+#include "gyrobudget/app/log/calendar.h"
+#include "gyrobudget/app/text/text.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -33,6 +36,23 @@ Vector3d SceneYaml::triple(std::string_view key, const Node& value, const noise:
   if (value.size() != 3)
     fail_here(value, fmt::format("{}: found a list of {}, expected one value or three", key, value.size()));
   return {quantity(key, value[0], d, sign), quantity(key, value[1], d, sign), quantity(key, value[2], d, sign)};
+}
+
+ClockEpoch SceneYaml::epoch(std::string_view key, const Node& node) const {
+  const std::string written = text(key, node);
+  std::string_view instant = text::trim(written);
+  ClockEpoch epoch;
+  for (const std::string_view scale : {"GPST", "UTC", "JST"}) {
+    if (!instant.ends_with(scale)) continue;
+    epoch.scale = scale;
+    instant = text::trim(instant.substr(0, instant.size() - scale.size()));
+  }
+  const auto form = log::calendar_form(instant);
+  const bool is_instant = form == log::StampForm::date_time || form == log::StampForm::date;
+  if (!is_instant || log::parse_calendar(instant, *form, epoch.ns) != text::Cell::number)
+    fail_here(node, fmt::format("{}: found {}, expected a date and a time of day, as in 2025-08-28 17:30:39 GPST", key,
+                                text::quoted(written)));
+  return epoch;
 }
 
 std::string SceneYaml::path(std::string_view key, const Node& value) const {

@@ -25,6 +25,8 @@ class SceneYaml : public sensor_file::YamlReader {
   /// One for all three, or a list of three.
   [[nodiscard]] Eigen::Vector3d triple(std::string_view key, const YAML::Node&, const noise::Dimension&,
                                        sensor_file::Sign) const;
+  /// A date and time of day, and the scale that it is in: 2025-08-28 17:30:39.749 GPST.
+  [[nodiscard]] ClockEpoch epoch(std::string_view key, const YAML::Node& node) const;
   /// A path as written, or from the scene's folder.
   [[nodiscard]] std::string path(std::string_view key, const YAML::Node&) const;
   [[nodiscard]] std::string data_path(std::string_view key, const YAML::Node&) const;

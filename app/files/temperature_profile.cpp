@@ -52,13 +52,13 @@ noise::TemperatureProfile warm_up(std::string_view text) {
 }
 
 noise::TemperatureProfile table(const std::string& path) {
-  constexpr log::Wanted kColumn{"temperature", {"temp", "T"}, dimension::kTemperature};
+  constexpr log::Wanted kColumn{"temperature", {"temp", "celsius"}, dimension::kTemperature};
   constexpr std::string_view kExpected = "expected a header with time (s) and temperature (degC)";
   constexpr std::size_t kChunk = std::size_t{1} << 20;
   const log::Bytes source(path);
   const log::Layout layout = log::read_layout(source);
   const log::ColumnMap map;
-  const log::NamedColumns columns(source, layout, map, kExpected);
+  const log::NamedColumns columns(source.name(), layout, map, kExpected);
   log::Choice choice;
   choice.data.push_back(columns.get(kColumn));
   log::add_stamps(choice, columns.get(log::kTimeColumn));

@@ -49,7 +49,7 @@ bool is_far(const log::Layout& layout, const log::DataColumn& time) {
 
 log::Choice choose(const log::Bytes& source, const log::Layout& layout) {
   const log::ColumnMap none;
-  const log::NamedColumns columns(source, layout, none, kExpected);
+  const log::NamedColumns columns(source.name(), layout, none, kExpected);
   log::Choice choice;
   choice.data.push_back(columns.get(log::kTimeColumn));
   if (is_far(layout, choice.data.front())) {

@@ -4,6 +4,8 @@
 #include "gyrobudget/app/text/text.h"
 #include "gyrobudget/noise/constants.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -227,6 +229,17 @@ text::Cell parse_calendar(std::string_view cell, StampForm form, std::int64_t& n
   if (stamp->seconds < kFirst || stamp->seconds >= kLast) return text::Cell::beyond;
   ns = stamp->seconds * noise::kNanosecondsPerSecond + stamp->nanoseconds;
   return text::Cell::number;
+}
+
+std::string calendar_text(std::int64_t ns) {
+  using namespace std::chrono;
+  const auto ms = floor<milliseconds>(nanoseconds(ns));
+  const auto day = floor<days>(ms);
+  const year_month_day date{sys_days(day)};
+  const hh_mm_ss time(ms - day);
+  return fmt::format("{:04}-{:02}-{:02} {:02}:{:02}:{:02}.{:03}", static_cast<int>(date.year()),
+                     static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()), time.hours().count(),
+                     time.minutes().count(), time.seconds().count(), time.subseconds().count());
 }
 
 }  // namespace gyrobudget::inline v0::log

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace gyrobudget::inline v0::log {
@@ -31,5 +32,8 @@ enum class StampForm {
 /// @return Cell::missing for an empty cell and the like, with kNoStamp; Cell::beyond for years before 1700 or after
 /// 2260, which 64 bits do not hold.
 [[nodiscard]] text::Cell parse_calendar(std::string_view cell, StampForm form, std::int64_t& ns);
+
+/// "2025-08-28 17:30:39.749" for nanoseconds since 1970, cut to milliseconds.
+[[nodiscard]] std::string calendar_text(std::int64_t ns);
 
 }  // namespace gyrobudget::inline v0::log

@@ -16,12 +16,13 @@ namespace {
 struct DialectColumn {
   std::string_view name;            ///< in the header; a '*' at its end stands for the rest
   std::string_view unit;            ///< of a number in it
-  std::string_view scale_key = {};  ///< the line of the preamble that gives the factor to that unit; empty: 1
+  std::string_view scale_key = {};  ///< the line of the preamble that gives the factor to that unit; empty: `scale`
+  double scale = 1;                 ///< units of one number
 };
 
 struct HeaderDialect {
   std::string_view name;
-  std::string_view first_line;                ///< of the preamble; empty: any
+  std::string_view first_line;                ///< how the text begins; empty: any
   std::vector<std::string_view> names_of_it;  ///< columns that make it this one
   std::vector<DialectColumn> columns;
   std::string_view remark = {};
@@ -58,6 +59,16 @@ const std::vector<HeaderDialect>& header_dialects() {
         {"UncalAccelXMps2", "m/s^2"},
         {"UncalAccelYMps2", "m/s^2"},
         {"UncalAccelZMps2", "m/s^2"}}},
+      {"Xsens' MT Manager",
+       "// Start Time",
+       {"PacketCounter"},
+       {{"SampleTimeFine", "us", "", 100},
+        {"Acc_*", "m/s^2"},
+        {"Gyr_*", "rad/s"},
+        {"FreeAcc_*", ""},
+        {"VelInc_*", "m/s"},
+        {"Temperature", "degC"}},
+       "SampleTimeFine counts 0.1 ms"},
       {"gyroflow",
        "GYROFLOW IMU LOG",
        {"t", "gx", "gy", "gz"},
@@ -72,26 +83,78 @@ const std::vector<HeaderDialect>& header_dialects() {
   return kDialects;
 }
 
-struct TaggedRows {
-  std::string_view tag;  ///< their first cell
-  std::vector<std::pair<std::string_view, std::string_view>> columns;
+using NamedUnit = std::pair<std::string_view, std::string_view>;
+
+struct RowsWithoutHeader {
+  std::string_view name;
+  std::string_view tag;                    ///< their first cell; empty: what `is_it` says of their numbers
+  bool (*is_it)(std::span<const double>);  ///< of one row
+  std::vector<NamedUnit> columns;
+  std::string_view remark = {};
 };
 
-const std::vector<TaggedRows>& tagged_rows() {
-  static const std::vector<TaggedRows> kTags{{"$VNIMU",
-                                              {{"tag", ""},
-                                               {"MagX", ""},
-                                               {"MagY", ""},
-                                               {"MagZ", ""},
-                                               {"AccX", "m/s^2"},
-                                               {"AccY", "m/s^2"},
-                                               {"AccZ", "m/s^2"},
-                                               {"GyrX", "rad/s"},
-                                               {"GyrY", "rad/s"},
-                                               {"GyrZ", "rad/s"},
-                                               {"Temp", "degC"},
-                                               {"Pres", ""}}}};
-  return kTags;
+/// A place, angles, gravity, and at the end how many satellites and in which modes.
+bool is_oxts(std::span<const double> row) {
+  constexpr std::size_t kForce = 11, kWhole = 25;
+  constexpr double kLeastForce = 4, kMostForce = 20;  // [m/s^2]: a car on the road
+  const double force = std::hypot(row[kForce], row[kForce + 1], row[kForce + 2]);
+  return std::abs(row[0]) <= 90 && std::abs(row[1]) <= 180 && force > kLeastForce && force < kMostForce &&
+         std::ranges::all_of(row.subspan(kWhole), [](double x) { return x >= -1 && x < 100 && x == std::floor(x); });
+}
+
+const std::vector<RowsWithoutHeader>& rows_without_header() {
+  static const std::vector<RowsWithoutHeader> kRows{
+      {"VectorNav's VNIMU",
+       "$VNIMU",
+       nullptr,
+       {{"tag", ""},
+        {"MagX", ""},
+        {"MagY", ""},
+        {"MagZ", ""},
+        {"AccX", "m/s^2"},
+        {"AccY", "m/s^2"},
+        {"AccZ", "m/s^2"},
+        {"GyrX", "rad/s"},
+        {"GyrY", "rad/s"},
+        {"GyrZ", "rad/s"},
+        {"Temp", "degC"},
+        {"Pres", ""}}},
+      // Of its two triads the one along the vehicle's axes has units; the other is the same, levelled.
+      {"KITTI's oxts",
+       "",
+       is_oxts,
+       {{"lat", "deg"},
+        {"lon", "deg"},
+        {"alt", "m"},
+        {"roll", "rad"},
+        {"pitch", "rad"},
+        {"yaw_ccw", "rad"},
+        {"vn", "m/s"},
+        {"ve", "m/s"},
+        {"vf", ""},
+        {"vl", ""},
+        {"vu", "m/s"},
+        {"ax", "m/s^2"},
+        {"ay", "m/s^2"},
+        {"az", "m/s^2"},
+        {"af", ""},
+        {"al", ""},
+        {"au", ""},
+        {"wx", "rad/s"},
+        {"wy", "rad/s"},
+        {"wz", "rad/s"},
+        {"wf", ""},
+        {"wl", ""},
+        {"wu", ""},
+        {"pos_accuracy", "m"},
+        {"vel_accuracy", "m/s"},
+        {"navstat", ""},
+        {"numsats", ""},
+        {"posmode", ""},
+        {"velmode", ""},
+        {"orimode", ""}},
+       "its files have no time: give the rate, 10 Hz of synced and 100 Hz of raw sequences"}};
+  return kRows;
 }
 
 struct ForeignLine {
@@ -127,9 +190,7 @@ bool has_name(const Layout& layout, std::string_view name) {
 }
 
 bool is_of(const Layout& layout, const HeaderDialect& dialect) {
-  if (!dialect.first_line.empty() &&
-      (layout.preamble.empty() || !text::trim(layout.preamble.front()).starts_with(dialect.first_line)))
-    return false;
+  if (!layout.first_line.starts_with(dialect.first_line)) return false;
   return std::ranges::all_of(dialect.names_of_it, [&](auto name) { return has_name(layout, name); });
 }
 
@@ -142,7 +203,7 @@ ToldUnit told(const Layout& layout, const HeaderDialect& dialect, const Heading&
   const auto column =
       std::ranges::find_if(dialect.columns, [&](const DialectColumn& c) { return is_named(c, heading.name); });
   if (column == dialect.columns.end()) return {};
-  if (column->scale_key.empty()) return {std::string(column->unit)};
+  if (column->scale_key.empty()) return {std::string(column->unit), column->scale};
   const auto scale = preamble_number(layout, column->scale_key);
   return scale ? ToldUnit{std::string(column->unit), *scale} : ToldUnit{};
 }
@@ -161,16 +222,25 @@ std::optional<Recognised> recognise(const Layout& layout) {
   return std::nullopt;
 }
 
-std::vector<Heading> headings_of_tagged_rows(const Layout& layout) {
-  for (const TaggedRows& rows : tagged_rows()) {
-    const bool all = std::ranges::all_of(
-        layout.sample, [&](const auto& row) { return row.size() == rows.columns.size() && row.front() == rows.tag; });
-    if (!all) continue;
-    std::vector<Heading> headings;
-    for (const auto& [name, unit] : rows.columns) headings.push_back({std::string(name), std::string(unit), 1});
-    return headings;
+std::optional<KnownRows> headings_of_known_rows(const Layout& layout) {
+  const auto is_row_of = [&](const RowsWithoutHeader& rows, const std::vector<std::string_view>& cells) {
+    if (cells.size() != rows.columns.size()) return false;
+    if (!rows.is_it) return cells.front() == rows.tag;
+    std::vector<double> numbers(cells.size());
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      if (text::parse_number(cells[i], layout.dialect.decimal_comma, numbers[i]) != text::Cell::number) return false;
+    }
+    return rows.is_it(numbers);
+  };
+  for (const RowsWithoutHeader& rows : rows_without_header()) {
+    if (!std::ranges::all_of(layout.sample, [&](const auto& cells) { return is_row_of(rows, cells); })) continue;
+    KnownRows known;
+    for (const auto& [name, unit] : rows.columns) known.headings.push_back({std::string(name), std::string(unit), 1});
+    known.note = fmt::format("by their form the rows are {}, whose format has the units{}{}", rows.name,
+                             rows.remark.empty() ? "" : "; ", rows.remark);
+    return known;
   }
-  return {};
+  return std::nullopt;
 }
 
 std::string_view advice_on(std::string_view line) {

@@ -26,8 +26,14 @@ struct Recognised {
 /// have. Units are those of the program's own format or those that the file tells, never such as are only usual.
 [[nodiscard]] std::optional<Recognised> recognise(const Layout& layout);
 
-/// Headings of rows without a header whose first cell says what they are ($VNIMU); empty for others.
-[[nodiscard]] std::vector<Heading> headings_of_tagged_rows(const Layout& layout);
+/// The columns of rows without a header.
+struct KnownRows {
+  std::vector<Heading> headings;
+  std::string note;  ///< what they were taken for, for people
+};
+/// Of rows that say what they are: by their first cell ($VNIMU), or by a form that no others have (KITTI's 30 numbers
+/// with a place, gravity and five whole numbers at their end); empty for others.
+[[nodiscard]] std::optional<KnownRows> headings_of_known_rows(const Layout& layout);
 
 /// What a line that begins so is, and how it becomes a log; empty for lines of logs.
 [[nodiscard]] std::string_view advice_on(std::string_view line);

@@ -266,6 +266,7 @@ Layout read_layout(const Bytes& source) {
     text::fail(source.name(), "holds no samples, only blank and comment lines; check how it was written");
 
   Layout layout;
+  layout.first_line = text::trim(source.text().substr(0, source.text().find('\n')));
   skip_preamble(source, top, layout);
   const char delimiter = layout.dialect.delimiter;
 
@@ -296,7 +297,12 @@ Layout read_layout(const Bytes& source) {
       layout.heading_line = comment.number;
     }
   }
-  if (layout.headings.empty()) layout.headings = headings_of_tagged_rows(layout);
+  if (layout.headings.empty()) {
+    if (auto known = headings_of_known_rows(layout)) {
+      layout.headings = std::move(known->headings);
+      layout.notes.push_back(std::move(known->note));
+    }
+  }
   count_columns(source, layout);
   say_where_the_header_is(layout);
   return layout;

@@ -44,6 +44,7 @@ struct Layout {
   std::vector<std::vector<std::string_view>> sample;  ///< the cells of the first rows
   std::vector<std::string_view> preamble;             ///< lines above header and rows that are neither, nor comments
   bool is_cut = false;                                ///< the preamble is the end of a row
+  std::string_view first_line;                        ///< of the text, whatever it is
   std::vector<std::string> notes;                     ///< which line was taken for what, where that is not plain
 };
 

@@ -62,15 +62,15 @@ std::optional<std::size_t> NamedColumns::find(const Wanted& wanted) const {
     if (const auto index = place(given->name)) return index;
     std::vector<std::string> names;
     for (const Heading& h : layout_.headings) names.push_back(h.name);
-    text::fail(
-        source_.name(),
-        fmt::format("found no column {} for {}{}{}", text::quoted(given->name), wanted.name,
-                    text::suggestion(given->name, names),
-                    names.empty() ? fmt::format("; without a header columns are numbers from 1 to {}", layout_.columns)
-                                  : "; there are " + text::listing(names)));
+    text::fail(source_, fmt::format("found no column {} for {}{}{}", text::quoted(given->name), wanted.name,
+                                    text::suggestion(given->name, names),
+                                    names.empty() ? fmt::format("; without a header columns are numbers from 1 to {}",
+                                                                layout_.columns)
+                                                  : "; there are " + text::listing(names)));
   }
   for (std::size_t i = 0; i < layout_.headings.size(); ++i) {
     const std::string name = text::lower(layout_.headings[i].name);
+    if (name.empty()) continue;
     if (name == wanted.name || std::ranges::find(wanted.others, name) != wanted.others.end()) return i;
   }
   return std::nullopt;
@@ -79,7 +79,7 @@ std::optional<std::size_t> NamedColumns::find(const Wanted& wanted) const {
 std::pair<DataColumn, std::size_t> NamedColumns::get(const Wanted& wanted,
                                                      const std::vector<noise::Dimension>& dimensions) const {
   const auto index = find(wanted);
-  if (!index) text::fail(source_.name(), fmt::format("found no column {}, {}", text::quoted(wanted.name), expected_));
+  if (!index) text::fail(source_, fmt::format("found no column {}, {}", text::quoted(wanted.name), expected_));
   const Heading heading =
       layout_.headings.empty() ? Heading{std::to_string(*index + 1), {}, 1} : layout_.headings[*index];
   const auto given = mapped(wanted);
@@ -97,12 +97,14 @@ std::pair<DataColumn, std::size_t> NamedColumns::get(const Wanted& wanted,
   } catch (const std::invalid_argument& error) {
     found += fmt::format(" ({})", error.what());
   }
-  text::fail_at(
-      source_.name(), layout_.heading_line, heading.column,
-      fmt::format(
-          "column {} has {}, expected one like {}, in the header as in \"{} ({})\"", text::quoted(heading.name), found,
-          examples(dimensions), heading.name,
-          noise::example_units(dimensions.front()).substr(0, noise::example_units(dimensions.front()).find(','))));
+  const std::string example = noise::example_units(dimensions.front());
+  const bool has_header = layout_.heading_line > 0;
+  const std::string message =
+      fmt::format("column {} has {}, expected one like {}, in {} as in \"{} ({})\"", text::quoted(heading.name), found,
+                  examples(dimensions), has_header ? "the header" : "the columns that are asked for", heading.name,
+                  example.substr(0, example.find(',')));
+  if (has_header) text::fail_at(source_, layout_.heading_line, heading.column, message);
+  text::fail(source_, message);
 }
 
 DataColumn NamedColumns::get(const Wanted& wanted) const { return get(wanted, {wanted.dimension}).first; }

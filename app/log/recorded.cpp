@@ -54,6 +54,11 @@ bool is_any(const StreamInfo&) { return true; }
 bool is_read(const StreamInfo& s) { return !s.fields.empty(); }
 bool is_array(const StreamInfo& s) { return s.clock.empty() && is_read(s); }
 
+std::vector<std::size_t> streams_for(const Recording& recording, const StreamUse& use) {
+  auto places = places_of(recording.streams(), use.is_meant);
+  return places.empty() ? places_of(recording.streams(), is_array) : places;
+}
+
 /// The columns of a stream as the chooser of text logs knows them: the fields, and the clock behind them.
 struct Headed {
   Layout layout;
@@ -79,7 +84,46 @@ Headed headed(const StreamInfo& info, const std::vector<std::vector<double>>& ar
   return h;
 }
 
-/// Nanoseconds of an array of times; from its first number on a double has digits enough.
+void keep_rows(Rows& of, const std::vector<std::size_t>& rows) {
+  const auto keep = [&](auto& column) {
+    auto kept = column;
+    kept.resize(rows.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) kept[i] = column[rows[i]];
+    column = std::move(kept);
+  };
+  keep(of.stamps_ns);
+  for (auto& column : of.columns) keep(column);
+}
+
+}  // namespace
+
+std::vector<std::size_t> sensor_streams(const Recording& recording) { return streams_for(recording, use_as_log()); }
+
+const StreamUse& use_as_log() {
+  static constexpr StreamUse kUse{holds_inertial, "IMU, gyroscope or accelerometer", "--topic"};
+  return kUse;
+}
+
+void put_in_order(Rows& rows) {
+  const auto& stamps = rows.stamps_ns;
+  const auto goes_back = [&](std::size_t i) { return stamps[i] < stamps[i - 1]; };
+  std::size_t back = 0, repeated = 0;
+  for (std::size_t i = 1; i < stamps.size(); ++i) back += goes_back(i), repeated += stamps[i] == stamps[i - 1];
+  if (back == 0 && repeated == 0) return;
+  std::vector<std::size_t> order(stamps.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::ranges::stable_sort(order, {}, [&](std::size_t row) { return stamps[row]; });
+  const auto kept =
+      std::unique(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return stamps[a] == stamps[b]; });
+  const auto dropped = static_cast<std::size_t>(order.end() - kept);
+  order.erase(kept, order.end());
+  keep_rows(rows, order);
+  if (back > 0)
+    rows.notes.push_back(
+        fmt::format("the time goes back {} times: the rows are put in the order of their stamps", back));
+  if (dropped > 0) rows.notes.push_back(fmt::format("{} rows repeat a stamp: the first of each is kept", dropped));
+}
+
 std::vector<std::int64_t> stamps_of(const std::vector<double>& times, std::int64_t ns_per_unit) {
   constexpr double kMost = 9.2e18;  // of 64 bits
   std::vector<std::int64_t> stamps;
@@ -91,47 +135,8 @@ std::vector<std::int64_t> stamps_of(const std::vector<double>& times, std::int64
   return stamps;
 }
 
-void keep_rows(Recorded& recorded, const std::vector<std::size_t>& rows) {
-  const auto keep = [&](auto& column) {
-    auto kept = column;
-    kept.resize(rows.size());
-    for (std::size_t i = 0; i < rows.size(); ++i) kept[i] = column[rows[i]];
-    column = std::move(kept);
-  };
-  keep(recorded.stamps);
-  for (auto& column : recorded.numbers) keep(column);
-}
-
-/// Puts the rows in the order of their stamps, and keeps the first of those with one stamp.
-void put_in_order(Recorded& recorded) {
-  const auto& stamps = recorded.stamps;
-  const auto goes_back = [&](std::size_t i) { return stamps[i] < stamps[i - 1]; };
-  std::size_t back = 0, repeated = 0;
-  for (std::size_t i = 1; i < stamps.size(); ++i) back += goes_back(i), repeated += stamps[i] == stamps[i - 1];
-  if (back == 0 && repeated == 0) return;
-  std::vector<std::size_t> rows(stamps.size());
-  std::iota(rows.begin(), rows.end(), std::size_t{0});
-  std::ranges::stable_sort(rows, {}, [&](std::size_t row) { return stamps[row]; });
-  const auto kept =
-      std::unique(rows.begin(), rows.end(), [&](std::size_t a, std::size_t b) { return stamps[a] == stamps[b]; });
-  const auto dropped = static_cast<std::size_t>(rows.end() - kept);
-  rows.erase(kept, rows.end());
-  keep_rows(recorded, rows);
-  if (back > 0)
-    recorded.notes.push_back(
-        fmt::format("the time goes back {} times: the rows are put in the order of their stamps", back));
-  if (dropped > 0) recorded.notes.push_back(fmt::format("{} rows repeat a stamp: the first of each is kept", dropped));
-}
-
-}  // namespace
-
-std::vector<std::size_t> sensor_streams(const Recording& recording) {
-  auto places = places_of(recording.streams(), holds_inertial);
-  return places.empty() ? places_of(recording.streams(), is_array) : places;
-}
-
 std::size_t choose_stream(const Recording& recording, const std::string& source,
-                          const std::optional<std::string>& topic) {
+                          const std::optional<std::string>& topic, const StreamUse& use) {
   const auto& streams = recording.streams();
   const auto place = [&](auto found) { return static_cast<std::size_t>(found - streams.begin()); };
   if (topic) {
@@ -143,19 +148,19 @@ std::size_t choose_stream(const Recording& recording, const std::string& source,
     }
     std::vector<std::string> names;
     for (const StreamInfo& s : streams) names.push_back(s.name);
-    throw std::invalid_argument(fmt::format("--topic {}: {} has no such stream{}; it has {}", text::printable(*topic),
-                                            source, text::suggestion(*topic, names),
+    throw std::invalid_argument(fmt::format("{} {}: {} has no such stream{}; it has {}", use.topic,
+                                            text::printable(*topic), source, text::suggestion(*topic, names),
                                             listed(streams, places_of(streams, is_any))));
   }
-  const auto places = sensor_streams(recording);
+  const auto places = streams_for(recording, use);
   if (places.size() == 1) return places.front();
   if (places.size() > 1)
     throw std::invalid_argument(
-        fmt::format("{} holds {}; choose one of them: --topic NAME", source, listed(streams, places)));
+        fmt::format("{} holds {}; choose one of them: {} NAME", source, listed(streams, places), use.topic));
   std::string why;
   for (const std::string& note : recording.notes()) why += "; " + note;
-  text::fail(source, fmt::format("this {} holds no IMU, gyroscope or accelerometer that can be read; it has {}{}",
-                                 recording.format(), listed(streams, places_of(streams, is_any)), why));
+  text::fail(source, fmt::format("this {} holds no {} that can be read; it has {}{}", recording.format(), use.what,
+                                 listed(streams, places_of(streams, is_any)), why));
 }
 
 Recorded read_recorded(const Recording& recording, const LogOptions& options) {
@@ -179,6 +184,7 @@ Recorded read_recorded(const Recording& recording, const LogOptions& options) {
   for (const DataColumn& c : choice.data) fields.push_back(c.index);
   if (columns.clock) {
     arrays = recording.read(stream, fields);
+    put_in_order(arrays);
     recorded.stamps = std::move(arrays.stamps_ns);
     recorded.numbers = std::move(arrays.columns);
     if (arrays.clock != info.clock) choice.time_name = arrays.clock;
@@ -191,7 +197,6 @@ Recorded read_recorded(const Recording& recording, const LogOptions& options) {
     for (double& x : recorded.numbers[i]) x *= choice.data[i].to_si;
   recorded.notes = recording.notes();
   recorded.notes.insert(recorded.notes.end(), arrays.notes.begin(), arrays.notes.end());
-  if (columns.clock) put_in_order(recorded);
   return recorded;
 }
 

@@ -14,12 +14,15 @@
 #include "bytes.h"
 #include "compression.h"
 #include "formats/dataflash.h"
+#include "formats/gpsd_json.h"
 #include "formats/hdf5.h"
 #include "formats/mat.h"
 #include "formats/mcap.h"
+#include "formats/nmea.h"
 #include "formats/npz.h"
 #include "formats/ros1_bag.h"
 #include "formats/rosbag2.h"
+#include "formats/rtklib_pos.h"
 #include "formats/sqlite_source.h"
 #include "formats/ulog.h"
 
@@ -86,6 +89,9 @@ constexpr auto kFormats = std::to_array<RecordedFormat>({
     {"MATLAB 5 to 7", is_mat, nullptr, open_mat},
     {"MATLAB 7.3", is_matlab_73, nullptr, open_hdf5},
     {"HDF5", is_hdf5, nullptr, open_hdf5},
+    {"RTKLIB solution", is_rtklib_pos, nullptr, open_rtklib_pos},
+    {"NMEA 0183", is_nmea, nullptr, open_nmea},
+    {"gpsd's JSON", is_gpsd_json, nullptr, open_gpsd_json},
     {"NumPy npz", is_npz, nullptr, open_npz},
     {"NumPy array", is_other_npy, nullptr, open_other_npy},
     {"Betaflight blackbox", is_blackbox, nullptr, refuse_blackbox},

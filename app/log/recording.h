@@ -46,6 +46,7 @@ struct Rows {
   std::string clock;                    ///< whose they are: StreamInfo::clock, or what had to stand in for it
   std::vector<std::vector<double>> columns;  ///< of the fields asked for; NaN where a row says that it has none
   std::vector<std::string> notes;            ///< what was taken for what, left out, or damaged, for people
+  bool is_decimated = false;                 ///< rows say that they cover less than the time between them
 };
 
 /// A recording that was opened. Reading is const and keeps nothing: two threads may read two streams.

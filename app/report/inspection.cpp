@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "inspection.h"
 
+#include "gyrobudget/app/log/calendar.h"
 #include "gyrobudget/app/text/text.h"
 #include "gyrobudget/noise/constants.h"
 #include "gyrobudget/noise/version.h"
@@ -8,7 +9,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <chrono>
 #include <cmath>
 #include <vector>
 
@@ -26,18 +26,13 @@ using Json = nlohmann::ordered_json;
 // --- Text ----------------------------------------------------------------------------------------------------------
 
 /// "2012-11-14 15:40:14.798 UTC" for a stamp that may be since 1970; else "47.58 s".
-std::string stamp_text(std::int64_t ns) {
-  constexpr std::int64_t kYear2000 = 946'684'800, kYear2100 = 4'102'444'800, kMilli = 1'000'000;
+/// @param clock  its name, which may be that of another scale
+std::string stamp_text(std::int64_t ns, const std::string& clock) {
+  constexpr std::int64_t kYear2000 = 946'684'800, kYear2100 = 4'102'444'800;
   const std::int64_t seconds = ns / noise::kNanosecondsPerSecond;
   if (seconds < kYear2000 || seconds > kYear2100)
     return fmt::format("{:.6f} s", static_cast<double>(ns) * noise::kNanosecond);
-  using namespace std::chrono;
-  const sys_days day = floor<days>(sys_seconds(std::chrono::seconds(seconds)));
-  const year_month_day date(day);
-  const auto rest = seconds - duration_cast<std::chrono::seconds>(day.time_since_epoch()).count();
-  return fmt::format("{:04}-{:02}-{:02} {:02}:{:02}:{:02}.{:03} UTC", static_cast<int>(date.year()),
-                     static_cast<unsigned>(date.month()), static_cast<unsigned>(date.day()), rest / 3600,
-                     rest / 60 % 60, rest % 60, ns % noise::kNanosecondsPerSecond / kMilli);
+  return fmt::format("{} {}", log::calendar_text(ns), clock == "GPST" || clock == "JST" ? clock : "UTC");
 }
 
 std::string rate_text(const InspectedStream& s) { return s.rate_hz ? fmt::format("{:.5g} Hz", *s.rate_hz) : "-"; }
@@ -73,7 +68,7 @@ std::string stream_text(const InspectedStream& s) {
   std::string text = fmt::format("\n{}\n", printable(s.name));
   if (s.first_ns)
     text += wrapped(fmt::format("Clock: {}, from {} to {}; median rate {}, mean rate {}.", printable(s.clock),
-                                stamp_text(*s.first_ns), stamp_text(*s.last_ns), rate_text(s),
+                                stamp_text(*s.first_ns, s.clock), stamp_text(*s.last_ns, s.clock), rate_text(s),
                                 s.mean_rate_hz ? fmt::format("{:.5g} Hz", *s.mean_rate_hz) : "unknown"),
                     "  ", "    ");
   else

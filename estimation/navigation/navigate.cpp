@@ -489,7 +489,8 @@ class Runner {
     const Aid& aid = scenario_.aids[event.aid];
     static const Fix kAtRest{};
     const Fix& fix = aid.kind == Aid::Kind::rest ? kAtRest : tracks_[event.aid].fix(event.fix);
-    const Measurement m = measure_fix(aid, static_cast<int>(event.aid), fix, filter.estimate(), aid.sigma);
+    const Measurement m =
+        measure_fix(aid, static_cast<int>(event.aid), fix, filter.estimate(), fix.sigma.value_or(aid.sigma));
     result_.innovations.push_back({event.time, event.aid, filter.update(m)});
     sums.add(result_.innovations.back());
   }

@@ -6,6 +6,7 @@
 #include "gyrobudget/vehicle/earth/trajectory.h"
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -65,6 +66,8 @@ struct Fix {
   /// p_eb_e [m]; v_eb_n in north, east, down [m/s]; height in x [m]. Not of attitudes.
   Eigen::Vector3d value = Eigen::Vector3d::Zero();
   Eigen::Quaterniond q_nb = Eigen::Quaterniond::Identity();  ///< of attitudes
+  /// What is white of this fix alone, one sigma, in place of Aid::sigma and in its components; positive, finite.
+  std::optional<Eigen::Vector3d> sigma = {};
 };
 
 /// A log and, for each aid of a scene by its number, its fixes, ascending; none for rest.

@@ -193,6 +193,20 @@ TEST_F(Navigate, NumbersOfThreadsChangeNothing) {
 
 // --- Recorded data -------------------------------------------------------------------------------------------
 
+// A hand-held IMU beside RTKLIB's solution, on clocks that the scene makes one: hardly a fix is refused.
+TEST(WalkWithRtk, TheExampleOfTheDocumentationNavigates) {
+  if (!std::filesystem::exists(kData + "/nav/walk_rtk.pos")) GTEST_SKIP() << "no public walk in " << kData << "/nav";
+  const json found =
+      json_of(gyrobudget_run("navigate " + kExamples + "/scenes/walk-with-rtk.yaml --data " + kData + "/nav --json"));
+  ASSERT_EQ(found["nis"]["aids"].size(), 2U);
+  constexpr double kLargestNis = 1.5;  // per degree of freedom: the errors are assumed, and the limit is no law
+  for (const auto& aid : found["nis"]["aids"]) {
+    EXPECT_EQ(aid["used"].get<int>() + aid["gated"].get<int>(), 493) << aid;  // 536 without those of the alignment
+    EXPECT_LE(aid["gated"].get<int>(), 5) << aid;
+    EXPECT_LT(aid["mean"].get<double>() / aid["dof"].get<double>(), kLargestNis) << aid;
+  }
+}
+
 // A MEMS IMU aligned by a FOG-INS for 60 s, then alone.
 class MemsBesideFog : public testing::Test {
  protected:

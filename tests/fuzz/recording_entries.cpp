@@ -168,11 +168,22 @@ std::vector<Entry> recording_entries() {
       "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\nFMT, 1, 9, IMU, QBffc, TimeUS,I,GyrX,AccX,T\n"
       "IMU, 1000, 0, 1.5, 2, 3\nIMU, 2000, 1, nan, 2, -3\nIMU, 3000, 0, 1e999, 2, 3\n";
   const int gzip = 15 + 16;
-  return {{"ulog", read_recording, {ulog()}},
-          {"dataflash", read_recording, {dataflash(), text}},
-          {"mat", read_recording, {mat(false), mat(true)}},
-          {"npz", read_recording, {npz(), npy("<i4", "(2, 3)", 24)}},
-          {"packed", read_recording, {deflated(ulog(), gzip), deflated(mat(true), gzip)}}};
+  return {
+      {"ulog", read_recording, {ulog()}},
+      {"dataflash", read_recording, {dataflash(), text}},
+      {"mat", read_recording, {mat(false), mat(true)}},
+      {"npz", read_recording, {npz(), npy("<i4", "(2, 3)", 24)}},
+      {"gnss_text",
+       read_recording,
+       {"%  GPST latitude(deg) longitude(d'\") height(m) Q ns sdn(m) sde(m) sdu(m)\n"
+        "2025/08/28 17:30:39.749 40.1 -105 09 00.0 1600.5 1 18 0.02 0.03 0\n2381 408640.749 40 1 2 3 4 5 6 7 8 9\n",
+        "$GPGGA,173039.50,4006.00,N,10509.00,W,1,12,0.8,1617.4,M,-16.9,M,,*66\n"
+        "$GPRMC,173039.50,A,4006.00,N,10509.00,W,7.2,90.0,280825,,,A*70\n"
+        "$GPRMC,173040.50,A,4006.00,N,10509.00,W,7.2,90.0,280825,,,A*7E\n",
+        "{\"class\":\"TPV\",\"device\":\"/dev/a\",\"mode\":3,\"time\":\"2025-08-28T17:30:39.749Z\",\"lat\":40.1,\"epx\":3}\n"
+        "{\"class\":\"TPV\",\"device\":\"/dev/a\",\"mode\":3,\"time\":\"2025-08-28T17:30:39.749Z\",\"lat\":40.1,\"epx\":1e999}\n"
+        "{\"class\":\"TPV\",\"device\":\"/dev/a\",\"mode\":3,\"time\":\"2025-08-28T17:30:40.749Z\",\"lat\":40.1,\"epx\":3}\n"}},
+      {"packed", read_recording, {deflated(ulog(), gzip), deflated(mat(true), gzip)}}};
 }
 
 }  // namespace gyrobudget::fuzz

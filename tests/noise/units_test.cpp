@@ -37,6 +37,8 @@ const std::vector<Spelling> kSpellings = {
     {"rad s^-1", 1, dimension::kAngularRate},
     {"rad s-1", 1, dimension::kAngularRate},
     {"rad*s^-1", 1, dimension::kAngularRate},
+    {"rad.s^-1", 1, dimension::kAngularRate},
+    {"m.s^-2", 1, dimension::kSpecificForce},
     {"rad·s⁻¹", 1, dimension::kAngularRate},
     {"rad/sec", 1, dimension::kAngularRate},
     {"radians/second", 1, dimension::kAngularRate},

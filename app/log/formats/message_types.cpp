@@ -27,13 +27,15 @@ class TypeBuilder {
     for (const char part : parts) number(fmt::format("{}.{}", name, part), unit);
     return *this;
   }
-  /// A matrix, of which the diagonal is offered.
-  TypeBuilder& covariance(const std::string& name, const std::string& unit) {
-    constexpr std::size_t kSize = 9, kDiagonal = 4;
-    for (std::size_t i = 0; i < kSize; ++i) {
-      number(i % kDiagonal == 0 ? fmt::format("{}[{}]", name, i) : std::string(), unit);
-    }
+  /// A matrix, of which the diagonal is offered. @param units  of its numbers, a row each
+  TypeBuilder& covariance(const std::string& name, const std::vector<std::string>& units) {
+    const std::size_t rows = units.size();
+    for (std::size_t i = 0; i < rows * rows; ++i)
+      number(i % (rows + 1) == 0 ? fmt::format("{}[{}]", name, i) : std::string(), units[i / rows]);
     return *this;
+  }
+  TypeBuilder& covariance(const std::string& name, const std::string& unit) {
+    return covariance(name, std::vector<std::string>(3, unit));
   }
   /// What follows, up to end_mark(), is absent where a member, that many places on, holds `absent`.
   TypeBuilder& mark(std::ptrdiff_t places_on, double absent, std::string words) {
@@ -106,6 +108,12 @@ std::vector<MessageType> all_types() {
   types.push_back(TypeBuilder("geometry_msgs/Vector3Stamped").vector("vector", "").done());
   types.push_back(
       TypeBuilder("geometry_msgs/TwistStamped").vector("twist.linear", "m/s").vector("twist.angular", "rad/s").done());
+  types.push_back(
+      TypeBuilder("geometry_msgs/TwistWithCovarianceStamped")
+          .vector("twist.twist.linear", "m/s")
+          .vector("twist.twist.angular", "rad/s")
+          .covariance("twist.covariance", {"m^2/s^2", "m^2/s^2", "m^2/s^2", "rad^2/s^2", "rad^2/s^2", "rad^2/s^2"})
+          .done());
   types.push_back(TypeBuilder("geometry_msgs/AccelStamped")
                       .vector("accel.linear", "m/s^2")
                       .vector("accel.angular", "rad/s^2")

@@ -54,6 +54,7 @@ void note_decimation(Rows& rows, double covered_s) {
   constexpr double kApart = 1.5, kSlowestSensor_s = 0.03;
   const double interval = median_interval_s(rows.stamps_ns);
   if (covered_s > 0 && interval > kApart * covered_s) {
+    rows.is_decimated = true;
     rows.notes.push_back(fmt::format(
         "rows are {:.4g} s apart and cover {:.4g} s each: the recorder left out what is between, and an Allan curve from them would be wrong",
         interval, covered_s));

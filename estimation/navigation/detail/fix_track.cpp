@@ -20,6 +20,12 @@ Eigen::Matrix3d C_en(const Eigen::Vector3d& p_eb_e) {
   return earth::C_e_ned(at.latitude, at.longitude);
 }
 
+/// Between two fixes, of which the worse counts; what one of them does not tell is the aid's.
+std::optional<Eigen::Vector3d> larger(const Fix& a, const Fix& b) {
+  if (!a.sigma || !b.sigma) return std::nullopt;
+  return a.sigma->cwiseMax(*b.sigma);
+}
+
 }  // namespace
 
 FixTrack::FixTrack(const Aid& aid, const std::vector<Fix>& fixes, std::int64_t origin)
@@ -28,6 +34,12 @@ FixTrack::FixTrack(const Aid& aid, const std::vector<Fix>& fixes, std::int64_t o
     if (fixes[i].stamp <= fixes[i - 1].stamp)
       throw RecordingError(
           fmt::format("{}: fix {} is not after the one before, expected times that ascend", aid.name, i));
+  }
+  for (std::size_t i = 0; i < fixes.size(); ++i) {
+    const auto& sigma = fixes[i].sigma;
+    if (sigma && !(sigma->allFinite() && sigma->minCoeff() > 0))
+      throw RecordingError(fmt::format("{}: fix {} has a sigma of {}, {}, {}, expected numbers above 0", aid.name, i,
+                                       (*sigma)[0], (*sigma)[1], (*sigma)[2]));
   }
 }
 
@@ -50,7 +62,7 @@ std::optional<Fix> FixTrack::at(double t) const {
   if (next == 0) return std::nullopt;
   const double part = (t - time(next - 1)) / (time(next) - time(next - 1));
   const Fix &a = fixes_[next - 1], &b = fixes_[next];
-  return Fix{a.stamp, a.value + part * (b.value - a.value), a.q_nb.slerp(part, b.q_nb)};
+  return Fix{a.stamp, a.value + part * (b.value - a.value), a.q_nb.slerp(part, b.q_nb), larger(a, b)};
 }
 
 std::optional<Eigen::Vector3d> position_at(const FixTrack& positions, const FixTrack& velocities, double t) {

@@ -249,9 +249,13 @@ class Starter {
     if (found && next < track.size()) result_.used_to[from->aid] = track.time(next);
     return found;
   }
+  // The aid, with the errors of the fix that the start is taken from.
   template <typename Given>
-  [[nodiscard]] const Aid& aid_of(const Given& given) const {
-    return scenario_.aids[std::get<FromAid>(given).aid];
+  [[nodiscard]] Aid aid_of(const Given& given) const {
+    const std::size_t number = std::get<FromAid>(given).aid;
+    Aid aid = scenario_.aids[number];
+    if (const auto at = tracks_[number].at(span_.to); at && at->sigma) aid.sigma = *at->sigma;
+    return aid;
   }
 
   // Where, but for the lever arm.
@@ -367,14 +371,14 @@ class Starter {
       own += from.white;
     };
     if (is_the_aids(plan_.position, plan_.position_sigma.has_value())) {
-      const Aid& aid = aid_of(plan_.position);
+      const Aid aid = aid_of(plan_.position);
       take(start_from({0, PositionFix{state().p_eb_e, aid.sigma, axes_.C_enu, aid.lever_arm, number(plan_.position)}},
                       at, model_));
     } else {
       own.block<3, 3>(kPosition, kPosition) = told(plan_.position, plan_.position_sigma);
     }
     if (is_the_aids(plan_.velocity, plan_.velocity_sigma.has_value())) {
-      const Aid& aid = aid_of(plan_.velocity);
+      const Aid aid = aid_of(plan_.velocity);
       take(start_from({0, VelocityFix{state().v_eb_e, aid.sigma, axes_.C_enu, aid.lever_arm, number(plan_.velocity)}},
                       at, model_));
     } else {

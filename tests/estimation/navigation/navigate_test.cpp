@@ -162,6 +162,32 @@ TEST(NavigationRun, FixesBetweenSamplesMeetTheTruthThere) {
   EXPECT_EQ(found.steps, 3000 + 43);
 }
 
+// A sigma that each fix has of its own stands in for the aid's, in the start too.
+TEST(NavigationRun, AFixMayHaveASigmaOfItsOwn) {
+  const earth::Trajectory truth = flight();
+  Scenario scene = scene_on(truth);
+  scene.aids = {aid(Aid::Kind::position, 0.5), aid(Aid::Kind::velocity, 0.05)};
+  scene.alignment.position = FromAid{0};
+  scene.alignment.velocity = FromAid{1};
+  scene.alignment.position_sigma.reset();
+  scene.alignment.velocity_sigma.reset();
+  Recording recording = record(truth);
+  recording.fixes = {fixes(Aid::Kind::position, truth, 0, 1), fixes(Aid::Kind::velocity, truth, 0, 1)};
+  const Navigation by_aid = navigate(scene, recording);
+  for (std::size_t i = 0; i < 2; ++i) {
+    for (Fix& fix : recording.fixes[i]) fix.sigma = scene.aids[i].sigma;
+    scene.aids[i].sigma *= 1000;
+  }
+  const Navigation by_fix = navigate(scene, recording);
+  ASSERT_EQ(by_fix.solutions.size(), by_aid.solutions.size());
+  for (std::size_t k = 0; k < by_fix.solutions.size(); ++k) {
+    EXPECT_EQ(by_fix.solutions[k].position_sigma, by_aid.solutions[k].position_sigma) << k;
+    EXPECT_EQ(by_fix.solutions[k].state.p_eb_e, by_aid.solutions[k].state.p_eb_e) << k;
+  }
+  recording.fixes[0][3].sigma = Vector3d(1, 0, 1);
+  EXPECT_THROW((void)navigate(scene, recording), RecordingError);
+}
+
 TEST(NavigationRun, ATimeTagMovesFixesToTheirInstant) {
   const earth::Trajectory truth = flight();
   Scenario scene = scene_on(truth);
