@@ -28,7 +28,7 @@ namespace {
 // "logs/gyro_7.csv.gz" is gyro_7.
 std::string log_name(const std::string& source) {
   const std::string file = std::filesystem::path(source).filename().string();
-  return file.substr(0, file.find('.', 1));
+  return text::printable(file.substr(0, file.find('.', 1)));
 }
 
 bool has_any_answer(const calibration::Datasheet& sheet) {

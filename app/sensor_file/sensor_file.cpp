@@ -140,7 +140,7 @@ class Reader : private YamlReader {
     for_each(root(), "the file", [&](const Node& key, const Node& value) {
       if (key.Scalar() == "name") {
         if (!value.IsScalar()) fail_here(key, fmt::format("name: found {}, expected text", kind(value)));
-        model.name = value.Scalar();
+        model.name = text::printable(value.Scalar());
       } else if (key.Scalar() == "gyro") {
         model.gyro = error_model(value, Signal::angular_rate, "gyro");
         gyro = true;
@@ -404,7 +404,7 @@ class Reader : private YamlReader {
   SensorFile imu_utils_form() const {
     SensorFile file;
     SensorModel& model = file.model;
-    model.name = root()["name"] && root()["name"].IsScalar() ? root()["name"].Scalar() : file_name();
+    model.name = root()["name"] && root()["name"].IsScalar() ? text::printable(root()["name"].Scalar()) : file_name();
     model.gyro = imu_utils_triad(root()["Gyr"], "gyr_n", "gyr_w", dimension::kAngularRate);
     file.notes.push_back(reading(model.gyro.white.largest(), "gyr_n", root()["Acc"] ? "gyr_n and acc_n" : "gyr_n"));
     model.gyro.white *= of_a_sample();
@@ -456,7 +456,7 @@ class Reader : private YamlReader {
     return result;
   }
 
-  std::string file_name() const { return name().substr(name().rfind('/') + 1); }
+  std::string file_name() const { return text::printable(name().substr(name().rfind('/') + 1)); }
 
   ReadOptions options_;
 

@@ -193,7 +193,7 @@ TEST_F(SensorFile, RoundTripIsExact) {
   constexpr int kModels = 300;
   for (int i = 0; i < kModels; ++i) {
     SensorModel model;
-    model.name = i % 2 ? "gyro \"x\": #1, 5 °C\t" : "plain name";
+    model.name = i % 2 ? "gyro \"x\": #1, 5 °C" : "plain name";
     fill(model.gyro);
     model.gyro.g_sensitivity = any();
     if (i % 3) {
