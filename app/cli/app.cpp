@@ -9,8 +9,10 @@
 #include <cstdint>
 #include <cstdio>
 #include <numeric>
+#include <sstream>
 #include <utility>
 
+#include "terminal.h"
 #include "verbs.h"
 
 namespace gyrobudget::inline v0::cli {
@@ -75,7 +77,9 @@ std::string suggestion(const CLI::App& app, const std::string& word) {
 
 int answer(const CLI::App& app, const CLI::ParseError& error) {
   if (error.get_exit_code() == 0) {  // --help and --version
-    app.exit(error);
+    std::ostringstream words;        // app.exit() would not tell that they could not be written
+    app.exit(error, words, words);
+    print(words.str());
     return exit_done;
   }
   std::string message = error.what();
@@ -87,7 +91,7 @@ int answer(const CLI::App& app, const CLI::ParseError& error) {
     word = word.substr(0, word.find_first_of(" ="));
     message = fmt::format("'{}' is not known here{}", word, suggestion(app, word));
   }
-  fmt::print(stderr, "gyrobudget: {}\nRun gyrobudget --help, or gyrobudget VERB --help.\n", message);
+  complain(fmt::format("gyrobudget: {}\nRun gyrobudget --help, or gyrobudget VERB --help.", message));
   return exit_usage;
 }
 

@@ -102,6 +102,7 @@ struct CalibrateArguments {
   std::string kalibr;                ///< imu.yaml
   double kalibr_horizon_s = 100;     ///< over which a walk stands for 1/f noise in it
   std::string name;                  ///< of the sensor, for the sensor file
+  bool timing = false;               ///< run times stand in the JSON
 };
 
 struct InspectArguments {

@@ -2,6 +2,7 @@
 #include "live_table.h"
 
 #include "gyrobudget/app/report/report.h"
+#include "gyrobudget/app/text/output.h"
 
 #include <unistd.h>
 
@@ -19,13 +20,15 @@ LiveTable::LiveTable() : terminal_(isatty(STDOUT_FILENO) == 1) {}
 void LiveTable::update(std::int64_t samples, const std::function<report::LogResult()>& result) {
   if (samples < 2 || !due(samples)) return;
   const std::string table = report::allan_table(result());
-  print(terminal_ ? kClear + table : table + '\n');
+  if (terminal_) text::write_file("-", kClear);
+  print(terminal_ ? table : table + '\n');
   shown_ = samples;
 }
 
 void LiveTable::finish(std::int64_t samples, const report::LogResult& result) {
   if (samples == shown_) return;
-  print((terminal_ ? kClear : "") + report::allan_table(result));
+  if (terminal_) text::write_file("-", kClear);
+  print(report::allan_table(result));
 }
 
 bool LiveTable::due(std::int64_t samples) {

@@ -6,11 +6,16 @@
 #include <tbb/global_control.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <csignal>
+#include <cstddef>
 #include <cstdio>
 #include <exception>
 #include <new>
 #include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
 
 #include "terminal.h"
 #include "verbs.h"
@@ -27,8 +32,32 @@ void interrupted(int) {
 }
 
 int complain(const char* message, int code) {
-  std::fprintf(stderr, "gyrobudget: %s\n", message);
+  cli::complain(std::string("gyrobudget: ") + message);
   return code;
+}
+
+/// How many threads there can be at once, up to `wanted`: this one, and those that the system gives beside it.
+std::size_t threads_to_have(std::size_t wanted) {
+  std::atomic<bool> done{false};
+  std::vector<std::thread> others;
+  try {
+    while (others.size() + 1 < wanted) others.emplace_back([&] { done.wait(false); });
+  } catch (const std::exception&) {  // no thread, or no memory for one
+  }
+  done = true;
+  done.notify_all();
+  for (std::thread& other : others) other.join();
+  return others.size() + 1;
+}
+
+/// For the whole run: TBB asks for the threads that it may have, and ends the program where it does not get them, even
+/// when a limit ends. @param asked  0 for all cores
+void limit_threads(std::size_t asked) {
+  using tbb::global_control;
+  const auto limit = global_control::max_allowed_parallelism;
+  const std::size_t wanted = asked > 0 ? asked : global_control::active_value(limit);
+  static const auto* const kept = new global_control(limit, threads_to_have(wanted));
+  static_cast<void>(kept);
 }
 
 int run(const cli::Arguments& arguments) {
@@ -38,10 +67,7 @@ int run(const cli::Arguments& arguments) {
         if constexpr (std::is_same_v<decltype(a), const cli::Answered&>) {
           return a.exit_code;
         } else {
-          const auto threads = static_cast<std::size_t>(a.common.threads);
-          const tbb::global_control limit(
-              tbb::global_control::max_allowed_parallelism,
-              threads > 0 ? threads : tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+          limit_threads(static_cast<std::size_t>(a.common.threads));
           return cli::run(a);
         }
       },

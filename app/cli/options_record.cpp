@@ -214,6 +214,7 @@ App* add_calibrate(App& app, CalibrateArguments& a, Texts& texts) {
       ->type_name("TIME");
   out->add_option("--name", a.name, "the sensor's name in these files [of the log; with --update the file's stays]");
   add_pictures(*verb, a.pictures);
+  out->add_flag("--timing", a.timing, "with --json: how long each fit took, which differs from run to run");
   add_common(*verb, a.common);
   return verb;
 }

@@ -131,7 +131,7 @@ App* add_simulate(App& app, SimulateArguments& a, Texts& texts) {
   add_flight(*verb, texts);
   verb->footer(
       "Trajectories by name and their options (metres, seconds, m/s, m/s^2, Hz, deg, deg/s, or with a unit):\n" +
-      files::trajectory_names());
+      files::trajectory_names() + "\nEvery key of a sensor file: gyrobudget export --help");
   add_common(*verb, a.common, false);
   return verb;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Options of the verbs on sensor files alone: export, plan, accuracy and paper.
 #include "gyrobudget/app/sensor_file/forms.h"
+#include "gyrobudget/app/sensor_file/sensor_file.h"
 #include "gyrobudget/app/text/text.h"
 #include "gyrobudget/estimation/fit/requirement.h"
 #include "gyrobudget/noise/units.h"
@@ -34,6 +35,7 @@ App* add_export(App& app, ExportArguments& a, Texts& texts) {
                    "time over which a random walk stands for bias instability where no walk is resolved [100s]")
       ->type_name("TIME");
   verb->add_option("-o,--output", a.output, "- is standard output")->type_name("FILE")->capture_default_str();
+  verb->footer(fmt::format("Sensor file (YAML, every value with its unit):\n\n{}", sensor_file::sensor_help()));
   add_common(*verb, a.common, false);
   return verb;
 }

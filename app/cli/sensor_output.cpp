@@ -28,7 +28,7 @@ namespace {
 // "logs/gyro_7.csv.gz" is gyro_7.
 std::string log_name(const std::string& source) {
   const std::string file = std::filesystem::path(source).filename().string();
-  return file.substr(0, file.find('.', 1));
+  return text::printable(file.substr(0, file.find('.', 1)));
 }
 
 bool has_any_answer(const calibration::Datasheet& sheet) {
@@ -147,7 +147,8 @@ void check_sensor_output(const CalibrateArguments& a) {
 }
 
 int tell(const calibration::Datasheet& sheet, std::vector<std::string> notes, const CalibrateArguments& a) {
-  const auto result = report::calibration_result(sheet, std::move(notes), a.common.command_line);
+  auto result = report::calibration_result(sheet, std::move(notes), a.common.command_line);
+  result.timing = a.timing;
   print(a.common.json ? report::calibration_json(result) : report::datasheet(result));
   write_pictures(result, a.pictures, a.common);
   write_sensor_files(sheet, sheet, a);
@@ -156,7 +157,8 @@ int tell(const calibration::Datasheet& sheet, std::vector<std::string> notes, co
 
 int tell(const calibration::TypeDatasheet& sheet, std::vector<std::vector<std::string>> notes,
          const CalibrateArguments& a) {
-  const auto result = report::runs_result(sheet, std::move(notes), a.common.command_line);
+  auto result = report::runs_result(sheet, std::move(notes), a.common.command_line);
+  for (report::LogResult& run : result.runs) run.timing = a.timing;
   print(a.common.json ? report::runs_json(result) : report::runs_datasheet(result));
   if (!a.pictures.plot.empty())
     write_pictures(report::side_by_side(result), {.report = "", .plot = a.pictures.plot}, a.common);

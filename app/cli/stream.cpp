@@ -6,12 +6,17 @@
 #include "gyrobudget/app/report/analysis.h"
 #include "gyrobudget/app/report/report.h"
 #include "gyrobudget/app/text/error.h"
+#include "gyrobudget/app/text/text.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
 #include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "analysis.h"
 #include "live_table.h"
@@ -22,6 +27,21 @@
 namespace gyrobudget::inline v0::cli {
 namespace {
 
+/// Axes that hold an answer; those of columns without numbers are left out, and the record's notes say so.
+allan::Analysis answered(const log::LogStream& log, allan::Analysis analysis, allan::Record& record) {
+  std::vector<std::string> empty;
+  std::vector<allan::AxisAnalysis> axes;
+  for (std::size_t i = 0; i < analysis.axes.size(); ++i) {
+    if (log.numbers().at(i) >= 2)
+      axes.push_back(std::move(analysis.axes[i]));
+    else
+      empty.push_back(text::quoted(log.columns()[i].name));
+  }
+  if (!empty.empty()) record.notes.push_back(fmt::format("left out {} (fewer than two numbers)", text::listing(empty)));
+  analysis.axes = std::move(axes);
+  return analysis;
+}
+
 report::LogResult result_of(const log::LogStream& log, const allan::StreamingAnalysis& stream, std::int64_t overlap,
                             const AllanArguments& a) {
   allan::Record read{.source = log.source(),
@@ -30,7 +50,8 @@ report::LogResult result_of(const log::LogStream& log, const allan::StreamingAna
                      .missing_samples = log.missing_samples(),
                      .notes = log.notes()};
   read.notes.push_back(report::stream_note(overlap));
-  return report::log_result(std::span(&read, 1), stream.analysis(), a.common.command_line);
+  const allan::Analysis analysis = answered(log, stream.analysis(), read);
+  return report::log_result(std::span(&read, 1), analysis, a.common.command_line);
 }
 
 void print_result(const report::LogResult& result, const AllanArguments& a) {
@@ -59,10 +80,14 @@ int run_stream(const AllanArguments& a) {
     stream.push(rates);
     if (table && progress != log::LogStream::Progress::end) table->update(stream.samples(), result);
   }
-  if (interrupted() && stream.samples() < 2) return exit_interrupted;
-  if (stream.samples() < 2) {
-    throw text::InputError(
-        fmt::format("{}: holds {} samples, expected at least 2; record longer", log.source(), stream.samples()));
+  if (interrupted() && (stream.samples() < 2 || std::ranges::max(log.numbers()) < 2)) return exit_interrupted;
+  // Of a column that was asked for, no note is enough.
+  const std::int64_t numbers =
+      a.curve.log.columns.empty() ? std::ranges::max(log.numbers()) : std::ranges::min(log.numbers());
+  if (numbers < 2) {
+    throw text::InputError(fmt::format("{}: holds {} samples and {} numbers in a column, expected at least 2; {}",
+                                       log.source(), stream.samples(), numbers,
+                                       stream.samples() < 2 ? "record longer" : "check what wrote it"));
   }
   const report::LogResult whole = result();
   table ? table->finish(stream.samples(), whole) : print_result(whole, a);

@@ -21,10 +21,12 @@ static_assert(std::atomic<bool>::is_always_lock_free, "a handler of signals may 
 }  // namespace
 
 void say(const Common& common, std::string_view line) {
-  if (!common.quiet) std::fprintf(stderr, "%.*s\n", static_cast<int>(line.size()), line.data());
+  if (!common.quiet) complain(line);
 }
 
-void print(std::string_view text) { text::write_file("-", text); }
+void complain(std::string_view line) { std::fprintf(stderr, "%s\n", text::printable_lines(line).c_str()); }
+
+void print(std::string_view text) { text::write_file("-", text::printable_lines(text)); }
 
 void write_page(const std::string& path, std::string_view page, const Common& common) {
   text::write_file(path, page);

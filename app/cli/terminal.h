@@ -15,7 +15,10 @@ namespace gyrobudget::inline v0::cli {
 /// A line for the person at the terminal: stderr, unless --quiet.
 void say(const Common&, std::string_view line);
 
-/// The verb's result: stdout. @throws text::OutputError where it cannot be written.
+/// A message, whatever names are in it: what a terminal would obey becomes blanks.
+void complain(std::string_view line);
+
+/// The verb's result, names in it as complain() has them: stdout. @throws text::OutputError where it cannot be written.
 void print(std::string_view text);
 
 /// Writes an HTML page and says where. @throws text::OutputError where it cannot be written.

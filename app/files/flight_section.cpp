@@ -22,8 +22,9 @@ class FlightReader {
   explicit FlightReader(const SceneYaml& yaml) : yaml_(yaml) {}
 
   FlightSource read(const Node& node) {
-    if (!node["vehicle"]) yaml_.fail_here(node, "flight: found no \"vehicle:\", expected the path of a vehicle file");
-    read_vehicle_key(node["vehicle"]);  // others refer to it
+    const Node vehicle = yaml_.find(node, "flight", "vehicle");
+    if (!vehicle) yaml_.fail_here(node, "flight: found no \"vehicle:\", expected the path of a vehicle file");
+    read_vehicle_key(vehicle);  // others refer to it
     if (const Node bending = node["bending"]) read_bending(bending);
     yaml_.section(
         node, "flight",

@@ -63,7 +63,7 @@ class SceneReader {
     const auto done = [](const Node&) {};
     yaml_.section(
         root, "a scene",
-        {{"name", [&](const Node& v) { scenario().name = yaml_.text("name", v); }},
+        {{"name", [&](const Node& v) { scenario().name = text::printable(yaml_.text("name", v)); }},
          {"site", done},
          {"azimuth",
           [&](const Node& v) {
@@ -207,7 +207,8 @@ class SceneReader {
       load_sensor(node);
       return;
     }
-    if (!node["file"]) yaml_.fail_here(node, "sensor: found no \"file:\", expected the sensor file's path");
+    if (!yaml_.find(node, "sensor", "file"))
+      yaml_.fail_here(node, "sensor: found no \"file:\", expected the sensor file's path");
     yaml_.section(node, "sensor",
                   {{"file", [](const Node&) {}},  // behind what tells how to read it
                    {"rate",

@@ -123,6 +123,10 @@ class Samples {
       fail_row(row,
                fmt::format("found a latitude of {} deg, expected one from -90 to 90", place.latitude / earth::kDegree));
     }
+    constexpr double kFarthest = 1e9;  // m: the Moon is nearer
+    if (!(std::abs(place.height) <= kFarthest))
+      fail_row(row,
+               fmt::format("found a height of {} m, expected one within {} m of the ground", place.height, kFarthest));
     return place;
   }
 

@@ -25,6 +25,8 @@ static_assert(std::endian::native == std::endian::little, "raw numbers are copie
 using namespace std::string_view_literals;
 constexpr std::string_view kMagic = "\x93NUMPY"sv;
 constexpr std::size_t kShortPrefix = 10, kLongPrefix = 12;  // magic, version, length of 2 or 4 bytes
+/// NumPy writes some hundred bytes for an array of numbers, and reads 10 000 unless it is told otherwise.
+constexpr std::size_t kLongestHeader = std::size_t{1} << 16;
 
 std::size_t little_endian(std::string_view bytes) {
   std::size_t value = 0;
@@ -181,7 +183,13 @@ std::size_t npy_header_bytes(std::string_view name, std::string_view head) {
   }
   if (version == 1) return kShortPrefix + little_endian(head.substr(kMagic.size() + 2, 2));
   if (head.size() < kLongPrefix) cut();
-  return kLongPrefix + little_endian(head.substr(kMagic.size() + 2, 4));
+  const std::size_t length = little_endian(head.substr(kMagic.size() + 2, 4));
+  if (length <= kLongestHeader) return kLongPrefix + length;
+  text::fail(
+      name,
+      fmt::format(
+          "says that its header has {} bytes, expected at most {}; it is damaged, or not from numpy.save: copy it again",
+          length, kLongestHeader));
 }
 
 NpyHeader parse_npy_header(std::string_view name, std::string_view bytes) {

@@ -28,7 +28,7 @@ struct BinaryLayout {
 };
 
 /// Bytes that the header of a .npy takes, from its first 12 bytes (fewer where the file ends).
-/// @throws InputError for what is no .npy, or a version that is not known.
+/// @throws InputError for what is no .npy, a version that is not known, or a header of more than 64 KiB.
 [[nodiscard]] std::size_t npy_header_bytes(std::string_view name, std::string_view head);
 
 /// The dictionary in the header of a .npy.

@@ -92,6 +92,7 @@ class Tracker {
   struct Place {
     std::int64_t missing = 0;  ///< points to leave out before this one
     bool repeated = false;     ///< the stamp of the row before: masks its point
+    bool is_placed = true;     ///< the row has a stamp
   };
 
   explicit Tracker(double interval_ns) : interval_(interval_ns) {}
@@ -103,7 +104,7 @@ class Tracker {
       started_ = true;
       origin_ = before_ = stamp;
       expected_ = interval_;
-      points_ = 1;
+      stamps_ = 1;
       return {};
     }
     if (stamp == before_) return {.repeated = true};
@@ -116,23 +117,26 @@ class Tracker {
     before_ = stamp;
     const auto time = static_cast<double>(since);
     const double late = std::max(0.0, std::rint((time - expected_) / interval_));
-    constexpr double kLongestGap = 1e6;
-    if (late > std::max(kLongestGap, static_cast<double>(points_))) {
-      fail_here(fmt::format("jumps by {:g} s, over more samples than there are before it",
-                            (time - expected_) * noise::kNanosecond));
+    // As in a whole log, where at most half may be missing: so that no few stamps make work without end.
+    constexpr double kAlwaysFilled = 1e6;
+    if (missing_ + late > std::max(kAlwaysFilled, stamps_)) {
+      fail_here(fmt::format("jumps by {:g} s: {:.0f} samples are missing by now, more than the {:.0f} that are there",
+                            (time - expected_) * noise::kNanosecond, missing_ + late, stamps_));
     }
     constexpr double kGain = 0.05;  // share of the offset that is taken over with each stamp
     const double tracked = expected_ + late * interval_;
     expected_ = tracked + kGain * (time - tracked) + interval_;
-    points_ += static_cast<std::int64_t>(late) + 1;
+    missing_ += late;
+    ++stamps_;
     return {.missing = static_cast<std::int64_t>(late)};
   }
 
  private:
   double interval_;
   bool started_ = false;
-  std::int64_t origin_ = 0, before_ = 0, points_ = 0;
+  std::int64_t origin_ = 0, before_ = 0;
   double expected_ = 0;
+  double missing_ = 0, stamps_ = 0;  ///< how many so far
 };
 
 LogOptions checked(const LogOptions& options) {
@@ -162,7 +166,7 @@ class LogStream::Reader {
   Progress read(std::vector<std::vector<double>>& rates, milliseconds patience) {
     rates.resize(columns_.size());
     for (auto& column : rates) column.clear();
-    inlet_.fill(patience);
+    if (!holds_back()) inlet_.fill(patience);
     take(rates);
     if (options_.input == Input::increment) {
       for (auto& column : rates) {
@@ -170,7 +174,7 @@ class LogStream::Reader {
       }
     }
     count_missing(rates);
-    if (inlet_.ended()) return Progress::end;
+    if (inlet_.ended() && !holds_back()) return Progress::end;
     return rates.front().empty() ? Progress::none : Progress::samples;
   }
 
@@ -178,11 +182,14 @@ class LogStream::Reader {
   double rate_hz_ = 0;
   std::vector<std::string> notes_;
   std::int64_t missing_ = 0;
+  std::vector<std::int64_t> numbers_;  ///< of each column
   [[nodiscard]] const Inlet& inlet() const { return inlet_; }
 
  protected:
-  /// Moves all whole rows from the inlet into the columns.
+  /// Moves whole rows from the inlet into the columns: all of them, or those before a long gap.
   virtual void take(std::vector<std::vector<double>>& columns) = 0;
+  /// Whether rows of the last take are left for the next one.
+  [[nodiscard]] virtual bool holds_back() const { return false; }
 
   void refuse_packed() const {
     const Compression compression = compression_of(inlet_.bytes());
@@ -204,6 +211,9 @@ class LogStream::Reader {
 
  private:
   void count_missing(const std::vector<std::vector<double>>& rates) {
+    numbers_.resize(rates.size());
+    for (std::size_t i = 0; i < rates.size(); ++i)
+      numbers_[i] += std::ranges::count_if(rates[i], [](double rate) { return !std::isnan(rate); });
     for (std::size_t i = 0; i < rates.front().size(); ++i) {
       missing_ += std::ranges::any_of(rates, [&](const auto& c) { return std::isnan(c[i]); }) ? 1 : 0;
     }
@@ -312,6 +322,10 @@ class LogStream::Text : public LogStream::Reader {
       follow_clock(static_cast<double>(choice_.count_ns));
       return;
     }
+    const auto stamps = std::ranges::count_if(table.stamps, [](std::int64_t t) { return t != text::kNoStamp; });
+    if (stamps < 2)
+      text::fail(inlet_.name(), fmt::format("holds {} row{} with a time, expected at least 2; record longer", stamps,
+                                            stamps == 1 ? "" : "s"));
     const Grid grid =
         make_grid(table.stamps, options_.rate_hz,
                   {inlet_.name(), choice_.time_name, [&](std::size_t row) { return reader.line_of_row(row); }});
@@ -328,40 +342,70 @@ class LogStream::Text : public LogStream::Reader {
   }
 
   void take(std::vector<std::vector<double>>& columns) override {
+    if (!holds_back()) read_rows();
+    if (tracker_) {
+      hand_out(columns);
+    } else {
+      columns = std::move(table_.numbers);
+      table_ = {};
+    }
+  }
+  [[nodiscard]] bool holds_back() const override { return tracker_ && row_ < table_.rows; }
+
+  void read_rows() {
+    table_ = {};
+    row_ = 0;
     const std::string_view lines = whole_lines();
-    if (lines.empty()) return;
+    if (lines.empty()) {
+      table_.numbers.resize(columns_.size());
+      return;
+    }
     const Bytes piece(inlet_.name(), lines);
     const TableReader reader(piece, layout_, options_.chunk_bytes);
-    Table table = reader.read(choice_);
-    if (tracker_) {
-      place(table, reader, columns);
-    } else {
-      columns = std::move(table.numbers);
-    }
+    table_ = reader.read(choice_);
+    if (tracker_) find_places(reader);
     layout_.body_line += std::ranges::count(lines, '\n');
     inlet_.drop(lines.size());
   }
 
-  void place(const Table& table, const TableReader& reader, std::vector<std::vector<double>>& columns) {
-    for (std::size_t row = 0; row < table.rows; ++row) {
-      if (table.stamps[row] == text::kNoStamp) continue;
-      const auto place = tracker_->next((*unroller_)(table.stamps[row]), [&](const std::string& what) {
+  void find_places(const TableReader& reader) {
+    places_.clear();
+    for (std::size_t row = 0; row < table_.rows; ++row) {
+      if (table_.stamps[row] == text::kNoStamp) {
+        places_.push_back({.is_placed = false});
+        continue;
+      }
+      places_.push_back(tracker_->next((*unroller_)(table_.stamps[row]), [&](const std::string& what) {
         text::fail_at(inlet_.name(), reader.line_of_row(row), 1,
                       fmt::format("the time {} {}, expected rising time; cut the log here", choice_.time_name, what));
-      });
+      }));
+    }
+  }
+
+  /// Rows and what is missing between them, until the columns have a block's worth: a gap may be longer than memory.
+  void hand_out(std::vector<std::vector<double>>& columns) {
+    const std::size_t most = std::max<std::size_t>(1, kBlock / sizeof(double) / columns.size());
+    for (; row_ < table_.rows && columns.front().size() < most; ++row_) {
+      Tracker::Place& place = places_[row_];
+      if (!place.is_placed) continue;
+      const auto filled = std::min(place.missing, static_cast<std::int64_t>(most - columns.front().size()));
+      for (auto& column : columns) column.insert(column.end(), static_cast<std::size_t>(filled), kNone);
+      place.missing -= filled;
+      if (place.missing > 0) return;
       for (std::size_t i = 0; i < columns.size(); ++i) {
-        if (place.repeated) {
-          // The row before may have been handed out already; then its number stands.
-          if (!columns[i].empty()) columns[i].back() = kNone;
-          continue;
+        if (!place.repeated) {
+          columns[i].push_back(table_.numbers[i][row_]);
+        } else if (!columns[i].empty()) {  // the row before may have been handed out already; then its number stands
+          columns[i].back() = kNone;
         }
-        columns[i].insert(columns[i].end(), static_cast<std::size_t>(place.missing), kNone);
-        columns[i].push_back(table.numbers[i][row]);
       }
     }
   }
 
   Layout layout_;
+  Table table_;                         ///< rows that are read
+  std::vector<Tracker::Place> places_;  ///< of each row
+  std::size_t row_ = 0;                 ///< the first that is not handed out
   std::optional<Tracker> tracker_;
   std::optional<Unroller> unroller_;
 };
@@ -382,6 +426,7 @@ const std::string& LogStream::source() const { return reader_->inlet().name(); }
 double LogStream::rate_hz() const { return reader_->rate_hz_; }
 const std::vector<LogStream::Column>& LogStream::columns() const { return reader_->columns_; }
 const std::vector<std::string>& LogStream::notes() const { return reader_->notes_; }
+const std::vector<std::int64_t>& LogStream::numbers() const { return reader_->numbers_; }
 std::int64_t LogStream::missing_samples() const { return reader_->missing_; }
 
 LogStream::Progress LogStream::read(std::vector<std::vector<double>>& rates, milliseconds patience) {

@@ -17,7 +17,8 @@ namespace gyrobudget::inline v0::log {
 /// It is read as by read_log, with these differences. Packed logs and angles are refused (unpack, or difference them
 /// first). The rate of a text with time stamps is LogOptions::rate_hz, or that of its first rows. From there the stamps
 /// are followed one by one: one that is late by half an interval or more leaves missing samples before it, one that
-/// repeats masks its sample, time that goes back is an error.
+/// repeats masks its sample. Time that goes back is an error, and so is a gap by which more than a million samples, and
+/// more than there are, would be missing. A gap is handed out in pieces: it takes no more memory than samples do.
 ///
 ///     LogStream log({.path = "-", .rate_hz = 100, .unit = "deg/s", .format = Format::f64});
 ///     std::vector<std::vector<double>> rates;
@@ -42,9 +43,11 @@ class LogStream {
   [[nodiscard]] double rate_hz() const;
   [[nodiscard]] const std::vector<Column>& columns() const;
   [[nodiscard]] const std::vector<std::string>& notes() const;
-  [[nodiscard]] std::int64_t missing_samples() const;  ///< so far: at which any column has no number
+  [[nodiscard]] const std::vector<std::int64_t>& numbers() const;  ///< so far: of each column, those that are there
+  [[nodiscard]] std::int64_t missing_samples() const;              ///< so far: at which any column has no number
 
-  /// The next samples, one vector for each column: rates [SI], NaN where missing. About a megabyte of input at most.
+  /// The next samples, one vector for each column: rates [SI], NaN where missing. About a megabyte of input, or of
+  /// numbers, at most.
   /// Returns early where a signal arrives, and after `patience` without input.
   /// @throws InputError for what is not as it should be.
   Progress read(std::vector<std::vector<double>>& rates, std::chrono::milliseconds patience);

@@ -7,8 +7,8 @@
 
 // A LogResult as people and programs want it. All forms share their words (words.h) and their curves (curves.h).
 // Numbers stand in datasheet units (deg/sqrt(h), deg/h, deg/h/sqrt(h); m/s/sqrt(h), ug, ug/sqrt(h)), the datasheets
-// with SI beside them; values are one sigma, intervals 95 %. The same result gives the same bytes, except for the
-// `seconds` of a fit in its JSON.
+// with SI beside them; values are one sigma, intervals 95 %. The same result gives the same bytes; how long it took
+// stands in the JSON only with LogResult::timing.
 namespace gyrobudget::inline v0::report {
 
 /// The curve for the terminal: per axis a table of tau, deviation, its interval, degrees of freedom and number of

@@ -72,6 +72,7 @@ struct LogResult {
   std::vector<std::string> notes;       ///< how the log was read
   std::vector<SegmentResult> segments;  ///< where the curves are pooled from several; else empty
   std::vector<AxisResult> axes;
+  bool timing = false;  ///< run times stand in the JSON, which then differs from run to run
 };
 
 /// Several records of one sensor type (power-ups, units), each with its own datasheet, and what they say together.

@@ -2,6 +2,7 @@
 #include "forms.h"
 
 #include "gyrobudget/app/sensor_file/detail/densities.h"
+#include "gyrobudget/app/sensor_file/minimum.h"
 #include "gyrobudget/app/text/text.h"
 #include "gyrobudget/noise/constants.h"
 
@@ -14,6 +15,7 @@
 #include <optional>
 #include <span>
 #include <stdexcept>
+#include <utility>
 
 namespace gyrobudget::inline v0::sensor_file {
 namespace {
@@ -36,6 +38,9 @@ constexpr double kDegree = std::numbers::pi / 180, kHour = 3600, kMilliGal = 1e-
 
 double as_it_is(double x, const Setting&) { return x; }
 double of_a_sample(double x, const Setting& s) { return x * std::sqrt(s.rate_hz); }
+/// EKF2 predicts at about this rate, whatever the IMU's is.
+constexpr double kEkf2Rate = 100;
+double of_a_prediction(double x, const Setting&) { return x * std::sqrt(kEkf2Rate); }
 double squared(double x, const Setting&) { return x * x; }
 double per_root_hour_deg(double x, const Setting&) { return x / kDegree * std::sqrt(kHour); }
 double per_root_hour(double x, const Setting&) { return x * std::sqrt(kHour); }
@@ -157,6 +162,32 @@ constexpr FormFacts kForms[] = {
        {kAccelerometer, What::walk, "vrrw", "m/s^3/sqrt(Hz)", as_it_is}}},
      "",
      "imu.freq = {0};\n"},
+    {"px4_ekf2",
+     "PX4's EKF2, as commands of its shell: sigmas at the 100 Hz of its prediction; EKF2 is usually tuned above them, for vibration",
+     "# ",
+     "",
+     "param set {0} {1}",
+     false,
+     "",
+     {{{kGyro, What::white, "EKF2_GYR_NOISE", "rad/s", of_a_prediction},
+       {kGyro, What::walk, "EKF2_GYR_B_NOISE", "rad/s^2", of_a_prediction},
+       {kAccelerometer, What::white, "EKF2_ACC_NOISE", "m/s^2", of_a_prediction},
+       {kAccelerometer, What::walk, "EKF2_ACC_B_NOISE", "m/s^3", of_a_prediction}}},
+     "",
+     ""},
+    {"pyins",
+     "pyins.inertial_sensor.EstimationModel: continuous-time densities of each axis, in SI",
+     "# ",
+     "",
+     "{0} = [{1}]",
+     true,
+     ", ",
+     {{{kGyro, What::white, "gyro[\"noise\"]", "rad/sqrt(s)", as_it_is},
+       {kGyro, What::walk, "gyro[\"bias_walk\"]", "rad/s/sqrt(s)", as_it_is},
+       {kAccelerometer, What::white, "accel[\"noise\"]", "m/s/sqrt(s)", as_it_is},
+       {kAccelerometer, What::walk, "accel[\"bias_walk\"]", "m/s^2/sqrt(s)", as_it_is}}},
+     "import pyins.inertial_sensor\n\ngyro, accel = {{}}, {{}}\n",
+     "gyro_model = pyins.inertial_sensor.EstimationModel(**gyro)\naccel_model = pyins.inertial_sensor.EstimationModel(**accel)\n"},
     {"matlab",
      "MATLAB imuSensor: densities are double-sided",
      "% ",
@@ -174,7 +205,51 @@ constexpr FormFacts kForms[] = {
      ""},
 };
 
-constexpr std::string_view kKalibr = "kalibr";
+constexpr std::string_view kKalibr = "kalibr", kImuUtils = "imu_utils";
+
+// --- imu_utils, whose numbers lie axis by axis -----------------------------------------------------------------------
+
+/// gyr_n and gyr_w of one axis, or of the mean of those that are given.
+void add_axis(std::string& text, std::string_view axis, std::string_view prefix, const noise::ErrorModel& errors,
+              std::span<const std::size_t> axes) {
+  double white = 0, minimum = 0;
+  for (const std::size_t i : axes) {
+    white += errors.white[i] / static_cast<double>(axes.size());
+    minimum += curve_minimum(errors.white[i], errors.bias_instability[i], errors.rate_random_walk[i]) /
+               static_cast<double>(axes.size());
+  }
+  text += fmt::format("  {}:\n", axis);
+  for (const auto& [key, value] : {std::pair{'n', white}, std::pair{'w', minimum}}) {
+    if (value > 0)
+      text += fmt::format("    {}_{}: {:.9g}\n", prefix, key, value);
+    else
+      text += fmt::format("    # {}_{} is not known, and 0 would be wrong: fill it in\n", prefix, key);
+  }
+}
+
+std::string imu_utils_yaml(const noise::SensorModel& model, std::string_view comment) {
+  std::string text = "%YAML:1.0\n---\n";
+  for (std::string_view rest = comment; !rest.empty();) {
+    const std::size_t end = std::min(rest.find('\n'), rest.size());
+    text += fmt::format("# {}\n", rest.substr(0, end));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+  }
+  text +=
+      "# imu_utils: gyr_n and acc_n are densities of white noise [rad/s/sqrt(Hz), m/s^2/sqrt(Hz)]\n"
+      "# gyr_w and acc_w are the minimum of the Allan deviation [rad/s, m/s^2], of noise, flicker and walk together:\n"
+      "#   no random walk, though VINS has it under that name; --form vins writes what VINS needs\n"
+      "type: IMU\n";
+  constexpr std::size_t kAll[] = {0, 1, 2};
+  const auto add = [&](std::string_view section, std::string_view unit, std::string_view prefix,
+                       const noise::ErrorModel& errors) {
+    text += fmt::format("{}:\n  unit: \" {}\"\n", section, unit);
+    add_axis(text, "avg-axis", prefix, errors, kAll);
+    for (const std::size_t i : kAll) add_axis(text, fmt::format("{}-axis", "xyz"[i]), prefix, errors, {&kAll[i], 1});
+  };
+  add("Gyr", "rad/s", "gyr", model.gyro);
+  if (model.accelerometer) add("Acc", "m/s^2", "acc", *model.accelerometer);
+  return text;
+}
 
 // --- Writing ---------------------------------------------------------------------------------------------------------
 
@@ -265,7 +340,7 @@ class FormWriter {
 }  // namespace
 
 std::vector<std::string> form_names() {
-  std::vector<std::string> names{std::string(kKalibr)};
+  std::vector<std::string> names{std::string(kKalibr), std::string(kImuUtils)};
   for (const FormFacts& form : kForms) names.emplace_back(form.name);
   return names;
 }
@@ -273,6 +348,7 @@ std::vector<std::string> form_names() {
 std::string form_text(std::string_view form, const noise::SensorModel& model, const KalibrOptions& options) {
   const std::string kalibr = kalibr_yaml(model, options);  // refuses what the options must not be
   if (form == kKalibr) return kalibr;
+  if (form == kImuUtils) return imu_utils_yaml(model, options.comment);
   const auto* facts = std::ranges::find(kForms, form, &FormFacts::name);
   if (facts == std::end(kForms)) {
     const auto names = form_names();

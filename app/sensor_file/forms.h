@@ -12,7 +12,8 @@
 
 namespace gyrobudget::inline v0::sensor_file {
 
-/// "kalibr", "openvins", "vins", "orb_slam3", "gtsam", "px4_sitl", "kf_gins", "navego", "matlab".
+/// "kalibr", "openvins", "vins", "orb_slam3", "gtsam", "px4_sitl", "kf_gins", "navego", "matlab",
+/// "imu_utils", "px4_ekf2", "pyins".
 [[nodiscard]] std::vector<std::string> form_names();
 
 /// A sensor in the form of another tool: its keys and units, white noise and a random walk (kalibr.h says which walk
@@ -23,9 +24,11 @@ namespace gyrobudget::inline v0::sensor_file {
 ///   vins                          N sqrt(fs), K sqrt(fs): sigmas of a sample
 ///   gtsam                         N^2, K^2: variances of density
 ///   px4_sitl                      N, K of the plugin of the IMU in Gazebo classic
+///   px4_ekf2                      N sqrt(100 Hz), K sqrt(100 Hz): sigmas of a prediction of EKF2
+///   imu_utils                     N, and the minimum of the curve as gyr_w (minimum.h), mean and each axis; no K
 ///   kf_gins                       N [deg/sqrt(h), m/s/sqrt(h)]; a Gauss-Markov bias of time T driven by K:
 ///                                 K sqrt(T/2) [deg/h, mGal], T = 4 h, or ten times the horizon if longer
-///   navego                        N, K of each axis
+///   navego, pyins                 N, K of each axis
 ///   matlab                        imuSensor's N, K and B of each axis, double-sided; K and B where they are resolved,
 ///                                 or their limits
 ///

@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "minimum.h"
 #include "yaml_reader.h"
 
 namespace gyrobudget::inline v0::sensor_file {
@@ -61,7 +62,7 @@ constexpr Extra<double> kForAll[] = {
 };
 constexpr std::string_view kFilter = "filter", kKind = "kind", kBandwidth = "bandwidth", kFilterOrder = "filter_order",
                            kLeverArm = "lever_arm", kWarning = "warning", kIdeal = "ideal",
-                           kTemperature = "temperature", kReference = "reference";
+                           kTemperature = "temperature", kReference = "reference", kBiasStability = "bias_stability";
 constexpr FrontEnd::Kind kFilterKinds[] = {FrontEnd::Kind::first_order, FrontEnd::Kind::second_order,
                                            FrontEnd::Kind::moving_average};
 
@@ -140,7 +141,7 @@ class Reader : private YamlReader {
     for_each(root(), "the file", [&](const Node& key, const Node& value) {
       if (key.Scalar() == "name") {
         if (!value.IsScalar()) fail_here(key, fmt::format("name: found {}, expected text", kind(value)));
-        model.name = value.Scalar();
+        model.name = text::printable(value.Scalar());
       } else if (key.Scalar() == "gyro") {
         model.gyro = error_model(value, Signal::angular_rate, "gyro");
         gyro = true;
@@ -156,6 +157,8 @@ class Reader : private YamlReader {
       }
     });
     if (!gyro) fail_here(root(), "found no \"gyro:\", expected one; its errors stand below it");
+    say_flicker("gyro", model.gyro, Signal::angular_rate, file.notes);
+    if (model.accelerometer) say_flicker("accelerometer", *model.accelerometer, Signal::specific_force, file.notes);
     return file;
   }
 
@@ -176,7 +179,7 @@ class Reader : private YamlReader {
       if (!unit_of(e, signal).empty()) result.emplace_back(e.key);
     }
     for (const auto& e : kForAll) result.emplace_back(e.key);
-    for (const auto key : {kFilter, kBandwidth, kFilterOrder, kTemperature}) result.emplace_back(key);
+    for (const auto key : {kFilter, kBandwidth, kFilterOrder, kTemperature, kBiasStability}) result.emplace_back(key);
     return result;
   }
 
@@ -192,6 +195,8 @@ class Reader : private YamlReader {
       if (!read_entry(key.Scalar(), value, signal, model)) fail_unknown_key(key, where, keys(signal));
     });
     if (const Node bandwidth = node[std::string(kBandwidth)]) model.filter = older_filter(node, bandwidth);
+    if (const Node minimum = node[std::string(kBiasStability)])
+      model.bias_instability = flicker_of(minimum, node, model, signal);
     return model;
   }
 
@@ -214,7 +219,8 @@ class Reader : private YamlReader {
                                  e.above_zero ? Sign::above_zero : Sign::not_negative);
       return true;
     }
-    if (key == kBandwidth) return true;  // older_filter()
+    if (key == kBandwidth) return true;      // older_filter()
+    if (key == kBiasStability) return true;  // flicker_of()
     if (key == kFilterOrder) return whole(key, value, 1, 2) > 0;
     if (key == kFilter) {
       model.filter = filter(value);
@@ -237,6 +243,39 @@ class Reader : private YamlReader {
 
   double bandwidth(const Node& value) const {
     return quantity(kBandwidth, value, dimension::kFrequency, Sign::above_zero);
+  }
+
+  /// B of a datasheet's in-run bias stability, behind the other coefficients.
+  PerAxis flicker_of(const Node& value, const Node& triad, const ErrorModel& model, Signal signal) const {
+    if (triad[std::string(noise::key(signal, Term::flicker))])
+      fail_here(value,
+                fmt::format("{0}: found it beside {1}, expected one of the two; {0} is the minimum of the whole curve",
+                            kBiasStability, noise::key(signal, Term::flicker)));
+    const PerAxis minimum =
+        per_axis(kBiasStability, value, noise::dimension_of(signal, Term::flicker), Sign::not_negative);
+    PerAxis result(0);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double n = model.white[i], k = model.rate_random_walk[i];
+      const std::optional<double> b = flicker_of_minimum(minimum[i], n, k);
+      if (!b)
+        fail_here(value,
+                  fmt::format("{}: found {}, expected at least {}, where the curve of {} and {} alone has its minimum",
+                              kBiasStability, kind(value),
+                              noise::quantity_text(curve_minimum(n, 0, k), noise::datasheet_unit(signal), 4),
+                              noise::key(signal, Term::white), noise::key(signal, Term::rate_random_walk)));
+      result[i] = *b;
+    }
+    return result;
+  }
+
+  /// What was made of it, for people.
+  void say_flicker(const char* where, const ErrorModel& model, Signal signal, std::vector<std::string>& notes) const {
+    const Node triad = root()[where];
+    if (!triad.IsMap() || !triad[std::string(kBiasStability)]) return;
+    notes.push_back(
+        fmt::format("{}: {} of {} is the minimum of the Allan deviation: beside its white noise and walk that is {} {}",
+                    file_name(), kBiasStability, where, noise::key(signal, Term::flicker),
+                    noise::quantity_text(model.bias_instability.largest(), noise::datasheet_unit(signal), 4)));
   }
 
   FrontEnd filter(const Node& node) const {
@@ -404,7 +443,7 @@ class Reader : private YamlReader {
   SensorFile imu_utils_form() const {
     SensorFile file;
     SensorModel& model = file.model;
-    model.name = root()["name"] && root()["name"].IsScalar() ? root()["name"].Scalar() : file_name();
+    model.name = root()["name"] && root()["name"].IsScalar() ? text::printable(root()["name"].Scalar()) : file_name();
     model.gyro = imu_utils_triad(root()["Gyr"], "gyr_n", "gyr_w", dimension::kAngularRate);
     file.notes.push_back(reading(model.gyro.white.largest(), "gyr_n", root()["Acc"] ? "gyr_n and acc_n" : "gyr_n"));
     model.gyro.white *= of_a_sample();
@@ -456,7 +495,7 @@ class Reader : private YamlReader {
     return result;
   }
 
-  std::string file_name() const { return name().substr(name().rfind('/') + 1); }
+  std::string file_name() const { return text::printable(name().substr(name().rfind('/') + 1)); }
 
   ReadOptions options_;
 

@@ -32,6 +32,7 @@ struct ReadOptions {
 ///       arw: 5.4e-4 deg/sqrt(h)               # noise::key names the terms of each signal; as all values that are
 ///       bias_instability: 1.7e-3 deg/h        # not said to be one: for all axes, or for each,
 ///       rrw: 4.32e-2 deg/h/sqrt(h)            # [4e-2 deg/h/sqrt(h), 4e-2 deg/h/sqrt(h), 9e-2 deg/h/sqrt(h)]
+///       # bias_stability: 5e-3 deg/h          # in place of bias_instability: the minimum of the curve (minimum.h)
 ///       quantization: 0.1 arcsec
 ///       rate_ramp: 1e-4 deg/h/h
 ///       gauss_markov: [{sigma: 0.1 deg/h, correlation_time: 300 s}]             # one correlation time
@@ -70,6 +71,8 @@ struct ReadOptions {
 /// @throws InputError with file:line:column, what was found, what was expected; an unknown key gets the nearest name.
 /// std::invalid_argument for a rate that is not positive and finite.
 [[nodiscard]] SensorFile read_sensor_file(const std::string& path, const ReadOptions& options = {});
+/// All keys of a sensor file as one commented example, which read_sensor reads.
+[[nodiscard]] std::string_view sensor_help();
 /// Its model alone, for files that have one reading and no warning to pass on.
 [[nodiscard]] noise::SensorModel read_sensor(const std::string& path);
 

@@ -72,6 +72,11 @@ std::string YamlReader::kind(const Node& node) {
   return node.IsScalar() ? text::quoted(node.Scalar()) : "nothing";
 }
 
+Node YamlReader::find(const Node& map, std::string_view what, const char* key) const {
+  if (!map.IsMap()) fail_here(map, fmt::format("{}: found {}, expected keys and values below it", what, kind(map)));
+  return map[key];
+}
+
 void YamlReader::for_each(const Node& map, std::string_view what,
                           const std::function<void(const Node& key, const Node& value)>& visit) const {
   if (!map.IsMap()) fail_here(map, fmt::format("{}: found {}, expected keys and values below it", what, kind(map)));

@@ -51,6 +51,9 @@ class YamlReader {
   /// "keys and values", "a list", "nothing" or the text in quotes.
   [[nodiscard]] static std::string kind(const YAML::Node&);
 
+  /// The value of a key, or none, before all are read: of what should be a map.
+  [[nodiscard]] YAML::Node find(const YAML::Node& map, std::string_view what, const char* key) const;
+
   /// Calls visit(key, value) for each entry of a map, each key once.
   void for_each(const YAML::Node& map, std::string_view what,
                 const std::function<void(const YAML::Node& key, const YAML::Node& value)>& visit) const;

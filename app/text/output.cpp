@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -10,9 +11,8 @@
 #include <atomic>
 #include <cerrno>
 #include <climits>
-#include <cstdlib>
 #include <cstring>
-#include <memory>
+#include <filesystem>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -87,16 +87,77 @@ bool names_a_descriptor(const std::string& path) {
   return path == "/dev/stdout" || path == "/dev/stderr" || path.starts_with("/dev/fd/") || path.starts_with("/proc/");
 }
 
-/// The path with links resolved; as it is where it does not exist yet.
-std::string resolved(const std::string& path) {
-  const std::unique_ptr<char, decltype(&std::free)> real(::realpath(path.c_str(), nullptr), &std::free);
-  return real ? real.get() : path;
+/// Where the last of the links leads, whether there is a file or not.
+std::string resolved(std::string path) {
+  constexpr int kMostLinks = 40;  // as the kernel follows
+  std::array<char, PATH_MAX> to{};
+  for (int i = 0; i < kMostLinks; ++i) {
+    const ssize_t size = ::readlink(path.c_str(), to.data(), to.size());
+    if (size <= 0) break;
+    const std::string_view target(to.data(), static_cast<std::size_t>(size));
+    path = target.starts_with('/') ? std::string(target) : path.substr(0, path.rfind('/') + 1) + std::string(target);
+  }
+  return path;
 }
+
+// --- Temporary files ---------------------------------------------------------------------------------------------
+
+/// ".log.csv.1234-1.part": of log.csv, by process 1234.
+constexpr std::string_view kPart = ".part";
 
 std::string beside(const std::string& target) {
   static std::atomic<unsigned> count{0};
   const std::size_t name = target.rfind('/') + 1;  // npos + 1 == 0
-  return fmt::format("{}.{}.{}-{}.part", target.substr(0, name), target.substr(name), ::getpid(), ++count);
+  return fmt::format("{}.{}.{}-{}{}", target.substr(0, name), target.substr(name), ::getpid(), ++count, kPart);
+}
+
+bool is_part_of(std::string_view file, std::string_view name) {
+  if (!file.starts_with('.') || !file.ends_with(kPart) || file.size() < name.size() + kPart.size() + 2) return false;
+  file = file.substr(1, file.size() - 1 - kPart.size());
+  return file.starts_with(name) && file[name.size()] == '.' && file.size() > name.size() + 1 &&
+         file.substr(name.size() + 1).find_first_not_of("0123456789-") == std::string_view::npos;
+}
+
+/// Who writes a temporary file holds its lock, also on a disk that machines share: one that is free was left behind.
+bool lock(int descriptor, int how) {
+  while (::flock(descriptor, how) != 0) {
+    if (errno != EINTR) return false;
+  }
+  return true;
+}
+
+void remove_if_left_behind(const std::string& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+  if (descriptor < 0) return;
+  struct stat status = {};
+  if (::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode) && status.st_uid == ::geteuid() &&
+      lock(descriptor, LOCK_EX | LOCK_NB))
+    ::unlink(path.c_str());
+  ::close(descriptor);
+}
+
+/// Runs that were killed could not take their temporary files with them: those of this target go now.
+void remove_parts_left_behind(const std::string& target) {
+  const std::size_t name = target.rfind('/') + 1;
+  const std::string folder = target.substr(0, name);
+  std::error_code error;  // of a folder that is not there, or may not be listed: then nothing is found
+  std::filesystem::directory_iterator at(folder.empty() ? "." : folder, error);
+  for (; !error && at != std::filesystem::directory_iterator(); at.increment(error)) {
+    const std::string file = at->path().filename().string();
+    if (is_part_of(file, std::string_view(target).substr(name))) remove_if_left_behind(folder + file);
+  }
+}
+
+/// A new file whose lock is held; -1 and errno where there can be none.
+int create_locked(const std::string& path, unsigned mode) {
+  for (;;) {
+    const int descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+    if (descriptor < 0) return -1;
+    struct stat status = {};
+    lock(descriptor, LOCK_EX);  // where a disk has no locks, nobody removes anything
+    if (::fstat(descriptor, &status) != 0 || status.st_nlink > 0) return descriptor;
+    ::close(descriptor);  // another run found it before it was locked
+  }
 }
 
 constexpr unsigned kDefaultMode = 0666;  // less the umask
@@ -122,15 +183,16 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
   }
   // A rename would replace a write-protected file without a word: ask first.
   if (exists && ::access(path_.c_str(), W_OK) != 0) fail(path_, errno);
-  open_beside(exists ? resolved(path_) : path_, exists ? status.st_mode & kPermissionBits : kDefaultMode);
+  open_beside(resolved(path_), exists ? status.st_mode & kPermissionBits : kDefaultMode);
 }
 
 void OutputFile::open_beside(const std::string& target, unsigned mode) {
   target_ = target;
   temporary_ = beside(target);
+  remove_parts_left_behind(target);
   slot_ = note_unfinished(temporary_);
   if (slot_ < 0) fail(path_, temporary_.size() < PATH_MAX ? EMFILE : ENAMETOOLONG);
-  descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, kDefaultMode);
+  descriptor_ = create_locked(temporary_, kDefaultMode);
   if (descriptor_ < 0) {
     const int error = errno;
     forget_unfinished(slot_);

@@ -9,9 +9,9 @@
 namespace gyrobudget::inline v0::text {
 
 /// A file that appears whole or not at all: written beside its final name, synced to disk and renamed by commit(),
-/// removed otherwise (also on an interrupt, see remove_unfinished_outputs). Until then a file that already has the
-/// name stays as it was; afterwards the new one has its access rights. A symbolic link keeps pointing at its target,
-/// which is replaced.
+/// removed otherwise (also on an interrupt, see remove_unfinished_outputs; after a kill, by the next of its name).
+/// Until then a file that already has the name stays as it was; afterwards the new one has its access rights. A
+/// symbolic link keeps pointing at its target, which is replaced, or made where there was none.
 ///
 /// "-" is standard output. Devices, pipes and /dev/stdout, /dev/fd/N, /proc/... cannot be replaced: they are written
 /// in place, as the bytes come.

@@ -39,6 +39,42 @@ void for_each_stretch(std::string_view text, const Valid& valid, const Invalid& 
   }
 }
 
+/// What a terminal obeys instead of showing it: C0, DEL, C1, and what turns the direction of the text around it.
+bool is_control(std::uint32_t c) {
+  return c < 0x20 || (c >= 0x7f && c < 0xa0) || (c >= 0x202a && c <= 0x202e) || (c >= 0x2066 && c <= 0x2069);
+}
+
+/// One line of well-formed UTF-8, control codes but those of `kept` as blanks.
+std::string without_controls(std::string_view text, std::string_view kept) {
+  std::string out;
+  out.reserve(text.size());
+  const auto copy = [&](std::string_view valid) {
+    for (auto at = valid.begin(); at != valid.end();) {
+      const auto begin = at;
+      const std::uint32_t c = utf8::unchecked::next(at);
+      const bool stays = !is_control(c) || (c < 0x80 && kept.find(static_cast<char>(c)) != std::string_view::npos);
+      stays ? out.append(begin, at) : out.append(1, ' ');
+    }
+  };
+  for_each_stretch(text, copy, [&] { out += '?'; });
+  return out;
+}
+
+/// $'a\x1b': as shells since 2023's POSIX read it.
+std::string ansi_c_word(std::string_view word) {
+  std::string line = "$'";
+  for (const char c : word) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte < 0x20 || byte > 0x7e) {
+      line += fmt::format("\\x{:02x}", byte);
+      continue;
+    }
+    if (c == '\'' || c == '\\') line += '\\';
+    line += c;
+  }
+  return line + "'";
+}
+
 }  // namespace
 
 std::string_view trim(std::string_view text) {
@@ -57,6 +93,7 @@ std::string lower(std::string_view text) {
 }
 
 std::string shell_word(const std::string& word) {
+  if (printable(word) != word) return ansi_c_word(word);
   if (!word.empty() && word.find_first_of(" \t\n'\"\\$`*?[](){}<>|&;#~!") == std::string::npos) return word;
   std::string line = "'";
   for (const char c : word) line += c == '\'' ? std::string("'\\''") : std::string(1, c);
@@ -84,16 +121,8 @@ std::string to_utf8(std::string_view text) {
   return result;
 }
 
-std::string printable(std::string_view text) {
-  std::string out;
-  out.reserve(text.size());
-  const auto is_control = [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; };
-  for_each_stretch(
-      text,
-      [&](std::string_view valid) { std::ranges::replace_copy_if(valid, std::back_inserter(out), is_control, ' '); },
-      [&] { out += '?'; });
-  return out;
-}
+std::string printable(std::string_view text) { return without_controls(text, ""); }
+std::string printable_lines(std::string_view text) { return without_controls(text, "\n\t"); }
 
 std::size_t length(std::string_view text) {
   std::size_t count = 0;

@@ -18,14 +18,18 @@ namespace gyrobudget::inline v0::text {
 [[nodiscard]] std::string_view trim(std::string_view);
 /// ASCII letters in lower case; other bytes as they are.
 [[nodiscard]] std::string lower(std::string_view);
-/// A word of a command line, between quotes where a shell would read something into it.
+/// A word of a command line, between quotes where a shell would read something into it; as $'a\x1b' where it holds what
+/// printable() would take out.
 [[nodiscard]] std::string shell_word(const std::string& word);
 /// 'what was found', fit for one line of a message: control bytes as \xNN, at most 40 bytes shown.
 [[nodiscard]] std::string quoted(std::string_view found);
 /// The text as UTF-8: as it is where it is valid, read as Latin-1 otherwise (the degree sign of old loggers).
 [[nodiscard]] std::string to_utf8(std::string_view);
-/// Text of a user's as one line of well-formed UTF-8: control characters become blanks, bytes that are no UTF-8 "?".
+/// Text of a user's as one line of well-formed UTF-8: control codes (those that a terminal obeys, and those that turn
+/// the direction of writing) become blanks, bytes that are no UTF-8 "?".
 [[nodiscard]] std::string printable(std::string_view text);
+/// The same of a text that may have lines and tabs.
+[[nodiscard]] std::string printable_lines(std::string_view text);
 /// Number of characters (code points) of UTF-8; a byte that is none counts as one.
 [[nodiscard]] std::size_t length(std::string_view utf8);
 /// At most `limit` (2 or more) characters of well-formed UTF-8, the middle left out: "gyro_…_left".

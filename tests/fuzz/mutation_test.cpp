@@ -15,12 +15,10 @@
 
 #include "entries.h"
 #include "memory_file.h"
-#include "recording_entries.h"
 
 namespace gyrobudget::fuzz {
 namespace {
 
-constexpr int kMutantsPerSeed = 2000;
 constexpr int kMostChanges = 6;
 
 constexpr std::array<std::string_view, 44> kWords = {"\n",
@@ -126,7 +124,7 @@ TEST_P(Mutations, NothingButWhatIsDocumentedLeaves) {
   Mutator mutator(GetParam());
   for (const std::string& seed : entry.seeds) {
     ASSERT_EQ(fault(entry, seed), "") << entry.name << ": " << testing::PrintToString(seed);
-    for (int i = 0; i < kMutantsPerSeed; ++i) {
+    for (int i = 0; i < entry.mutants; ++i) {
       const std::string input = mutator.mutant(seed);
       ASSERT_EQ(fault(entry, input), "") << entry.name << ": " << testing::PrintToString(input);
     }

@@ -1,15 +1,21 @@
 // SPDX-License-Identifier: MIT
 // Readers of recordings, on seeds written here byte by byte.
-#include "recording_entries.h"
-
+#include "gyrobudget/app/log/log.h"
 #include "gyrobudget/app/log/recording.h"
 #include "gyrobudget/app/text/error.h"
+
+#include "entries.h"
+
+#if GYROBUDGET_HAS_HDF5
+#include <hdf5.h>
+#endif
 
 #include <cmath>
 #include <cstdint>
 #include <numeric>
 #include <stdexcept>
 
+#include "../app/log/recording_writer.h"
 #include "../app/packing.h"
 #include "memory_file.h"
 
@@ -21,10 +27,6 @@ using U8 = std::uint8_t;
 using U16 = std::uint16_t;
 using U32 = std::uint32_t;
 using U64 = std::uint64_t;
-
-void promise(bool kept, const char* what) {
-  if (!kept) throw std::logic_error(what);
-}
 
 void check(const log::Recording& recording, std::size_t stream) {
   const log::StreamInfo& info = recording.streams()[stream];
@@ -161,6 +163,43 @@ std::string npz() {
          packed(static_cast<U32>(directory.size()), static_cast<U32>(bytes.size())) + packed(U16{0});
 }
 
+/// A text of a dataflash, or what a mutant makes of it, as a log.
+void read_packed_text(std::string_view bytes) {
+  const MemoryFile file(bytes);
+  try {
+    const allan::Record record = log::read_log({.path = file.path(), .rate_hz = 100, .unit = "deg/s"});
+    promise(!record.axes.empty(), "a record without axes");
+  } catch (const std::invalid_argument&) {  // a choice among its streams is left to the user
+  } catch (const text::InputError& error) {
+    promise(error.what()[0] != '\0', "an error without a message");
+  }
+}
+
+/// As the library writes it; without it, its mark.
+std::vector<std::string> hdf5_seeds() {
+#if GYROBUDGET_HAS_HDF5
+  constexpr std::size_t kGrowth = 4096;
+  const hid_t access = H5Pcreate(H5P_FILE_ACCESS);
+  H5Pset_fapl_core(access, kGrowth, 0);  // in memory
+  const hid_t file = H5Fcreate("seed", H5F_ACC_TRUNC, H5P_DEFAULT, access);
+  const hsize_t shape[] = {40, 3}, chunk[] = {16, 3};
+  const std::vector<double> values(120, 0.5);
+  const hid_t space = H5Screate_simple(2, shape, nullptr), creation = H5Pcreate(H5P_DATASET_CREATE);
+  H5Pset_chunk(creation, 2, chunk);
+  H5Pset_deflate(creation, 4);
+  const hid_t gyro = H5Dcreate2(file, "gyro", H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, creation, H5P_DEFAULT);
+  H5Dwrite(gyro, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data());
+  H5Dclose(gyro), H5Pclose(creation), H5Sclose(space);
+  H5Fflush(file, H5F_SCOPE_GLOBAL);
+  std::string seed(static_cast<std::size_t>(H5Fget_file_image(file, nullptr, 0)), '\0');
+  H5Fget_file_image(file, seed.data(), seed.size());
+  H5Fclose(file), H5Pclose(access);
+  return {seed};
+#else
+  return {"\x89HDF\r\n\x1a\n"};
+#endif
+}
+
 }  // namespace
 
 std::vector<Entry> recording_entries() {
@@ -168,22 +207,17 @@ std::vector<Entry> recording_entries() {
       "FMT, 128, 89, FMT, BBnNZ, Type,Length,Name,Format,Columns\nFMT, 1, 9, IMU, QBffc, TimeUS,I,GyrX,AccX,T\n"
       "IMU, 1000, 0, 1.5, 2, 3\nIMU, 2000, 1, nan, 2, -3\nIMU, 3000, 0, 1e999, 2, 3\n";
   const int gzip = 15 + 16;
-  return {
-      {"ulog", read_recording, {ulog()}},
-      {"dataflash", read_recording, {dataflash(), text}},
-      {"mat", read_recording, {mat(false), mat(true)}},
-      {"npz", read_recording, {npz(), npy("<i4", "(2, 3)", 24)}},
-      {"gnss_text",
-       read_recording,
-       {"%  GPST latitude(deg) longitude(d'\") height(m) Q ns sdn(m) sde(m) sdu(m)\n"
-        "2025/08/28 17:30:39.749 40.1 -105 09 00.0 1600.5 1 18 0.02 0.03 0\n2381 408640.749 40 1 2 3 4 5 6 7 8 9\n",
-        "$GPGGA,173039.50,4006.00,N,10509.00,W,1,12,0.8,1617.4,M,-16.9,M,,*66\n"
-        "$GPRMC,173039.50,A,4006.00,N,10509.00,W,7.2,90.0,280825,,,A*70\n"
-        "$GPRMC,173040.50,A,4006.00,N,10509.00,W,7.2,90.0,280825,,,A*7E\n",
-        "{\"class\":\"TPV\",\"device\":\"/dev/a\",\"mode\":3,\"time\":\"2025-08-28T17:30:39.749Z\",\"lat\":40.1,\"epx\":3}\n"
-        "{\"class\":\"TPV\",\"device\":\"/dev/a\",\"mode\":3,\"time\":\"2025-08-28T17:30:39.749Z\",\"lat\":40.1,\"epx\":1e999}\n"
-        "{\"class\":\"TPV\",\"device\":\"/dev/a\",\"mode\":3,\"time\":\"2025-08-28T17:30:40.749Z\",\"lat\":40.1,\"epx\":3}\n"}},
-      {"packed", read_recording, {deflated(ulog(), gzip), deflated(mat(true), gzip)}}};
+  std::vector<std::string> packed{deflated(ulog(), gzip), deflated(mat(true), gzip)};
+  for (const char* how : {"bz2", "lz4", "zstd"}) packed.push_back(recording_writer::pack(how, ulog()));
+  std::vector<std::string> packed_text{deflated(text, gzip)};
+  for (const char* how : {"bz2", "lz4", "zstd"}) packed_text.push_back(recording_writer::pack(how, text));
+  return {{"ulog", read_recording, {ulog()}},
+          {"dataflash", read_recording, {dataflash(), text}},
+          {"mat", read_recording, {mat(false), mat(true)}},
+          {"npz", read_recording, {npz(), npy("<i4", "(2, 3)", 24)}},
+          {"packed", read_recording, packed},
+          {"packed_text", read_packed_text, packed_text, 500},
+          {"hdf5", read_recording, hdf5_seeds(), 100}};
 }
 
 }  // namespace gyrobudget::fuzz

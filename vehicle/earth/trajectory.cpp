@@ -19,6 +19,9 @@ namespace {
 
 constexpr double kRoundOfTime = 1e-12;  // relative; k times an interval may pass the end by a rounding
 constexpr double kMostIncrements = 2147483648.0;
+constexpr double kHighestFrequency =
+    1e6;                              // [rad/s]: above any structure's, and as many panels a second as one waits for
+constexpr double kLight = 299792458;  // [m/s]
 
 constexpr double kShort =
     0.02;  // of a panel or a smooth piece, where 3 points do what 7 do: (0.04)^6/2e6 at twice fastest()
@@ -59,9 +62,14 @@ Trajectory::Trajectory(std::shared_ptr<const Path> path) : path_(std::move(path)
   if (!(duration_ > 0) || !std::isfinite(duration_))
     throw std::invalid_argument(fmt::format("duration {} s of a trajectory must be positive and finite", duration_));
   const double fastest = path_->fastest();
-  if (!(fastest > 0) || !std::isfinite(fastest))
-    throw std::invalid_argument(
-        fmt::format("highest frequency {} rad/s of a path must be positive and finite", fastest));
+  if (!(fastest > 0 && fastest <= kHighestFrequency))
+    throw std::invalid_argument(fmt::format(
+        "highest frequency {} rad/s of a path must be positive and at most {} rad/s", fastest, kHighestFrequency));
+  for (const double t : {0.0, duration_}) {
+    const double speed = path_->at(t).pose.v_eb_e.norm();
+    if (!(speed < kLight))
+      throw std::invalid_argument(fmt::format("speed {} m/s at {} s of a path must be below that of light", speed, t));
+  }
   panel_ = 1 / fastest;
   breaks_ = path_->breaks();
 }
@@ -94,6 +102,9 @@ noise::ImuIncrement Trajectory::increment(double from, double to) const {
       add(*path_, from + (end - from) * (k / panels), from + (end - from) * ((k + 1) / panels), sum);
     from = end;
   }
+  if (!std::isfinite(vector(sum.velocity).sum() + vector(sum.angle).sum()))
+    throw std::invalid_argument(
+        fmt::format("what is sensed before {} s is not finite: the path is none of a body", to));
   return sum;
 }
 

@@ -58,7 +58,8 @@ struct TrajectoryPoint {
 ///   const auto imu = flight.increments(0.01);                // 100 Hz
 class Trajectory {
  public:
-  /// @throws std::invalid_argument for no path, a duration that is not positive, a frequency that is not.
+  /// @throws std::invalid_argument for no path, a duration that is not positive, a highest frequency that is not, or is
+  /// above 1e6 rad/s, and a speed at start or end that light does not have.
   explicit Trajectory(std::shared_ptr<const Path> path);
 
   [[nodiscard]] double duration() const { return duration_; }  ///< [s]; it starts at 0
@@ -72,7 +73,7 @@ class Trajectory {
   /// 0.02/fastest() and 1/50 of the way between breaks), panels ending at breaks and no longer than
   /// 1/fastest(). A sinusoid of twice that frequency is integrated to 2e-15 of its amplitude times the
   /// interval. Sensed sums over intervals are those over their union, to rounding.
-  /// @throws std::invalid_argument where from, to are outside the trajectory or to < from.
+  /// @throws std::invalid_argument where from, to are outside the trajectory or to < from, or the sum is not finite.
   [[nodiscard]] noise::ImuIncrement increment(double from, double to) const;
 
   /// All whole intervals from time 0: increments k has [k interval, (k + 1) interval]; a rest shorter than an

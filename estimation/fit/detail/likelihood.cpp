@@ -119,6 +119,7 @@ SineLikelihood::SineLikelihood(SineBins bins, std::span<const noise::Process> pr
     }
   }
   if (bins_.gain.size() > 0) shape_ = bins_.gain.matrix().asDiagonal() * shape_;
+  bins_.parts.clear();  // the shape has them: copies are made for every simulated record
   unit_ = Eigen::VectorXd::Ones(shape_.cols());
   choose_units();
 }

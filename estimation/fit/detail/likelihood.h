@@ -39,7 +39,7 @@ struct SineBins {
   struct Part {
     std::int64_t samples = 0, first = 0, end = 0;
   };
-  std::vector<std::vector<Part>> parts;  ///< of each bin: one, and one for each stretch added to it
+  std::vector<std::vector<Part>> parts;  ///< of each bin: one, and one for each stretch added; none in a likelihood
 };
 
 /// Likelihood of independent coefficients c_k ~ N(r d_k, sum_a theta_a phi_a(k)), theta >= 0:

@@ -168,6 +168,7 @@ TEST_F(TrajectoryFile, WhatIsWrongIsSaidWithItsLine) {
   EXPECT_CONTAINS(message(head + kRows + "3.5,10,20,150,90,90,0\n"), ":7:1: found a time that is not after");
   EXPECT_CONTAINS(message(head + kRows + "5,10,,150,90,90,0\n"), ":7:1: column 'longitude' has no number");
   EXPECT_CONTAINS(message(head + kRows + "5,100,0,150,90,90,0\n"), "latitude of 100 deg");
+  EXPECT_CONTAINS(message(head + kRows + "5,10,0,1e300,90,90,0\n"), ":7:1: found a height of 1e+300 m");
   EXPECT_CONTAINS(message(head + "0,10,20,100,0,0,0\n1,10,20,100,0,0,0\n"), "4");
   EXPECT_CONTAINS(message("time (s),latitude (deg),longitude (deg),height (m),q_w,q_x,q_y,q_z\n0,10,20,100,2,0,0,0\n"
                           "1,10,20,100,1,0,0,0\n"),

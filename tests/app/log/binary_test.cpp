@@ -241,6 +241,52 @@ TEST_F(BinaryLog, StreamsGiveWhatTheWholeLogGives) {
   }
 }
 
+/// So many seconds of 1 Hz, and behind them stamps that are each so much [s] later than the one before.
+std::string with_gaps(int seconds, std::initializer_list<double> steps) {
+  std::string text = "time (s),g (deg/s)\n";
+  for (int i = 0; i < seconds; ++i) text += std::to_string(i) + ",1\n";
+  double t = seconds - 1;
+  for (const double step : steps) text += std::to_string(t += step) + ",1\n";
+  return text;
+}
+
+// A gap that may be filled is handed out in pieces, one that may not is refused, however the gaps are cut.
+TEST_F(BinaryLog, AStreamHoldsNoGapInMemory) {
+  constexpr int kSeconds = 200'000;  // more than the block of text that is looked at first
+  constexpr std::size_t kBlock = (std::size_t{1} << 20) / sizeof(double);
+  constexpr std::int64_t kGap = 900'000;
+  log::LogStream log({.path = file("a.csv", with_gaps(kSeconds, {kGap + 1}))});
+  std::vector<std::vector<double>> rates;
+  std::int64_t samples = 0;
+  for (auto progress = log::LogStream::Progress::none; progress != log::LogStream::Progress::end;) {
+    progress = log.read(rates, std::chrono::milliseconds{0});
+    ASSERT_LE(rates.front().size(), kBlock);
+    samples += static_cast<std::int64_t>(rates.front().size());
+  }
+  EXPECT_EQ(samples, kSeconds + kGap + 1);
+  EXPECT_EQ(log.missing_samples(), kGap);
+  EXPECT_EQ(log.numbers(), (std::vector<std::int64_t>{kSeconds + 1}));
+  const double years = 3e9;
+  for (const auto& steps : {std::initializer_list<double>{years}, {kGap, kGap}, {kGap, 1, 1, kGap}}) {
+    log::LogStream refused({.path = file("b.csv", with_gaps(kSeconds, steps))});
+    EXPECT_CONTAINS(message_of<InputError>([&] { (void)streamed(refused); }), "samples are missing by now");
+  }
+}
+
+TEST_F(BinaryLog, AHeaderThatIsLongerThanAnyIsRefused) {
+  const std::string dictionary = "{'descr': '<f8', 'fortran_order': False, 'shape': (1,), }";
+  for (const std::uint32_t length : {1U << 17, 2U << 20, 0xfffffff0U}) {
+    std::string bytes = std::string("\x93NUMPY\x02\x00", 8) +
+                        std::string({static_cast<char>(length), static_cast<char>(length >> 8),
+                                     static_cast<char>(length >> 16), static_cast<char>(length >> 24)}) +
+                        dictionary;
+    bytes.resize(bytes.size() + (3U << 20), ' ');
+    const auto read = options(file("long.npy", bytes));
+    EXPECT_CONTAINS(message_of<InputError>([&] { (void)log::read_log(read); }), "expected at most 65536");
+    EXPECT_CONTAINS(message_of<InputError>([&] { log::LogStream log(read); }), "expected at most 65536");
+  }
+}
+
 TEST_F(BinaryLog, StreamsRefuseWhatTheyCannotRead) {
   const auto refused = [&](const log::LogOptions& read) {
     return message_of<InputError>([&] {
@@ -260,6 +306,7 @@ TEST_F(BinaryLog, StreamsRefuseWhatTheyCannotRead) {
   EXPECT_CONTAINS(refused({.path = file("g.csv", back + "7,1\n")}), "g.csv:300002:1: the time column 'time' goes back");
   EXPECT_CONTAINS(refused({.path = file("h.csv", back + "9e8,1\n")}), "jumps by");
   EXPECT_CONTAINS(refused({.path = file("i.csv", back + "300000,one\n")}), "i.csv:300002:8");
+  EXPECT_CONTAINS(refused({.path = file("k.csv", "time (s),g (deg/s)\n0,1\n")}), "holds 1 row with a time");
   auto angle = options(file("j.f64", raw<double>(kValues)));
   angle.input = log::Input::angle;
   EXPECT_CONTAINS(message_of<std::invalid_argument>([&] { log::LogStream log(angle); }), "rates or increments");

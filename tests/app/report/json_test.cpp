@@ -96,8 +96,16 @@ TEST(Json, EndsInOneNewline) {
 }
 
 const std::vector<std::string> kParameterKeys = {"value", "unit", "lower", "upper", "relative_std", "status"};
-const std::vector<std::string> kFitKeys = {"method",       "tau_min_s", "tau_max_s", "chi2",       "dof",    "p_value",
-                                           "worst_misfit", "verdict",   "converged", "iterations", "seconds"};
+const std::vector<std::string> kFitKeys = {"method",  "tau_min_s",    "tau_max_s", "chi2",      "dof",
+                                           "p_value", "worst_misfit", "verdict",   "converged", "iterations"};
+
+TEST(CalibrationJson, RunTimesStandInItWhereTheyAreAskedFor) {
+  LogResult result = fixtures::mems(), slow = result;
+  slow.axes.front().fit->seconds = 3.5;
+  EXPECT_EQ(calibration_json(result), calibration_json(slow));
+  slow.timing = true;
+  EXPECT_EQ(tests::parsed<Json>(calibration_json(slow))["axes"][0]["fit"]["seconds"], 3.5);
+}
 
 TEST(CalibrationJson, HasEveryFieldOfTheContract) {
   const Json document = tests::parsed<Json>(calibration_json(fixtures::mems()));

@@ -2,10 +2,16 @@
 // The forms of other tools, each taken back to N and K by the formula of its tool.
 #include "gyrobudget/app/sensor_file/forms.h"
 
+#include "gyrobudget/app/sensor_file/minimum.h"
+#include "gyrobudget/app/sensor_file/sensor_file.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <fstream>
 #include <limits>
 #include <numbers>
 #include <regex>
@@ -40,7 +46,8 @@ std::string written(const std::string& form, const noise::SensorModel& model = s
 /// The numbers behind a key, wherever the form has them.
 std::vector<double> numbers(const std::string& text, const std::string& key) {
   std::smatch line;
-  const std::regex wanted("(?:^|\n)[ <]*(?:params->|imu\\.)?" + std::regex_replace(key, std::regex("\\."), "\\.") +
+  const std::regex wanted("(?:^|\n)[ <]*(?:params->|imu\\.|param set )?" +
+                          std::regex_replace(key, std::regex("\\."), "\\.") +
                           "[ >:=]+(?:gtsam::Vector3\\(|\\[)?([^\\]\\)<\n]*)");
   if (!std::regex_search(text, line, wanted)) return {};
   std::vector<double> list;
@@ -80,6 +87,13 @@ TEST(Forms, HaveTheNumbersOfTheirTools) {
                            {"kf_gins", "corrtime", 4},
                            {"navego", "arw", kN, kN / 2},
                            {"navego", "vrrw", kKa, kKa},
+                           {"px4_ekf2", "EKF2_GYR_NOISE", kN * 10},  // at 100 Hz
+                           {"px4_ekf2", "EKF2_ACC_NOISE", kNa * 10},
+                           {"px4_ekf2", "EKF2_GYR_B_NOISE", kK * 10},
+                           {"px4_ekf2", "EKF2_ACC_B_NOISE", kKa * 10},
+                           {"pyins", "gyro\\[\"noise\"\\]", kN, kN / 2},
+                           {"pyins", "gyro\\[\"bias_walk\"\\]", kK, kK / 2},
+                           {"pyins", "accel\\[\"bias_walk\"\\]", kKa, kKa},
                            {"matlab", "Gyroscope.NoiseDensity", kN, kN / 2},
                            {"matlab", "Gyroscope.BiasInstability", 1e-5, 1e-5},
                            {"matlab", "Accelerometer.RandomWalk", kKa, kKa}}) {
@@ -107,6 +121,44 @@ TEST(Forms, NeverHaveAWalkOfZero) {
   EXPECT_NEAR(numbers(written("vins", model), "gyr_w").at(0) / (stands * std::sqrt(kRate)), 1, kNineDigits);
   EXPECT_THAT(written("vins", model), HasSubstr("stands for the bias instability"));
   EXPECT_THAT(written("matlab", model), Not(HasSubstr("stands for the bias instability")));
+}
+
+/// The least of the curve over a fine grid of averaging times, N, B and K by their own formulae.
+double least(double n, double b, double k) {
+  double most = std::numeric_limits<double>::infinity();
+  constexpr int kPerDecade = 2000;
+  for (int i = -4 * kPerDecade; i <= 8 * kPerDecade; ++i) {
+    const double tau = std::pow(10., static_cast<double>(i) / kPerDecade);
+    most = std::min(most, std::sqrt(n * n / tau + 2 * std::log(2.) / std::numbers::pi * b * b + k * k * tau / 3));
+  }
+  return most;
+}
+
+TEST(Minimum, IsThatOfTheCurveAndComesBack) {
+  constexpr double kOfGrid = 1e-6;  // half a step of 1.15e-3 from the minimum, which is flat: (5.8e-4)^2 / 4
+  for (const double b : {0., 1e-6, 1e-4}) {
+    EXPECT_NEAR(curve_minimum(kN, b, kK) / least(kN, b, kK), 1, kOfGrid);
+    const double cancelled = kK * kN / (b * b + 1e-300) * 4e-16;  // of the difference of squares
+    EXPECT_NEAR(flicker_of_minimum(curve_minimum(kN, b, kK), kN, kK).value(), b, b * (1e-12 + cancelled) + 1e-13);
+  }
+  EXPECT_NEAR(curve_minimum(kN, 1e-5, 0), 0.664 * 1e-5, 0.001e-5);  // IEEE Std 952's 0.664
+  EXPECT_FALSE(flicker_of_minimum(0.9 * curve_minimum(kN, 0, kK), kN, kK));
+}
+
+// What its own reader makes of it has the same curve's minimum and the same N.
+TEST(Forms, ImuUtilsComesBack) {
+  const std::string path = testing::TempDir() + "gyrobudget_imu_utils.yaml";
+  std::ofstream(path) << written("imu_utils");
+  const noise::SensorModel back = read_sensor(path);
+  std::remove(path.c_str());
+  const noise::SensorModel model = sensor();
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(back.gyro.white[i] / model.gyro.white[i], 1, kNineDigits);
+    EXPECT_NEAR(curve_minimum(0, back.gyro.bias_instability[i], 0) /
+                    curve_minimum(model.gyro.white[i], model.gyro.bias_instability[i], model.gyro.rate_random_walk[i]),
+                1, kNineDigits);
+    EXPECT_NEAR(back.accelerometer->white[i] / kNa, 1, kNineDigits);
+  }
 }
 
 TEST(Forms, SayWhatTheyHaveNoPlaceFor) {

@@ -1,9 +1,15 @@
 // SPDX-License-Identifier: MIT
 #include "gyrobudget/app/sensor_file/sensor_file.h"
 
+#include "gyrobudget/app/sensor_file/minimum.h"
+#include "gyrobudget/app/text/text.h"
+
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <regex>
 #include <stdexcept>
 
 #include "../temporary.h"
@@ -173,6 +179,49 @@ TEST_F(SensorFile, OtherUnitsOfTheSameKind) {
   expect_near(read("gyro: {arw: 1e-3 rad/s/√Hz}").gyro.white[0], 1e-3);
 }
 
+TEST_F(SensorFile, BiasStabilityIsTheMinimumOfTheCurve) {
+  const std::string noise = "gyro:\n  arw: 0.3 deg/sqrt(h)\n  rrw: 10 deg/h/sqrt(h)\n";
+  const SensorModel curve = read(noise + "  bias_instability: 4 deg/h\n");
+  const double least =
+      sensor_file::curve_minimum(curve.gyro.white[0], curve.gyro.bias_instability[0], curve.gyro.rate_random_walk[0]);
+  constexpr double kDigits = 1e-9;
+  const std::string key = fmt::format("  bias_stability: {:.12g} rad/s\n", least);
+  for (const std::string& text : {noise + key, "gyro:\n" + key + noise.substr(noise.find('\n') + 1)}) {  // in any order
+    const auto file = sensor_file::read_sensor_file(this->file("sensor.yaml", text));
+    EXPECT_NEAR(file.model.gyro.bias_instability[2] / curve.gyro.bias_instability[2], 1, kDigits);
+    ASSERT_EQ(file.notes.size(), 1U);
+    EXPECT_CONTAINS(file.notes[0], "bias_stability of gyro is the minimum of the Allan deviation");
+    EXPECT_CONTAINS(file.notes[0], "bias_instability 4.000 deg/h");
+  }
+  // Without a walk the minimum is the flat of flicker.
+  EXPECT_NEAR(read("gyro:\n  arw: 0.3 deg/sqrt(h)\n  bias_stability: 6.6428 deg/h\n").gyro.bias_instability[0] /
+                  read("gyro:\n  bias_instability: 10 deg/h\n").gyro.bias_instability[0],
+              1, 1e-4);
+  EXPECT_CONTAINS(message(noise + "  bias_stability: 0.1 deg/h\n"),
+                  ":4:19: bias_stability: found '0.1 deg/h', expected at least ");
+  EXPECT_CONTAINS(message(noise + "  bias_instability: 4 deg/h\n  bias_stability: 9 deg/h\n"),
+                  "beside bias_instability");
+}
+
+// Help has every key that the reader takes: its own list of them stands in the error of one that it does not.
+TEST_F(SensorFile, HelpHasEveryKey) {
+  const std::string help(sensor_file::sensor_help());
+  EXPECT_NO_THROW((void)read(help));
+  for (const char* text : {"gyro:\n  zzzzzz: 1\n", "gyro: ideal\naccelerometer:\n  zzzzzz: 1\n"}) {
+    const std::string error = message(text);
+    ASSERT_NE(error.find("there are "), std::string::npos) << error;
+    const std::regex word("[a-z_0-9]+");
+    const std::string list = error.substr(error.find("there are ") + 10);
+    int keys = 0;
+    for (std::sregex_iterator at(list.begin(), list.end(), word), end; at != end; ++at) {
+      if (at->str() == "and") continue;
+      ++keys;
+      EXPECT_TRUE(std::regex_search(help, std::regex("[ #{,]" + at->str() + "\\b"))) << at->str();
+    }
+    EXPECT_GE(keys, 18);
+  }
+}
+
 TEST_F(SensorFile, RoundTripIsExact) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> exponent(-12, 2), digits(1, 10);
@@ -193,7 +242,7 @@ TEST_F(SensorFile, RoundTripIsExact) {
   constexpr int kModels = 300;
   for (int i = 0; i < kModels; ++i) {
     SensorModel model;
-    model.name = i % 2 ? "gyro \"x\": #1, 5 °C\t" : "plain name";
+    model.name = i % 2 ? "gyro \"x\": #1, 5 °C" : "plain name";
     fill(model.gyro);
     model.gyro.g_sensitivity = any();
     if (i % 3) {
@@ -225,7 +274,7 @@ TEST_F(SensorFile, NamesThatYamlWouldReadAsSomethingElse) {
                                  "trail ", "[x]", "{x}", "&a", "*a", "line\nbreak", "Größe", "x"}) {
     SensorModel model;
     model.name = name;
-    EXPECT_EQ(read(sensor_file::sensor_yaml(model)).name, name);
+    EXPECT_EQ(read(sensor_file::sensor_yaml(model)).name, text::printable(name));
   }
 }
 

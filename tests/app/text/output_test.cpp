@@ -54,6 +54,32 @@ TEST_F(Output, KeepsTheOldFileUntilCommitAndItsRights) {
   EXPECT_EQ(status.st_mode & 0777U, 0640U);
 }
 
+TEST_F(Output, IsWrittenThroughLinks) {
+  fs::create_directory(path("there"));
+  const std::string link = path("link"), second = path("there/second");
+  fs::create_symlink("there/second", link);  // beside the link, not beside us
+  fs::create_symlink("file", second);
+  for (const char* content_then : {"made", "replaced"}) {
+    text::write_file(link, content_then);
+    EXPECT_TRUE(fs::is_symlink(link) && fs::is_symlink(second));
+    EXPECT_EQ(content(path("there/file")), content_then);
+  }
+  fs::create_symlink("nowhere/file", path("lost"));
+  EXPECT_CONTAINS(message_of<OutputError>([&] { text::write_file(path("lost"), "x"); }), "create its folder first");
+}
+
+// What a killed run left goes; what another one writes, or is none of ours, stays.
+TEST_F(Output, WhatKilledRunsLeftBehindGoes) {
+  const OutputFile other(path("a.yaml"));  // its temporary is locked
+  (void)file(".a.yaml.99999-1.part", "left behind");
+  for (const char* name : {".a.yaml.part", ".a.yaml.x-1.part", ".b.yaml.99999-1.part", "a.yaml.99999-1.part"})
+    (void)file(name, "not ours");
+  EXPECT_EQ(files(), 6U);
+  text::write_file(path("a.yaml"), "new");
+  EXPECT_FALSE(fs::exists(path(".a.yaml.99999-1.part")));
+  EXPECT_EQ(files(), 6U);  // less the one, and the new file
+}
+
 TEST_F(Output, HonoursTheUmask) {
   const mode_t before = ::umask(027);
   text::write_file(path("a"), "x");

@@ -420,6 +420,13 @@ TEST(Trajectory, RefusesTimesOutside) {
   EXPECT_THROW(static_cast<void>(rest.increments(-1)), std::invalid_argument);
   EXPECT_THROW(static_cast<void>(rest.increments(1e-12)), std::invalid_argument);
   EXPECT_THROW(Trajectory(nullptr), std::invalid_argument);
+  // What no body does: faster than light, shaking above 1e6 rad/s, turning beyond what a double holds.
+  EXPECT_THROW((void)cruise({.speed = 1e9, .duration = 10}), std::invalid_argument);
+  EXPECT_THROW((void)cruise({.speed = 1e300, .duration = 10}), std::invalid_argument);
+  EXPECT_THROW((void)stand({.vibration = {.coning_angle = 1, .coning_frequency = 1e200}, .duration = 1}),
+               std::invalid_argument);
+  EXPECT_THROW((void)cruise({.turn_acceleration = 1e200, .turn_period = 10, .duration = 9}).increment(0, 1),
+               std::invalid_argument);
   EXPECT_EQ(rest.increment(3, 3).angle, noise::Vector3{});
   EXPECT_EQ(rest.increments(0.1).size(), 100U);
   EXPECT_EQ(rest.increments(3).size(), 3U);
