@@ -237,6 +237,7 @@ const Transition& Lineariser::operator()(const StepInput& step) {
   (dt <= kSecondOrder ? expand : sum_series)(step, force, gradient, transition_.core, transition_.input);
 
   transition_.input_noise << model_.gyro_white.array().square() / dt, model_.accelerometer_white.array().square() / dt;
+  transition_.input_noise += step.unknown / dt;
   for (std::size_t k = 0; k < model_.terms.size(); ++k) {
     Transition::Term& term = transition_.terms[k];
     if (term.signal < 0) continue;

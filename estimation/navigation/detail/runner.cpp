@@ -19,6 +19,7 @@
 #include "measure_fix.h"
 #include "solution.h"
 #include "start.h"
+#include "unknown_motion.h"
 
 namespace gyrobudget::inline v0::navigation::detail {
 namespace {
@@ -49,7 +50,8 @@ SensorStates states(const Scenario& scenario, double length, double step) {
 
 class Runner {
  public:
-  Runner(const Scenario& scenario, const Recording& recording) : scenario_(scenario), recording_(recording) {
+  Runner(const Scenario& scenario, const Recording& recording)
+      : scenario_(scenario), recording_(recording), gaps_(recording.imu) {
     tracks_.reserve(scenario.aids.size());
     for (std::size_t i = 0; i < scenario.aids.size(); ++i)
       tracks_.emplace_back(scenario.aids[i], recording.fixes[i], recording.origin);
@@ -170,7 +172,13 @@ class Runner {
   void advance(Filter& filter, ImuReader& imu, double to) {
     while (imu.before(to)) {
       const ImuReader::Piece piece = imu.next(to);
+      const UnknownMotion* unknown = gaps_.at(piece.interval);
+      if (unknown != nullptr) filter.set_unknown_motion(unknown->rate, unknown->force);
       filter.propagate(piece.increment, piece.dt);
+      if (unknown != nullptr) {
+        filter.catch_up();  // before what is measured again moves the same covariance
+        filter.set_unknown_motion({0, 0, 0}, {0, 0, 0});
+      }
       ++result_.steps;
     }
   }
@@ -186,6 +194,7 @@ class Runner {
 
   const Scenario& scenario_;
   const Recording& recording_;
+  Gaps gaps_;
   std::vector<FixTrack> tracks_;
   Navigation result_;
   double end_ = 0;
