@@ -68,7 +68,7 @@ int run(const NavigateArguments& a) {
   result.run = naming(a.scene, [&] { return navigation::navigate(result.scenario, result.recording); });
   print(a.common.json ? report::navigation_json(result) : report::navigation_text(result));
   write(a, result);
-  if (result.run.status == navigation::Navigation::Status::navigated) return exit_done;
+  if (result.run.usable()) return exit_done;
   say(a.common, fmt::format("gyrobudget: {}", result.run.why));
   return exit_no_answer;
 }

@@ -41,6 +41,10 @@ std::string_view status_text(Navigation::Status status) {
   switch (status) {
     case Navigation::Status::navigated:
       return "navigated";
+    case Navigation::Status::recovered:
+      return "recovered";
+    case Navigation::Status::lost:
+      return "lost";
     case Navigation::Status::no_start:
       return "no_start";
     case Navigation::Status::heading_not_observable:

@@ -108,6 +108,8 @@ struct Scenario {
   AlignmentPlan alignment;
   std::vector<Aid> aids;
   Filter::Options filter;
+  /// A filter that the fixes prove lost starts again from them. False: it is only said.
+  bool recovery = true;
   double until = std::numeric_limits<double>::infinity();  ///< end of the scene [s]
   double solution_interval = 1;                            ///< between solutions [s], positive
   std::vector<double> at;                                  ///< solutions at these times too

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <variant>
@@ -17,6 +19,7 @@
 #include "imu_reader.h"
 #include "innovation_sums.h"
 #include "measure_fix.h"
+#include "recovery.h"
 #include "solution.h"
 #include "start.h"
 #include "unknown_motion.h"
@@ -100,44 +103,70 @@ class Runner {
         require(std::min(aid.valid.to, end_) - std::max(aid.valid.from, aligning.to), 1 / aid.rate, aid.name);
   }
 
+  // What one filter did, from its start to where another took over.
+  struct Segment {
+    std::unique_ptr<FilterHistory> record;
+    std::vector<Estimate> kept;  ///< what of an epoch smoothing does not change
+    std::vector<double> times;
+  };
+
   void navigate(Filter& filter, ImuReader& imu, const EventList& list) {
     InnovationSums sums(scenario_, result_.aids);
     for (AidSummary& aid : result_.aids) aid.left_out = list.left_out[aid.aid];
     Comparison comparison(scenario_, tracks_);
-    FilterHistory record(result_.model.states());
-    std::vector<Estimate> kept;  // what of an epoch smoothing does not change
-    std::vector<double> times;
-    if (scenario_.smooth) filter.record(&record);
+    Recovery recovery(scenario_, imu.now());
+    std::vector<Segment> segments(1);
+    if (scenario_.smooth) {
+      segments.back().record = std::make_unique<FilterHistory>(result_.model.states());
+      filter.record(segments.back().record.get());
+    }
     const auto step = [&](const Event& event) {
-      advance(filter, imu, event.time);
+      advance(filter, recovery, imu, event.time);
       if (event.aid != scenario_.aids.size()) {
-        use(filter, event, sums);
+        use(filter, recovery, event, sums);
+        if (std::optional<Trial> found = recovery.found(event.time)) take_over(filter, *found, segments);
       } else if (scenario_.smooth) {
-        const Estimate now = filter.estimate();
+        segments.back().kept.push_back(filter.estimate());
+        segments.back().times.push_back(event.time);
         filter.keep_epoch();
-        kept.push_back(now);
-        times.push_back(event.time);
       } else {
         filter.catch_up();
-        const StateMatrix P = filter.covariance().matrix();
-        result_.solutions.push_back(solution(filter.estimate(), P, event.time));
-        comparison.compare(filter.estimate(), P, event.time);
+        solve(filter.estimate(), filter.covariance().matrix(), event.time, comparison);
       }
     };
     as_far_as_possible(imu, [&] {
       for (const Event& event : list.events) step(event);
     });
-    const std::vector<SmoothedEpoch> smoothed = smooth(record);
     as_far_as_possible(imu, [&] {
-      for (std::size_t i = 0; i < smoothed.size(); ++i) {
-        kept[i].motion.pose = smoothed[i].state;
-        kept[i].terms = smoothed[i].terms.data();
-        result_.solutions.push_back(solution(kept[i], smoothed[i].P, times[i]));
-        comparison.compare(kept[i], smoothed[i].P, times[i]);
-      }
+      for (Segment& segment : segments) solve_smoothed(segment, comparison);
     });
     sums.finish();
     result_.reference = comparison.finish();
+    recovery.finish(imu.now(), result_);
+    for (Solution& s : result_.solutions)
+      s.lost = std::ranges::any_of(result_.lost, [&](const LostSpan& l) { return l.from < s.time && s.time < l.to; });
+  }
+
+  void solve(const Estimate& estimate, const StateMatrix& P, double t, Comparison& comparison) {
+    result_.solutions.push_back(solution(estimate, P, t));
+    comparison.compare(estimate, P, t);
+  }
+
+  void solve_smoothed(Segment& segment, Comparison& comparison) {
+    if (!segment.record) return;
+    const std::vector<SmoothedEpoch> smoothed = smooth(*segment.record);
+    for (std::size_t i = 0; i < smoothed.size(); ++i) {
+      segment.kept[i].motion.pose = smoothed[i].state;
+      segment.kept[i].terms = smoothed[i].terms.data();
+      solve(segment.kept[i], smoothed[i].P, segment.times[i], comparison);
+    }
+  }
+
+  // A restart ends what was smoothed together: what comes after tells nothing of a filter that was wrong.
+  static void take_over(Filter& filter, Trial& found, std::vector<Segment>& segments) {
+    filter = found.filter;
+    if (!found.record) return;
+    segments.push_back({std::move(found.record), {}, {}});
   }
 
   // Does what it can until the solution leaves what can be computed: that is an answer. Any other exception is none.
@@ -169,27 +198,29 @@ class Runner {
   }
   [[nodiscard]] double first_solution() const { return result_.alignment.to; }
 
-  void advance(Filter& filter, ImuReader& imu, double to) {
+  void advance(Filter& filter, Recovery& recovery, ImuReader& imu, double to) {
     while (imu.before(to)) {
       const ImuReader::Piece piece = imu.next(to);
       const UnknownMotion* unknown = gaps_.at(piece.interval);
-      if (unknown != nullptr) filter.set_unknown_motion(unknown->rate, unknown->force);
-      filter.propagate(piece.increment, piece.dt);
-      if (unknown != nullptr) {
-        filter.catch_up();  // before what is measured again moves the same covariance
-        filter.set_unknown_motion({0, 0, 0}, {0, 0, 0});
-      }
+      const auto propagate = [&](Filter& moved) {
+        if (unknown != nullptr) moved.set_unknown_motion(unknown->rate, unknown->force);
+        moved.propagate(piece.increment, piece.dt);
+        if (unknown != nullptr) moved.set_unknown_motion({0, 0, 0}, {0, 0, 0});
+      };
+      propagate(filter);
+      recovery.each(propagate);
       ++result_.steps;
     }
   }
 
-  void use(Filter& filter, const Event& event, InnovationSums& sums) {
+  void use(Filter& filter, Recovery& recovery, const Event& event, InnovationSums& sums) {
     const Aid& aid = scenario_.aids[event.aid];
     static const Fix kAtRest{};
     const Fix& fix = aid.kind == Aid::Kind::rest ? kAtRest : tracks_[event.aid].fix(event.fix);
     const Measurement m = measure_fix(aid, static_cast<int>(event.aid), fix, filter.estimate(), aid.sigma);
     result_.innovations.push_back({event.time, event.aid, filter.update(m)});
     sums.add(result_.innovations.back());
+    recovery.saw(event.aid, fix, event.time, result_.innovations.back().innovation, filter);
   }
 
   const Scenario& scenario_;
