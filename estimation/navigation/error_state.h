@@ -63,6 +63,7 @@ struct ErrorTerm {
   int axis = 0;                                                       ///< 0 to 2
   int input = 0;                                                      ///< 0 to 2, of misalignment and g-sensitivity
   int aid = 0;                                                        ///< number of the aid
+  int aids = 1;                                                       ///< aids that share it: `aid` and those after it
   double correlation_time = std::numeric_limits<double>::infinity();  ///< positive [s]
   double walk = 0;          ///< K [unit/sqrt(s)]; sigma sqrt(2/Tc) keeps a Gauss-Markov state stationary
   bool considered = false;  ///< Schmidt: counted in the covariance, never corrected

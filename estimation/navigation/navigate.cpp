@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "navigate.h"
 
-#include "gyrobudget/estimation/navigation/detail/runner.h"
+#include "gyrobudget/estimation/navigation/detail/time_tags.h"
 
 #include <fmt/format.h>
 
@@ -55,7 +55,7 @@ NisSummary Navigation::nis() const {
 
 Navigation navigate(const Scenario& scenario, const Recording& recording) {
   check(scenario, recording);
-  return detail::run(scenario, recording);
+  return detail::run_with_time_tags(scenario, recording);
 }
 
 }  // namespace gyrobudget::inline v0::navigation

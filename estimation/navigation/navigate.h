@@ -143,6 +143,11 @@ struct Navigation {
 /// A start that is taken from an aid is one error with that aid's bias and correlated error; its lever arm is taken off
 /// with the attitude of the start. Where no fix holds just then it is interpolated, and the fix behind is used no more.
 ///
+/// An unknown time tag enters to first order, which holds as long as the motion does not change within it. So its
+/// estimate is added to the stamps and the run repeated, until it moves by less than a tenth of its sigma, five times
+/// at most; where the filter was lost, the estimate is that with ten times the aids' sigmas. The solutions have the
+/// whole tag.
+///
 /// Earth rate, gravity and the rest as in strapdown.h and filter.h. The same bytes for the same input.
 /// What is asked is the scene's: filter, smoothing, times of solutions, reference. Scenario::smooth keeps the
 /// covariance of every solution in memory, n^2 numbers of 8 bytes for n states.

@@ -63,4 +63,11 @@ AidTerms aid_terms(const Aid& aid, int number) {
   return result;
 }
 
+std::size_t clock_of(const std::vector<Aid>& aids, std::size_t number) {
+  std::size_t owner = number;
+  for (std::size_t i = number; i-- > 0 && !aids[number].clock.empty() && aids[i].clock == aids[number].clock;)
+    if (aids[i].used) owner = i;
+  return owner;
+}
+
 }  // namespace gyrobudget::inline v0::navigation

@@ -57,6 +57,9 @@ struct Aid {
   Eigen::Vector3d lever_arm_sigma = Eigen::Vector3d::Zero();
   double time_tag = 0;  ///< a fix holds for its stamp plus this [s]: negative where stamps are late
   double time_tag_sigma = 0;
+  /// One receiver has one clock: aids that follow one another with the same name here share one error of it, with the
+  /// sigma of the first. Empty: its own.
+  std::string clock;
 };
 
 /// "position", "velocity", "height", "attitude", "rest".
@@ -75,6 +78,8 @@ struct AidTerms {
   std::vector<double> variances;
 };
 [[nodiscard]] AidTerms aid_terms(const Aid& aid, int number);
+/// Number of the first used aid that shares this one's clock: its own where none does.
+[[nodiscard]] std::size_t clock_of(const std::vector<Aid>& aids, std::size_t number);
 
 /// The first fix of an aid at or after the start.
 struct FromAid {

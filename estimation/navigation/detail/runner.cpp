@@ -29,6 +29,20 @@ namespace {
 
 using noise::kNanosecond;
 
+// An aid's terms; the error of a clock that several aids share is a term of the first.
+AidTerms terms_with_clock(const std::vector<Aid>& aids, std::size_t number) {
+  AidTerms result = aid_terms(aids[number], static_cast<int>(number));
+  if (result.terms.empty() || result.terms.back().effect != Effect::time_tag) return result;
+  if (clock_of(aids, number) != number) {
+    result.terms.pop_back();
+    result.variances.pop_back();
+    return result;
+  }
+  for (std::size_t i = number + 1; i < aids.size() && clock_of(aids, i) == number; ++i)
+    result.terms.back().aids = static_cast<int>(i - number) + 1;
+  return result;
+}
+
 SensorStates states(const Scenario& scenario, double length, double step) {
   SensorStates::Options options = scenario.states;
   options.scene_length = length;
@@ -37,7 +51,7 @@ SensorStates states(const Scenario& scenario, double length, double step) {
   std::vector<double> variances;
   for (std::size_t i = 0; i < scenario.aids.size(); ++i) {
     if (scenario.aids[i].used) {
-      const AidTerms aid = aid_terms(scenario.aids[i], static_cast<int>(i));
+      const AidTerms aid = terms_with_clock(scenario.aids, i);
       result.model.terms.insert(result.model.terms.end(), aid.terms.begin(), aid.terms.end());
       variances.insert(variances.end(), aid.variances.begin(), aid.variances.end());
     }
