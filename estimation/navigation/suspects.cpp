@@ -27,6 +27,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 constexpr double kLeastExplained = 0.2;
+constexpr double kNoMisfit = 1;  // right sigmas give 0.46 for three rows, E max(0, chi-square - 3)/3
 
 // A scene that a suspect has changed, and what it makes of the IMU's triads.
 struct Trying {
@@ -101,7 +102,7 @@ class Scan {
   }
 
   [[nodiscard]] std::vector<Suspect> suspects() {
-    if (!(as_it_is_ > 0)) return {};
+    if (as_it_is_ < kNoMisfit) return {};
     for (const std::vector<std::size_t>& device : devices()) {
       try_clock(device);
       try_lever_arm(device);

@@ -29,7 +29,7 @@ struct Suspect {
   bool mirrored = false;  ///< left-handed axes: no turn makes them right
   bool gyro = false;      ///< of a unit: of the gyro; else of the accelerometer
   /// Share of the misfit that is gone with it, 0 to 1. With n the NIS of a fix and m its rows, n' the smaller of n and
-  /// the point that a right fix passes once in a million, the misfit is the mean of max(0, n' - m) over the watched
+  /// the point that a right fix passes once in a million, the misfit is the mean of max(0, n' - m)/m over the watched
   /// fixes (position, velocity, height) of the part of the log that is tried.
   double explained = 0;
 };
@@ -41,7 +41,8 @@ struct Suspect {
 ///   mirrors too; gyro in deg/s for rad/s or the reverse, accelerometer in g for m/s^2 or the reverse; the heading
 ///   turned by 180 and 90 degrees; each device's sigmas times 3 and 10.
 /// Those that explain at least a fifth, one of each kind and device, no more than kMostSuspects; the best first, and
-/// sigmas last: larger ones explain any misfit. Empty where the scene as it is has no misfit.
+/// sigmas last: larger ones explain any misfit. Empty
+/// where the misfit of the scene as it is is below 1; right sigmas give about a half.
 ///
 /// Runs are over the first kMostSeconds after the alignment began, or kMostSteps intervals of the IMU if these are
 /// fewer, with the covariance moved ten times a second: about 150 runs, 0.1 s each of a processor at 100 Hz; those of

@@ -11,8 +11,8 @@
 namespace gyrobudget::inline v0::navigation::detail {
 namespace {
 
-constexpr std::int64_t kHolds = 4 * LostWatch::kAgreeing;  // good fixes after which a recovery has held
-constexpr std::ptrdiff_t kMostInVain = 2;                  // recoveries that do not hold
+constexpr double kHolds = 30;              // s without a loss, after which a recovery has held
+constexpr std::ptrdiff_t kMostInVain = 2;  // recoveries that do not hold
 
 }  // namespace
 
@@ -21,7 +21,6 @@ Recovery::Recovery(const Scenario& scenario, double start) : scenario_(scenario)
 void Recovery::saw(std::size_t aid, const Fix& fix, double time, const Innovation& innovation, const Filter& filter) {
   const bool watched = LostWatch::watched(scenario_.aids[aid]).has_value();
   const bool disagrees = watch_.saw(aid, time, innovation);
-  if (watched && !disagrees) ++good_;
   try_fix(aid, fix, watched);
   if (!trials_.empty() && aid == aid_) disagreed_ += disagrees ? 1 : 0;
   if (!trials_.empty() && watch_.settled(aid_)) trials_.clear();
@@ -77,13 +76,12 @@ std::optional<Trial> Recovery::found(double time) {
   span.recovered = true;
   span.restarted = best.what;
   watch_.forget(time);
-  good_ = 0;
   return best;
 }
 
 void Recovery::say_lost(double from, std::string why) {
   if (!spans_.empty() && !spans_.back().recovered) return;
-  if (!spans_.empty()) spans_.back().held = good_ >= kHolds;
+  if (!spans_.empty()) spans_.back().held = from - spans_.back().to >= kHolds;
   const double after = spans_.empty() ? from : std::max(from, spans_.back().to);
   spans_.push_back({.from = after, .to = after, .why = std::move(why), .restarted = {}});
 }

@@ -53,7 +53,6 @@ class Recovery {
   double began_ = 0;     ///< when [s]
   int disagreed_ = 0;    ///< of its fixes since, with the filter of the run
   std::vector<LostSpan> spans_;
-  std::int64_t good_ = 0;  ///< fixes since the last recovery that agreed
 };
 
 }  // namespace gyrobudget::inline v0::navigation::detail

@@ -158,7 +158,10 @@ class Runner {
     result_.reference = comparison.finish();
     recovery.finish(imu.now(), result_);
     for (Solution& s : result_.solutions)
-      s.lost = std::ranges::any_of(result_.lost, [&](const LostSpan& l) { return l.from < s.time && s.time < l.to; });
+      s.lost = std::ranges::any_of(result_.lost, [&](const LostSpan& l) {
+        const bool after = l.from < s.time || l.from == result_.alignment.to;  // no fix has agreed with the start
+        return after && (s.time < l.to || !l.recovered);
+      });
   }
 
   void solve(const Estimate& estimate, const StateMatrix& P, double t, Comparison& comparison) {
