@@ -67,6 +67,7 @@ int run(const NavigateArguments& a) {
                                   .notes = std::move(data.notes),
                                   .not_stated = std::move(not_stated),
                                   .suspects = {},
+                                  .noise = {},
                                   .imu_axes = axes_of(*scene.imu)};
   for (std::string& note : sensor_notes_of(scene)) result.notes.push_back(std::move(note));
   if (scene.sensor.empty())
@@ -79,6 +80,8 @@ int run(const NavigateArguments& a) {
   if (result.run.status == navigation::Navigation::Status::lost ||
       result.run.status == navigation::Navigation::Status::failed)
     result.suspects = navigation::suspects(result.scenario, result.recording);
+  else if (!navigation::innovation_verdicts(result.run).empty())
+    result.noise = navigation::noise_factors(result.scenario, result.recording);
   print(a.common.json ? report::navigation_json(result) : report::navigation_text(result));
   write(a, result);
   if (result.run.usable()) return exit_done;

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "gyrobudget/estimation/navigation/innovation_check.h"
 #include "gyrobudget/estimation/navigation/navigate.h"
 #include "gyrobudget/estimation/navigation/suspects.h"
 
 #include <array>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,6 +25,7 @@ struct NavigationResult {
   std::vector<std::string> notes;                      ///< how the data were read
   std::vector<std::string> not_stated;                 ///< by the sensor file (sensor_words.h)
   std::vector<navigation::Suspect> suspects;           ///< of a run that was lost
+  std::optional<navigation::NoiseFactors> noise;       ///< where innovations are not as the sigmas say
   std::array<std::string, 3> imu_axes{"x", "y", "z"};  ///< of the log, as the scene takes them: forward, right, down
 };
 

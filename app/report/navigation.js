@@ -124,7 +124,7 @@
       byId("words").append(element("p", "", "Suspects, each tried by a run:"), list(run.suspects.map((s) =>
         `${(100 * s.explained).toFixed(0)} % of the misfit: ${s.text}.${s.mend ? ` In the scene: ${s.mend}` : ""}`)));
     }
-    byId("words").append(list([run.why, ...run.lost.map((l) => l.text), ...run.alignment.words, data.not_stated_text].filter(Boolean)));
+    byId("words").append(list([run.why, ...run.lost.map((l) => l.text), ...run.advice, ...run.alignment.words, data.not_stated_text].filter(Boolean)));
     const rows = [];
     const add = (name, value, sigma, rms) => rows.push({ cells: [[name, "", "row"], [value], numeric(sigma), numeric(rms)] });
     const f = run.final, s = run.sigma, r = run.reference;

@@ -188,6 +188,7 @@ Json document(const NavigationResult& r) {
       {"why", r.run.why},
       {"lost", lost_json(r)},
       {"suspects", suspects_json(r)},
+      {"advice", innovation_texts(r)},
       {"imu",
        {{"source", r.source},
         {"samples", imu.increments.size()},

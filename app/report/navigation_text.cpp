@@ -249,7 +249,9 @@ std::string navigation_text(const NavigationResult& r) {
   out += bullets("Lost and found", lost_texts(r));
   out += bullets("Alignment", words);
   if (!r.run.solutions.empty()) out += final_solution(r);
-  out += aids_table(r) + states_table(r) + reference_text(r);
+  out += aids_table(r);
+  out += bullets("What the innovations say", innovation_texts(r));
+  out += states_table(r) + reference_text(r);
   std::vector<std::string> left_out;
   for (const auto& l : r.run.left_out) left_out.push_back(fmt::format("{}: {}", l.what, l.why));
   return out + bullets("Left out of the filter", left_out) + bullets("How the data were read", r.notes);

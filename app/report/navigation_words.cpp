@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "navigation_words.h"
 
+#include "gyrobudget/noise/units.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 
 #include <fmt/format.h>
@@ -106,6 +107,42 @@ std::string suspect_mend(const NavigationResult& r, const Suspect& s) {
                                   s.value > 1 ? "g" : "m/s^2");
   }
   return {};
+}
+
+namespace {
+
+std::string verdict_text(const NavigationResult& r, const navigation::InnovationVerdict& v) {
+  const Aid& aid = r.scenario.aids[v.aid];
+  const std::string unit(unit_of(aid.kind));
+  const double to_si = noise::parse_unit(unit).to_si;
+  const std::string start =
+      fmt::format("{}: NIS/dof is {}, and right sigmas give 1. ", aid.name, number(v.nis_per_dof, 2));
+  if (!v.correlated)
+    return start + fmt::format("The residuals are as good as white (correlation {} from fix to fix): {}",
+                               number(v.correlation, 2),
+                               v.nis_per_dof < 1 ? "sigma is larger than the fixes' errors."
+                                                 : "a sigma, of the aid or of the IMU's noise, is too small.");
+  const std::string key = fmt::format("{}: {{sigma: {} {}, correlated: {{sigma: {} {}, time: {} s}}}}",
+                                      navigation::name(aid.kind), number(v.correlated->white / to_si, 2), unit,
+                                      number(v.correlated->sigma / to_si, 2), unit, number(v.correlated->time, 2));
+  return start +
+         fmt::format(
+             "The residuals agree from fix to fix (correlation {}): the errors are correlated. {} {} or more over {} s would explain them; in the scene: {}",
+             number(v.correlation, 3), number(v.correlated->sigma / to_si, 2), unit, number(v.correlated->time, 2),
+             key);
+}
+
+}  // namespace
+
+std::vector<std::string> innovation_texts(const NavigationResult& r) {
+  std::vector<std::string> out;
+  for (const navigation::InnovationVerdict& verdict : navigation::innovation_verdicts(r.run))
+    out.push_back(verdict_text(r, verdict));
+  if (!r.noise) return out;
+  out.push_back(fmt::format(
+      "The innovations are likeliest with the IMU's white noise times {} (ln L larger by {}), or with the aids' white sigmas times {} (by {}); each tried with the other as told.",
+      number(r.noise->imu, 2), number(r.noise->imu_gain, 3), number(r.noise->aids, 2), number(r.noise->aids_gain, 3)));
+  return out;
 }
 
 std::vector<std::string> lost_texts(const NavigationResult& r) {

@@ -18,6 +18,10 @@ namespace gyrobudget::inline v0::report {
 /// The line of the scene that would mend it: "time_tag: -18 s". Empty where no line can.
 [[nodiscard]] std::string suspect_mend(const NavigationResult& r, const navigation::Suspect& suspect);
 
+/// What to do where innovations are far from what the sigmas say: "gnss.position: ...". Empty where they are as they
+/// should be.
+[[nodiscard]] std::vector<std::string> innovation_texts(const NavigationResult& r);
+
 /// "Lost from 31 s to 52 s: ...", one for each span.
 [[nodiscard]] std::vector<std::string> lost_texts(const NavigationResult& r);
 

@@ -3,6 +3,7 @@
 
 #include "gyrobudget/estimation/navigation/detail/lost.h"
 #include "gyrobudget/estimation/navigation/detail/runner.h"
+#include "gyrobudget/estimation/navigation/detail/tried.h"
 #include "gyrobudget/noise/constants.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/vector.h"
@@ -44,42 +45,17 @@ ImuLog changed(ImuLog log, const Matrix3d& gyro, const Matrix3d& accelerometer) 
   return log;
 }
 
-// --- The part of the log that is tried ---
-
-// The first of the log from the alignment's start on.
-Recording beginning(const Scenario& scenario, const Recording& whole) {
-  const double start = scenario.alignment.start;
-  const auto first_of = [&](double t) {
-    const std::int64_t stamp = whole.origin + static_cast<std::int64_t>(std::llround(t / noise::kNanosecond));
-    return static_cast<std::size_t>(std::ranges::lower_bound(whole.imu.stamps, stamp) - whole.imu.stamps.begin());
-  };
-  const double log_start = static_cast<double>(whole.imu.stamps.front() - whole.origin) * noise::kNanosecond;
-  const std::size_t from = start > log_start ? std::max<std::size_t>(first_of(start), 1) - 1 : 0;
-  const std::size_t last = whole.imu.increments.size();
-  const std::size_t to = std::min({last, from + kMostSteps, first_of(std::max(start, log_start) + kMostSeconds)});
-  if (from >= to) return whole;
-  const auto cut = [&](const auto& list, std::size_t end) {
-    return std::decay_t<decltype(list)>(list.begin() + static_cast<std::ptrdiff_t>(from),
-                                        list.begin() + static_cast<std::ptrdiff_t>(end));
-  };
-  Recording part = whole;
-  part.imu.stamps = cut(whole.imu.stamps, to + 1);
-  part.imu.increments = cut(whole.imu.increments, to);
-  part.imu.bridged = cut(whole.imu.bridged, to);
-  return part;
-}
-
 // --- What a run says ---
 
 // Mean over the fixes that are watched; infinite where there are none.
 double misfit(const Scenario& scenario, const Navigation& run) {
   double sum = 0;
   std::int64_t count = 0;
-  static const std::array<double, 4> kMost{0, 23.93, 27.63, 30.66};  // chi-square by rows, passed once in a million
+  static const detail::NisLimit limit(detail::LostWatch::kDisagrees);
   for (const InnovationAt& at : run.innovations) {
     const Innovation& i = at.innovation;
     if (!detail::LostWatch::watched(scenario.aids[at.aid]) || i.status == Innovation::Status::not_finite) continue;
-    const double most = kMost[static_cast<std::size_t>(i.rows)];
+    const double most = limit.of(i.rows);
     sum += std::max(0.0, (std::isnan(i.nis) ? most : std::min(i.nis, most)) - i.rows) / i.rows;
     ++count;
   }
@@ -89,14 +65,7 @@ double misfit(const Scenario& scenario, const Navigation& run) {
 class Scan {
  public:
   Scan(const Scenario& scenario, const Recording& recording)
-      : scenario_(scenario), part_(beginning(scenario, recording)) {
-    constexpr double kCovarianceInterval = 0.1;  // s
-    scenario_.recovery = false;
-    scenario_.smooth = false;
-    scenario_.reference.clear();
-    scenario_.at.clear();
-    scenario_.solution_interval = kMostSeconds;
-    scenario_.filter.covariance_interval = std::max(scenario_.filter.covariance_interval, kCovarianceInterval);
+      : scenario_(detail::quick(scenario)), part_(detail::beginning(scenario, recording)) {
     for (Aid& aid : scenario_.aids) aid.time_tag_sigma = 0;
     as_it_is_ = misfit_of({scenario_}).value_or(std::numeric_limits<double>::infinity());
   }

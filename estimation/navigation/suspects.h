@@ -44,14 +44,12 @@ struct Suspect {
 /// sigmas last: larger ones explain any misfit. Empty
 /// where the misfit of the scene as it is is below 1; right sigmas give about a half.
 ///
-/// Runs are over the first kMostSeconds after the alignment began, or kMostSteps intervals of the IMU if these are
+/// Runs are over the first 200 s after the alignment began, or 40 000 intervals of the IMU if these are
 /// fewer, with the covariance moved ten times a second: about 150 runs, 0.1 s each of a processor at 100 Hz; those of
 /// one kind run in parallel. The same result for any number of threads.
 /// @throws as navigate().
 [[nodiscard]] std::vector<Suspect> suspects(const Scenario& scenario, const Recording& recording);
 
-inline constexpr double kMostSeconds = 200;
-inline constexpr std::size_t kMostSteps = 40'000;
 inline constexpr std::size_t kMostSuspects = 5;
 
 }  // namespace gyrobudget::inline v0::navigation

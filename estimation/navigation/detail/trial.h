@@ -47,6 +47,7 @@ struct Refused {
 class NisLimit {
  public:
   explicit NisLimit(double false_alarm);
+  [[nodiscard]] double of(int rows) const { return limit_[static_cast<std::size_t>(rows)]; }
   [[nodiscard]] bool passed(const Innovation& innovation) const {
     return !(innovation.nis <= limit_[static_cast<std::size_t>(innovation.rows)]);
   }

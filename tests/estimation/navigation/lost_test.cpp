@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // A filter that is lost says so, and finds its way back: a reduced lost_study, and what it rests on.
+#include "gyrobudget/estimation/navigation/innovation_check.h"
 #include "gyrobudget/estimation/navigation/navigate.h"
 #include "gyrobudget/estimation/navigation/simulated_fixes.h"
 #include "gyrobudget/estimation/navigation/suspects.h"
@@ -231,6 +232,36 @@ TEST(Lost, RobustWeightsAreAsStated) {
   const double plain = (place({}, true) - place({}, false)).norm();
   for (const Robust& robust : {huber, student})
     EXPECT_LT((place(robust, true) - place(robust, false)).norm(), 0.5 * plain);
+}
+
+// Errors of a receiver that smooths, told as large white ones: residuals that agree from fix to fix; and white ones
+// that are told five times too large or too small.
+TEST(Lost, InnovationsSayWhichSigmaIsWrong) {
+  Car slow;
+  for (Aid& aid : slow.scene.aids) aid.correlated_sigma.setConstant(aid.kind == Aid::Kind::position ? 0.5 : 0);
+  slow.scene.aids[0].correlation_time = 20;
+  slow.scene.aids[0].sigma.setConstant(0.01);
+  slow.measure();
+  slow.scene.aids[0].correlated_sigma.setZero();
+  slow.scene.aids[0].sigma.setConstant(5);
+  slow.scene.aids[1].used = false;
+  slow.scene.alignment.velocity_sigma = Vector3d::Constant(0.1);
+  const auto verdicts = innovation_verdicts(navigate(slow.scene, slow.recording));
+  ASSERT_EQ(verdicts.size(), 1U);
+  ASSERT_TRUE(verdicts[0].correlated) << verdicts[0].correlation;
+  EXPECT_LT(verdicts[0].correlated->white, verdicts[0].correlated->sigma);
+
+  Car white;
+  EXPECT_TRUE(innovation_verdicts(navigate(white.scene, white.recording)).empty());
+  for (Aid& aid : white.scene.aids) aid.sigma *= 5;
+  const auto large = innovation_verdicts(navigate(white.scene, white.recording));
+  ASSERT_EQ(large.size(), 2U);
+  EXPECT_FALSE(large[0].correlated || large[1].correlated);
+  // Of 1200 residuals the likeliest factor is right to a few percent; steps of the root of 2 are asked for.
+  const NoiseFactors factors = noise_factors(white.scene, white.recording);
+  EXPECT_GT(factors.aids, 0.2 / 1.5);
+  EXPECT_LT(factors.aids, 0.2 * 1.5);
+  EXPECT_GT(factors.aids_gain, factors.imu_gain);
 }
 
 // A reduced lost_study; its figures of 100 runs are in docs/lost-and-found.md.
