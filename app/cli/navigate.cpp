@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,6 +29,13 @@ std::vector<std::string> inputs(const files::SceneFile& scene) {
     if (!aid.path.empty()) paths.push_back(aid.path);
   }
   return paths;
+}
+
+std::array<std::string, 3> axes_of(const files::ImuSource& imu) {
+  std::array<std::string, 3> axes;
+  for (std::size_t i = 0; i < axes.size(); ++i)
+    axes[i] = fmt::format("{}{}", imu.sign[i] < 0 ? "-" : "", "xyz"[static_cast<std::size_t>(imu.axis[i])]);
+  return axes;
 }
 
 void write(const NavigateArguments& a, const report::NavigationResult& r) {
@@ -57,7 +65,10 @@ int run(const NavigateArguments& a) {
                                   .recording = std::move(data.recording),
                                   .run = {},
                                   .notes = std::move(data.notes),
-                                  .not_stated = std::move(not_stated)};
+                                  .not_stated = std::move(not_stated),
+                                  .suspects = {},
+                                  .noise = {},
+                                  .imu_axes = axes_of(*scene.imu)};
   for (std::string& note : sensor_notes_of(scene)) result.notes.push_back(std::move(note));
   if (scene.sensor.empty())
     result.notes.emplace_back(
@@ -66,9 +77,14 @@ int run(const NavigateArguments& a) {
   if (result.scenario.smooth)
     result.notes.emplace_back("solutions are smoothed: each uses all fixes, those after it too");
   result.run = naming(a.scene, [&] { return navigation::navigate(result.scenario, result.recording); });
+  if (result.run.status == navigation::Navigation::Status::lost ||
+      result.run.status == navigation::Navigation::Status::failed)
+    result.suspects = navigation::suspects(result.scenario, result.recording);
+  else if (!navigation::innovation_verdicts(result.run).empty())
+    result.noise = navigation::noise_factors(result.scenario, result.recording);
   print(a.common.json ? report::navigation_json(result) : report::navigation_text(result));
   write(a, result);
-  if (result.run.status == navigation::Navigation::Status::navigated) return exit_done;
+  if (result.run.usable()) return exit_done;
   say(a.common, fmt::format("gyrobudget: {}", result.run.why));
   return exit_no_answer;
 }

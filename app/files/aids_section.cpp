@@ -84,6 +84,7 @@ class AidsReader {
       add("time_tag_sigma", [&](const Node& v) {
         common.time_tag_sigma = yaml_.time("time_tag_sigma", v, sensor_file::Sign::not_negative);
       });
+      add("clocks", [&](const Node& v) { device.one_clock = yaml_.one_of("clocks", v, {"one", "each"}) == 0; });
       for (const Aid::Kind kind : kKinds) {
         keys.push_back({std::string(navigation::name(kind)),
                         [&device, kind](const Node& v) { device.measures.emplace_back(kind, v); }});
@@ -103,6 +104,7 @@ class AidsReader {
   struct Device {
     AidSource source;
     Aid common;
+    bool one_clock = true;
     std::vector<std::pair<Aid::Kind, Node>> measures;
   };
 
@@ -173,6 +175,7 @@ class AidsReader {
       read_sigma(node);
     }
     if (!sigma) yaml_.fail_here(node, fmt::format("aids.{}: found no \"sigma:\", expected its white noise", aid.name));
+    if (device.one_clock && kind != Aid::Kind::rest) aid.clock = device.common.name;
     if (kind == Aid::Kind::rest) source = {};
     scene_.scenario.aids.push_back(std::move(aid));
     scene_.aids.push_back(std::move(source));

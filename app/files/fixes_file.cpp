@@ -89,7 +89,8 @@ std::vector<DeviceFixes> simulated_devices(const navigation::Scenario& scenario,
     const std::string device = aid.name.substr(0, aid.name.rfind('.'));
     if (list.empty() || list.back().device != device) list.push_back({device, {}, {}});
     list.back().kinds.push_back(aid.kind);
-    list.back().fixes.push_back(navigation::simulated_fixes(aid, static_cast<int>(i), trajectory, seed, run));
+    list.back().fixes.push_back(navigation::simulated_fixes(aid, static_cast<int>(i), trajectory, seed, run,
+                                                            static_cast<int>(navigation::clock_of(scenario.aids, i))));
   }
   return list;
 }

@@ -25,7 +25,7 @@ using navigation::Fix;
 void note_imu(const ImuSource& source, const navigation::ImuLog& imu, std::vector<std::string>& notes) {
   if (imu.gaps == 0) return;
   notes.push_back(fmt::format(
-      "{}: {} gap{} of {:.3g} s in all, the longest {:.3g} s, bridged by straight rates; the sigmas do not know of it",
+      "{}: {} gap{} of {:.3g} s in all, the longest {:.3g} s, bridged by straight rates; the sigmas grow over them as far as the motion around them lets expect",
       source.path, imu.gaps, imu.gaps == 1 ? "" : "s", imu.bridged_seconds, imu.longest_gap));
 }
 

@@ -441,12 +441,33 @@ class SceneReader {
           [&](const Node& v) {
             filter.covariance_interval = yaml_.time("covariance_interval", v, sensor_file::Sign::not_negative);
           }},
+         {"robust", [&](const Node& v) { read_robust(v); }},
+         {"recovery", [&](const Node& v) { scenario().recovery = yaml_.flag("recovery", v); }},
          {"order",
           [&](const Node& v) {
             filter.strapdown.order = yaml_.whole("order", v, 1, navigation::Strapdown::kHighestOrder);
           }},
          {"earth_rate",
           [&](const Node& v) { filter.strapdown.earth_rate_in_attitude = yaml_.flag("earth_rate", v); }}});
+  }
+
+  // none, or {huber: 1.5}, or {student: 4}.
+  void read_robust(const Node& node) {
+    navigation::Robust& robust = scenario().filter.robust;
+    if (node.IsScalar() && node.Scalar() == "none") return;
+    if (!node.IsMap() || node.size() != 1)
+      yaml_.fail_here(node, fmt::format("robust: found {}, expected none, {{huber: 1.5}} or {{student: 4}}",
+                                        sensor_file::YamlReader::kind(node)));
+    const auto read = [&](navigation::Robust::Kind kind) {
+      return [this, &robust, kind](const Node& v) {
+        robust = {kind, yaml_.number("robust", v)};
+        if (!(robust.parameter > 0 && std::isfinite(robust.parameter)))
+          yaml_.fail_here(v, fmt::format("robust: found {}, expected a number above 0", text::quoted(v.Scalar())));
+      };
+    };
+    yaml_.section(
+        node, "robust",
+        {{"huber", read(navigation::Robust::Kind::huber)}, {"student", read(navigation::Robust::Kind::student)}});
   }
 
   void read_solution(const Node& node) {

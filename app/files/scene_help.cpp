@@ -94,6 +94,7 @@ aids:
     lever_arm_sigma: 5 cm             # estimated where not 0, as are the next and the biases
     time_tag_sigma: 5 ms
     time_tag: -20 ms                  # what is added to its stamps
+    clocks: one                       # of all it measures; each: every one has a time tag of its own [one]
     from: 0 s                         # used from here
     until: 10 min                     # to here
     outages: [[60 s, 120 s]]          # but not there
@@ -114,6 +115,9 @@ world:                        # for budgets: what is wrong with it, one sigma
 filter:
   form: automatic             # or plain, joseph, square_root
   gate: 1e-6                  # share of right fixes that may be refused; 0: none is
+  robust: none                # or {huber: 1.5}: from 1.5 sigma on a residual counts by its size, not its square; or
+                              #   {student: 4}: of so many degrees of freedom [none]
+  recovery: yes               # starts again from fixes that agree with each other and not with the filter [yes]
   covariance_interval: 0.1 s  # [every step]
   order: 4                    # of the strapdown's polynomial, 1 to 8
   earth_rate: yes             # no: left out of the attitude, as an error to be studied

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: MIT
 #pragma once
 
+#include "gyrobudget/estimation/navigation/innovation_check.h"
 #include "gyrobudget/estimation/navigation/navigate.h"
+#include "gyrobudget/estimation/navigation/suspects.h"
 
+#include <array>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,8 +22,11 @@ struct NavigationResult {
   navigation::Scenario scenario;
   navigation::Recording recording;
   navigation::Navigation run;
-  std::vector<std::string> notes;       ///< how the data were read
-  std::vector<std::string> not_stated;  ///< by the sensor file (sensor_words.h)
+  std::vector<std::string> notes;                      ///< how the data were read
+  std::vector<std::string> not_stated;                 ///< by the sensor file (sensor_words.h)
+  std::vector<navigation::Suspect> suspects;           ///< of a run that was lost
+  std::optional<navigation::NoiseFactors> noise;       ///< where innovations are not as the sigmas say
+  std::array<std::string, 3> imu_axes{"x", "y", "z"};  ///< of the log, as the scene takes them: forward, right, down
 };
 
 /// An estimated error with its unit for people.
@@ -38,7 +45,8 @@ struct StateText {
 /// The solution: time (s) on the log's clock, latitude (deg), longitude (deg), height (m), velocity_north (m/s),
 /// velocity_east, velocity_down, q_w (1), q_x, q_y, q_z (of q_nb), heading (deg), pitch, roll; one sigma
 /// sigma_position_east (m) ..., sigma_velocity_east (m/s) ..., sigma_attitude_east (deg) ...; gyro_bias_x (rad/s),
-/// sigma_gyro_bias_x ..., accel_bias_x (m/s^2), sigma_accel_bias_x. A trajectory for --trajectory, and for other
+/// sigma_gyro_bias_x ..., accel_bias_x (m/s^2), sigma_accel_bias_x ..., lost (1): 1 in a span in which the filter was
+/// lost, where nothing may be used. A trajectory for --trajectory, and for other
 /// scenes.
 [[nodiscard]] std::string solution_csv(const NavigationResult&);
 /// One line for each fix: time (s), aid, status (used, gated, not_finite), nis, dof, and residual and sigma of each

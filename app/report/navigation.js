@@ -119,8 +119,12 @@
     byId("record").textContent = `${run.imu.source}: ${count(run.imu.samples)} samples over ${duration(run.imu.duration_s)}`;
     const badge = byId("badge");
     badge.textContent = run.status.replaceAll("_", " ");
-    badge.classList.add(run.status === "navigated" ? "good" : "bad");
-    byId("words").append(list([run.why, ...run.alignment.words, data.not_stated_text].filter(Boolean)));
+    badge.classList.add({ navigated: "good", recovered: "fair" }[run.status] || "bad");
+    if (run.suspects.length > 0) {
+      byId("words").append(element("p", "", "Suspects, each tried by a run:"), list(run.suspects.map((s) =>
+        `${(100 * s.explained).toFixed(0)} % of the misfit: ${s.text}.${s.mend ? ` In the scene: ${s.mend}` : ""}`)));
+    }
+    byId("words").append(list([run.why, ...run.lost.map((l) => l.text), ...run.advice, ...run.alignment.words, data.not_stated_text].filter(Boolean)));
     const rows = [];
     const add = (name, value, sigma, rms) => rows.push({ cells: [[name, "", "row"], [value], numeric(sigma), numeric(rms)] });
     const f = run.final, s = run.sigma, r = run.reference;

@@ -15,6 +15,7 @@
 
 #include "json_text.h"
 #include "navigation.h"
+#include "navigation_words.h"
 #include "page_parts.h"
 #include "sensor_words.h"
 
@@ -41,6 +42,10 @@ std::string_view status_text(Navigation::Status status) {
   switch (status) {
     case Navigation::Status::navigated:
       return "navigated";
+    case Navigation::Status::recovered:
+      return "recovered";
+    case Navigation::Status::lost:
+      return "lost";
     case Navigation::Status::no_start:
       return "no_start";
     case Navigation::Status::heading_not_observable:
@@ -137,6 +142,36 @@ Json reference_json(const Navigation& run) {
             {"attitude_deg", if_there(ref.has_attitude, local(last.attitude / kDegree))}}}};
 }
 
+Json lost_json(const NavigationResult& r) {
+  Json out = Json::array();
+  const std::vector<std::string> texts = lost_texts(r);
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    const navigation::LostSpan& span = r.run.lost[i];
+    out.push_back({{"from_s", span.from},
+                   {"to_s", span.to},
+                   {"recovered", span.recovered},
+                   {"held", span.held},
+                   {"why", span.why},
+                   {"restarted", span.restarted},
+                   {"text", texts[i]}});
+  }
+  return out;
+}
+
+Json suspects_json(const NavigationResult& r) {
+  Json out = Json::array();
+  for (const navigation::Suspect& s : r.suspects) {
+    Json aids = Json::array();
+    for (const std::size_t aid : s.aids) aids.push_back(r.scenario.aids[aid].name);
+    out.push_back({{"kind", name(s.kind)},
+                   {"text", suspect_text(r, s)},
+                   {"aids", aids},
+                   {"explained", number_or_null(s.explained)},
+                   {"mend", suspect_mend(r, s)}});
+  }
+  return out;
+}
+
 Json document(const NavigationResult& r) {
   const auto& imu = r.recording.imu;
   const bool any = !r.run.solutions.empty();
@@ -151,6 +186,9 @@ Json document(const NavigationResult& r) {
       {"sensor", r.scenario.sensor.name},
       {"status", status_text(r.run.status)},
       {"why", r.run.why},
+      {"lost", lost_json(r)},
+      {"suspects", suspects_json(r)},
+      {"advice", innovation_texts(r)},
       {"imu",
        {{"source", r.source},
         {"samples", imu.increments.size()},

@@ -15,6 +15,7 @@
 
 #include "layout.h"
 #include "navigation.h"
+#include "navigation_words.h"
 #include "sensor_words.h"
 #include "words.h"
 
@@ -31,7 +32,8 @@ std::string_view letter(int axis) { return std::string_view("xyz").substr(static
 
 StateText aid_state_text(const Aid& aid, const navigation::ErrorTerm& term) {
   constexpr std::array<std::string_view, 3> kLocal{"east", "north", "up"};
-  if (term.effect == Effect::time_tag) return {aid.name + " time tag", "ms", 1e-3};
+  if (term.effect == Effect::time_tag)  // one of all that the device measures, or of this aid alone
+    return {(term.aids > 1 ? aid.clock : aid.name) + " time tag", "ms", 1e-3};
   if (term.effect == Effect::lever_arm) return {fmt::format("{} lever arm {}", aid.name, letter(term.axis)), "m", 1};
   const std::string unit(unit_of(aid.kind));
   const double to_si = noise::parse_unit(unit).to_si;
@@ -85,6 +87,16 @@ std::string final_solution(const NavigationResult& r) {
                          euler.roll / deg),
              fmt::format("{} deg", vector_text(s.attitude_sigma / deg, 3))});
   return out + table.text() + wrapped(not_stated_text(r.not_stated, kTheseSigmas), "  ", "  ");
+}
+
+std::vector<std::string> suspects_lines(const NavigationResult& r) {
+  std::vector<std::string> lines;
+  for (const navigation::Suspect& s : r.suspects) {
+    const std::string mend = suspect_mend(r, s);
+    lines.push_back(fmt::format("{} % of the misfit: {}.{}", number(100 * s.explained, 3), suspect_text(r, s),
+                                mend.empty() ? "" : fmt::format(" In the scene: {}", mend)));
+  }
+  return lines;
 }
 
 // What many refused fixes mean.
@@ -229,12 +241,17 @@ StateText state_text(const navigation::Scenario& scenario, const navigation::Err
 std::string navigation_text(const NavigationResult& r) {
   std::string out = heading(r);
   std::vector<std::string> words = r.run.alignment.words;
-  if (r.run.status != Navigation::Status::navigated) {
+  if (r.run.status == Navigation::Status::lost)
+    out += fmt::format("\n{}", wrapped("LOST, use no number of this run: " + r.run.why, "", "  "));
+  else if (!r.run.usable())
     out += fmt::format("\n{}", wrapped("No whole solution: " + r.run.why, "", "  "));
-  }
+  out += bullets("Suspects, each tried by a run", suspects_lines(r));
+  out += bullets("Lost and found", lost_texts(r));
   out += bullets("Alignment", words);
   if (!r.run.solutions.empty()) out += final_solution(r);
-  out += aids_table(r) + states_table(r) + reference_text(r);
+  out += aids_table(r);
+  out += bullets("What the innovations say", innovation_texts(r));
+  out += states_table(r) + reference_text(r);
   std::vector<std::string> left_out;
   for (const auto& l : r.run.left_out) left_out.push_back(fmt::format("{}: {}", l.what, l.why));
   return out + bullets("Left out of the filter", left_out) + bullets("How the data were read", r.notes);
@@ -251,7 +268,7 @@ std::string solution_csv(const NavigationResult& r) {
       const std::string name = fmt::format(fmt::runtime(what), axis);
       out += fmt::format(",{0},sigma_{0}", name);
     }
-  out += "\n";
+  out += ",lost (1)\n";
   const double deg = earth::kDegree;
   for (const navigation::Solution& s : r.run.solutions) {
     const earth::Geodetic at = earth::to_geodetic(s.state.p_eb_e);
@@ -271,7 +288,7 @@ std::string solution_csv(const NavigationResult& r) {
     for (int i = 0; i < 3; ++i) fmt::format_to(to, ",{:.6g},{:.4g}", s.gyro_bias[i], s.gyro_bias_sigma[i]);
     for (int i = 0; i < 3; ++i)
       fmt::format_to(to, ",{:.6g},{:.4g}", s.accelerometer_bias[i], s.accelerometer_bias_sigma[i]);
-    out += "\n";
+    out += s.lost ? ",1\n" : ",0\n";
   }
   return out;
 }

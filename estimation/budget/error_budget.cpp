@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include <Eigen/Eigenvalues>
+
 namespace gyrobudget::inline v0::budget {
 
 // --- The filter's gains -------------------------------------------------------------------------------------------
@@ -204,10 +206,22 @@ class Passage {
       rest.dt = -next.from;
       P += start_->joining(transition_of(rest), P);
     }
-    return P.topLeftCorner<navigation::kCoreStates, navigation::kCoreStates>();
+    return without_negative(P.topLeftCorner<navigation::kCoreStates, navigation::kCoreStates>());
   }
 
  private:
+  // Where the fixes take nearly all of a variance away, as what a bias makes of a height of 60 km, its rounding is left
+  // and may be negative: none of that is an error.
+  static navigation::CoreMatrix without_negative(navigation::CoreMatrix P) {
+    for (int triad = 0; triad < navigation::kCoreStates; triad += 3) {
+      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(P.block<3, 3>(triad, triad));
+      if (eigen.eigenvalues()[0] >= 0) continue;
+      const Eigen::Vector3d variances = eigen.eigenvalues().cwiseMax(0);
+      P.block<3, 3>(triad, triad) = eigen.eigenvectors() * variances.asDiagonal() * eigen.eigenvectors().transpose();
+    }
+    return P;
+  }
+
   static navigation::ErrorStateModel joint(const Source& source, const navigation::ErrorStateModel& filter) {
     navigation::ErrorStateModel model = source.model;
     model.terms = filter.terms;

@@ -59,6 +59,7 @@ void check_term(const ErrorTerm& term) {
   require(term.correlation_time > 0, term, "correlation time", term.correlation_time, "above 0 s");
   require(term.walk >= 0 && std::isfinite(term.walk), term, "walk", term.walk, "0 or more and finite");
   require(term.aid >= 0, term, "aid", term.aid, "0 or more");
+  require(term.aids >= 1, term, "number of its aids", term.aids, "1 or more");
   const bool of_aid = term.effect == Effect::lever_arm || term.effect == Effect::time_tag;
   const bool of_sensor = term.effect == Effect::scale_factor || term.effect == Effect::misalignment ||
                          term.effect == Effect::g_sensitivity || term.effect == Effect::g2_sensitivity;
@@ -237,6 +238,7 @@ const Transition& Lineariser::operator()(const StepInput& step) {
   (dt <= kSecondOrder ? expand : sum_series)(step, force, gradient, transition_.core, transition_.input);
 
   transition_.input_noise << model_.gyro_white.array().square() / dt, model_.accelerometer_white.array().square() / dt;
+  transition_.input_noise += step.unknown / dt;
   for (std::size_t k = 0; k < model_.terms.size(); ++k) {
     Transition::Term& term = transition_.terms[k];
     if (term.signal < 0) continue;

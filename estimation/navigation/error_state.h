@@ -63,6 +63,7 @@ struct ErrorTerm {
   int axis = 0;                                                       ///< 0 to 2
   int input = 0;                                                      ///< 0 to 2, of misalignment and g-sensitivity
   int aid = 0;                                                        ///< number of the aid
+  int aids = 1;                                                       ///< aids that share it: `aid` and those after it
   double correlation_time = std::numeric_limits<double>::infinity();  ///< positive [s]
   double walk = 0;          ///< K [unit/sqrt(s)]; sigma sqrt(2/Tc) keeps a Gauss-Markov state stationary
   bool considered = false;  ///< Schmidt: counted in the covariance, never corrected
@@ -125,6 +126,9 @@ struct StepInput {
   Eigen::Vector3d w_ib_b;  ///< [rad/s]
   Eigen::Vector3d f_ib_b;  ///< [m/s^2]
   double t = 0;            ///< at mid-step, since the start of the scene, for errors that go with time [s]
+  /// White noise of the mean rate and force beside the model's own, for motion that was not measured: densities
+  /// of gyro x, y, z [rad^2/s] and accelerometer x, y, z [m^2/s^3].
+  Eigen::Matrix<double, 6, 1> unknown = Eigen::Matrix<double, 6, 1>::Zero();
 };
 
 /// Makes the transitions of one model. What depends on dt alone is kept from step to step.

@@ -39,11 +39,26 @@ void check(const Filter::Options& options, int states, const StateMatrix& P0) {
     throw SetupError(fmt::format("gate's false alarm is {}, expected 0 to below 1", options.gate_false_alarm));
   if (!(options.covariance_interval >= 0) || !std::isfinite(options.covariance_interval))
     throw SetupError(fmt::format("covariance interval is {} s, expected 0 or more", options.covariance_interval));
+  const Robust& robust = options.robust;
+  if (robust.kind != Robust::Kind::none && !(robust.parameter > 0 && std::isfinite(robust.parameter)))
+    throw SetupError(fmt::format("parameter of robust updates is {}, expected above 0", robust.parameter));
 }
 
 bool multiplies(const ErrorTerm& term) { return term.carrier != Carrier::aid && term.effect != Effect::bias; }
 
 }  // namespace
+
+double Robust::weight(int rows, double nis) const {
+  switch (kind) {
+    case Kind::huber:
+      return std::min(1.0, parameter / std::sqrt(nis / rows));
+    case Kind::student:
+      return (parameter + rows) / (parameter + nis);
+    case Kind::none:
+      break;
+  }
+  return 1;
+}
 
 Filter::Filter(const earth::Pose& start, ErrorStateModel model, const StateMatrix& P0)
     : Filter(start, std::move(model), P0, Options{}) {}
@@ -106,6 +121,7 @@ void Filter::propagate(const noise::ImuIncrement& measured, double dt) {
   time_ += dt;
 
   pending_.dt += dt;
+  if (motion_unknown_) pending_.unknown += dt * unknown_;
   pending_.velocity_e += dt * strapdown_.last_specific_force_e();
   pending_.angle_b += vector(imu.angle);
   w_eb_b_ = vector(imu.angle) / dt - strapdown_.state().q_eb.conjugate() * kEarthRate;
@@ -125,6 +141,7 @@ void Filter::catch_up() {
   step.C_eb = middle.toRotationMatrix();
   step.w_ib_b = pending_.angle_b / dt;
   step.f_ib_b = step.C_eb.transpose() * pending_.velocity_e / dt;
+  step.unknown = pending_.unknown / dt;
   const Transition& transition = lineariser_(step);
   covariance_.propagate(transition);
   if (record_ != nullptr) record_->moved(transition);
@@ -156,7 +173,9 @@ void Filter::expect(const Measurement& measurement, Innovation& innovation) cons
   innovation.sigma.head(rows) = S.diagonal().head(rows).cwiseSqrt();
   Vector3d residual = Vector3d::Zero();
   residual.head(rows) = measurement.residual.head(rows);
-  innovation.nis = residual.dot(S.ldlt().solve(residual));
+  const Eigen::LDLT<Matrix3d> factors = S.ldlt();  // the rows that there are not are those of the identity
+  innovation.nis = residual.dot(factors.solve(residual));
+  innovation.log_det = factors.vectorD().array().log().sum();
 }
 
 Innovation Filter::update(const Measurement& measurement) {
@@ -179,8 +198,10 @@ Innovation Filter::update(const Measurement& measurement) {
   }
   StateVector x = StateVector::Zero(covariance_.size());
   const std::span<const bool> considered(considered_.data(), static_cast<std::size_t>(covariance_.size()));
+  innovation.weight = options_.robust.weight(measurement.rows, innovation.nis);
   for (int i = 0; i < measurement.rows; ++i) {
-    const MeasurementRow& row = measurement.row[static_cast<std::size_t>(i)];
+    MeasurementRow row = measurement.row[static_cast<std::size_t>(i)];
+    row.variance /= innovation.weight;
     const double residual = measurement.residual[i] - row.h.dot(x);
     const double S = record_ != nullptr ? row.h.dot(covariance_.times(row.h)) + row.variance : 0;
     const StateVector gain = covariance_.update(row, considered);
@@ -189,6 +210,18 @@ Innovation Filter::update(const Measurement& measurement) {
   }
   correct(x);
   return innovation;
+}
+
+void Filter::set_unknown_motion(const Vector3d& rate, const Vector3d& force) {
+  unknown_ << rate.array().square(), force.array().square();
+  motion_unknown_ = (unknown_.array() > 0).any();
+}
+
+void Filter::restart(const StateMatrix& P) {
+  catch_up();
+  check(options_, lineariser_.states(), P);
+  covariance_ = Covariance(P, options_.form);
+  record_ = nullptr;
 }
 
 void Filter::record(FilterHistory* record) {

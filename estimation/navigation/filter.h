@@ -24,6 +24,24 @@ struct Innovation {
   Eigen::Vector3d residual = Eigen::Vector3d::Zero();  ///< in the measurement's own components
   Eigen::Vector3d sigma = Eigen::Vector3d::Zero();     ///< that the filter expected of each
   double nis = 0;                                      ///< residual^T S^-1 residual, chi-square of `rows` dof
+  double log_det = 0;                                  ///< ln det S, for the likelihood -(nis + log_det)/2
+  double weight = 1;                                   ///< of a robust update; 1: as an ordinary one
+};
+
+/// How an update treats a residual that is larger than its sigma lets expect. With n the NIS of m rows, the variances
+/// of the measurement are divided by
+///   none     w = 1
+///   huber    w = min(1, k/sqrt(n/m)): beyond k sigma a residual counts by its size, not by its square
+///   student  w = (v + m)/(v + n): as of a Student distribution of v degrees of freedom
+/// before the gain is computed; the gate looks at n. Sources: Huber (1981), Robust Statistics, chapter 7; Lange,
+/// Little & Taylor, Robust statistical modeling using the t distribution, JASA 84:881 (1989), section 3.
+struct Robust {
+  enum class Kind { none, huber, student };
+  Kind kind = Kind::none;
+  double parameter = 0;  ///< k, or v: above 0
+
+  /// @param rows m @param nis n, 0 or more
+  [[nodiscard]] double weight(int rows, double nis) const;
 };
 
 /// Extended Kalman filter of an inertial navigator: multiplicative attitude error, closed loop. Corrected
@@ -47,6 +65,7 @@ class Filter {
     /// The covariance moves once in so many seconds, not every step [s]; 0: every step. Estimates move every
     /// step all the same.
     double covariance_interval = 0;
+    Robust robust;
     Strapdown::Options strapdown = {};
   };
 
@@ -64,6 +83,14 @@ class Filter {
   /// All rows of a measurement, or none: those beyond the gate and those not finite are reported and left
   /// out. @throws Diverged and earth::OutsideDomain as propagate.
   Innovation update(const Measurement& measurement);
+
+  /// What is added to the sensors' white noise from now on, for motion that nobody measured: one sigma of rate
+  /// [rad/sqrt(s)] and specific force [m/s/sqrt(s)], body axes. Zero ends it.
+  void set_unknown_motion(const Eigen::Vector3d& rate, const Eigen::Vector3d& force);
+
+  /// Another covariance of what the filter estimates, as when that has proved wrong. A record cannot follow: it ends.
+  /// @throws std::invalid_argument for what Covariance refuses and P of another size.
+  void restart(const StateMatrix& P);
 
   [[nodiscard]] double time() const { return time_; }  ///< since the start [s]
   [[nodiscard]] const earth::Pose& state() const { return strapdown_.state(); }
@@ -92,6 +119,7 @@ class Filter {
     Eigen::Vector3d angle_b = Eigen::Vector3d::Zero();
     Eigen::Quaterniond q_start = Eigen::Quaterniond::Identity();
     Eigen::Vector3d p_start = Eigen::Vector3d::Zero();
+    Eigen::Matrix<double, 6, 1> unknown = Eigen::Matrix<double, 6, 1>::Zero();  ///< integral of the density
   };
   [[nodiscard]] noise::ImuIncrement corrected(const noise::ImuIncrement& imu, double dt) const;
   void set_step(double dt);
@@ -109,6 +137,8 @@ class Filter {
   bool scaled_ = false;           ///< some term multiplies the signal
   std::array<double, 4> gate_{};  ///< limit of NIS by number of rows
   Pending pending_;
+  bool motion_unknown_ = false;
+  Eigen::Matrix<double, 6, 1> unknown_ = Eigen::Matrix<double, 6, 1>::Zero();  ///< density, as StepInput's
   FilterHistory* record_ = nullptr;
   Eigen::Vector3d w_eb_b_ = Eigen::Vector3d::Zero();
   double time_ = 0;

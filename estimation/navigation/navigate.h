@@ -19,7 +19,8 @@ namespace gyrobudget::inline v0::navigation {
 
 /// The estimate at one time, with one sigma of each error.
 struct Solution {
-  double time = 0;  ///< of the scene [s]
+  double time = 0;    ///< of the scene [s]
+  bool lost = false;  ///< within a LostSpan
   earth::Pose state;
   Eigen::Vector3d position_sigma;  ///< east, north, up at the place [m]
   Eigen::Vector3d velocity_sigma;  ///< [m/s]
@@ -83,6 +84,16 @@ struct ReferenceSummary {
   double nees_inside_95 = 0;           ///< share of epochs between them
 };
 
+/// A part of a run in which the filter was lost: its position is not to be used, nor its sigmas.
+struct LostSpan {
+  double from = 0;         ///< last fix before that agreed [s]
+  double to = 0;           ///< found again, or the end of the run [s]
+  bool recovered = false;  ///< found again: by the fixes
+  bool held = true;        ///< and not soon lost again
+  std::string why;         ///< it is taken for lost, in words
+  std::string restarted;   ///< what was started again from the fixes: "position and velocity"
+};
+
 /// How the alignment went.
 struct AlignmentResult {
   double from = 0, to = 0;  ///< [s]; the same where the start is given
@@ -94,6 +105,8 @@ struct AlignmentResult {
 struct Navigation {
   enum class Status {
     navigated,
+    recovered,               ///< lost within Navigation::lost, found again after: the rest may be used
+    lost,                    ///< the fixes do not agree with the filter, at the end or again and again
     no_start,                ///< an aid that the alignment needs has no fix, or the log ends before
     heading_not_observable,  ///< by these gyros at rest: give Alignment's heading
     not_at_rest,             ///< self-alignment on a body that moves
@@ -101,6 +114,9 @@ struct Navigation {
   };
   Status status = Status::navigated;
   std::string why;  ///< in words, unless navigated
+  /// Whether the numbers may be used, those of lost spans excepted.
+  [[nodiscard]] bool usable() const { return status == Status::navigated || status == Status::recovered; }
+  std::vector<LostSpan> lost;  ///< in the order of time
 
   ErrorStateModel model;        ///< of sensors and aids
   std::vector<double> initial;  ///< sigma of each term where the alignment ends
@@ -126,6 +142,11 @@ struct Navigation {
 ///
 /// A start that is taken from an aid is one error with that aid's bias and correlated error; its lever arm is taken off
 /// with the attitude of the start. Where no fix holds just then it is interpolated, and the fix behind is used no more.
+///
+/// An unknown time tag enters to first order, which holds as long as the motion does not change within it. So its
+/// estimate is added to the stamps and the run repeated, until it moves by less than a tenth of its sigma, five times
+/// at most; where the filter was lost, the estimate is that with ten times the aids' sigmas. The solutions have the
+/// whole tag.
 ///
 /// Earth rate, gravity and the rest as in strapdown.h and filter.h. The same bytes for the same input.
 /// What is asked is the scene's: filter, smoothing, times of solutions, reference. Scenario::smooth keeps the

@@ -39,7 +39,9 @@ void check(const Aid& aid) {
 }
 
 Eigen::Vector3d total_sigma(const Aid& aid) {
-  return (aid.sigma.array().square() + aid.bias_sigma.array().square() + aid.correlated_sigma.array().square()).sqrt();
+  return ((aid.sigma_factor * aid.sigma).array().square() + aid.bias_sigma.array().square() +
+          aid.correlated_sigma.array().square())
+      .sqrt();
 }
 
 AidTerms aid_terms(const Aid& aid, int number) {
@@ -61,6 +63,13 @@ AidTerms aid_terms(const Aid& aid, int number) {
     for (int i = 0; i < 3; ++i) add({.effect = Effect::lever_arm, .axis = i}, aid.lever_arm_sigma[i]);
   add({.effect = Effect::time_tag}, aid.time_tag_sigma);
   return result;
+}
+
+std::size_t clock_of(const std::vector<Aid>& aids, std::size_t number) {
+  std::size_t owner = number;
+  for (std::size_t i = number; i-- > 0 && !aids[number].clock.empty() && aids[i].clock == aids[number].clock;)
+    if (aids[i].used) owner = i;
+  return owner;
 }
 
 }  // namespace gyrobudget::inline v0::navigation

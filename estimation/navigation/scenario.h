@@ -45,6 +45,7 @@ struct Aid {
   /// False: the filter never sees it; it is there to be compared with.
   bool used = true;
   Eigen::Vector3d sigma = Eigen::Vector3d::Ones();  ///< white from fix to fix, positive [m, m/s, rad]
+  double sigma_factor = 1;                          ///< times sigma, and times a fix's own where it has one
   double rate = 1;                                  ///< of rest and of simulated fixes [Hz]
   Span valid;                                       ///< fixes outside it are passed over
   std::vector<Span> outages;                        ///< and those within these
@@ -57,6 +58,9 @@ struct Aid {
   Eigen::Vector3d lever_arm_sigma = Eigen::Vector3d::Zero();
   double time_tag = 0;  ///< a fix holds for its stamp plus this [s]: negative where stamps are late
   double time_tag_sigma = 0;
+  /// One receiver has one clock: aids that follow one another with the same name here share one error of it, with the
+  /// sigma of the first. Empty: its own.
+  std::string clock;
 };
 
 /// "position", "velocity", "height", "attitude", "rest".
@@ -75,6 +79,8 @@ struct AidTerms {
   std::vector<double> variances;
 };
 [[nodiscard]] AidTerms aid_terms(const Aid& aid, int number);
+/// Number of the first used aid that shares this one's clock: its own where none does.
+[[nodiscard]] std::size_t clock_of(const std::vector<Aid>& aids, std::size_t number);
 
 /// The first fix of an aid at or after the start.
 struct FromAid {
@@ -108,6 +114,8 @@ struct Scenario {
   AlignmentPlan alignment;
   std::vector<Aid> aids;
   Filter::Options filter;
+  /// A filter that the fixes prove lost starts again from them. False: it is only said.
+  bool recovery = true;
   double until = std::numeric_limits<double>::infinity();  ///< end of the scene [s]
   double solution_interval = 1;                            ///< between solutions [s], positive
   std::vector<double> at;                                  ///< solutions at these times too

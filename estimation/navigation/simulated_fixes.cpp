@@ -66,13 +66,19 @@ Fix measured(const Aid& aid, const earth::TrajectoryPoint& truth, const Vector3d
 }  // namespace
 
 std::vector<Fix> simulated_fixes(const Aid& aid, int number, const earth::Trajectory& trajectory, std::uint64_t seed,
-                                 std::uint64_t run) {
+                                 std::uint64_t run, int clock) {
   check(aid);
   std::vector<Fix> fixes;
   if (aid.kind == Aid::Kind::rest) return fixes;
   Draws draw(number, seed, run);
   const Vector3d bias = draw.of(aid.bias_sigma), arm = aid.lever_arm + draw.of(aid.lever_arm_sigma);
-  const double tag = aid.time_tag_sigma * draw();
+  double drawn = draw();
+  if (clock >= 0 && clock != number) {
+    Draws owner(clock, seed, run);
+    constexpr int kBefore = 6;  // bias and lever arm
+    for (int i = 0; i <= kBefore; ++i) drawn = owner();
+  }
+  const double tag = aid.time_tag_sigma * drawn;
   Vector3d wander = draw.of(aid.correlated_sigma);
   const double phi = std::exp(-1 / (aid.rate * aid.correlation_time));
   const double end = trajectory.duration();

@@ -17,9 +17,10 @@ namespace gyrobudget::inline v0::navigation {
 /// scene says is to be added to them and by the tag that was drawn. Lever arms are about the IMU. A `rest` aid has
 /// none.
 ///
-/// Deterministic in (seed, run, number of the aid).
+/// Deterministic in (seed, run, number of the aid, clock).
+/// @param clock number of the aid whose clock it shares (clock_of): the tag drawn is that one's; below 0: its own
 /// @throws SetupError for what check(Aid) refuses.
 [[nodiscard]] std::vector<Fix> simulated_fixes(const Aid& aid, int number, const earth::Trajectory& trajectory,
-                                               std::uint64_t seed, std::uint64_t run);
+                                               std::uint64_t seed, std::uint64_t run, int clock = -1);
 
 }  // namespace gyrobudget::inline v0::navigation
