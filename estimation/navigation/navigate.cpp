@@ -2,6 +2,7 @@
 #include "navigate.h"
 
 #include "gyrobudget/estimation/navigation/detail/fix_track.h"
+#include "gyrobudget/estimation/navigation/detail/run_parts.h"
 #include "gyrobudget/estimation/navigation/detail/start.h"
 #include "gyrobudget/noise/constants.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
@@ -24,11 +25,11 @@ namespace gyrobudget::inline v0::navigation {
 namespace {
 
 using detail::FixTrack;
+using detail::kSame;
+using detail::measure_fix;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-using noise::kNanosecond;
-constexpr double kSame = 2e-8;  // s: times that are one but for rounded stamps
 
 // --- Checks --------------------------------------------------------------------------------------------------
 
@@ -86,8 +87,9 @@ SensorStates states(const Scenario& scenario, double length, double step) {
 }
 
 // --- Measurements --------------------------------------------------------------------------------------------
+}  // namespace
 
-Measurement measure_fix(const Aid& aid, int number, const Fix& fix, const Estimate& estimate, const Vector3d& sigma) {
+Measurement detail::measure_fix(const Aid& aid, int number, const Fix& fix, const Estimate& estimate, const Vector3d& sigma) {
   const Vector3d& p = estimate.motion.pose.p_eb_e;
   const earth::Geodetic at = earth::to_geodetic(p);
   const Matrix3d C_enu = earth::C_e_enu(at.latitude, at.longitude);
@@ -104,6 +106,8 @@ Measurement measure_fix(const Aid& aid, int number, const Fix& fix, const Estima
   }
   throw std::invalid_argument("an aid of no known kind");
 }
+
+namespace {
 
 bool in_use(const Aid& aid, double t) {
   return aid.valid.holds(t) && std::ranges::none_of(aid.outages, [&](const Span& outage) { return outage.holds(t); });
@@ -307,6 +311,7 @@ class Runner {
     result_.model = sensors.model;
     result_.left_out = sensors.left_out;
     result_.alignment = begin.result;
+    result_.P0 = begin.P0;
     for (Eigen::Index k = kCoreStates; k < begin.P0.rows(); ++k) result_.initial.push_back(std::sqrt(begin.P0(k, k)));
     used_to_ = begin.used_to;
     Filter filter(begin.result.state, sensors.model, begin.P0, scenario_.filter);
@@ -338,7 +343,7 @@ class Runner {
   }
 
   [[nodiscard]] double stamp(std::size_t k) const {
-    return static_cast<double>(recording_.imu.stamps[k] - recording_.origin) * kNanosecond;
+    return detail::stamp(recording_, k);
   }
 
   void skip_to(double t) {
@@ -454,35 +459,11 @@ class Runner {
       const double end = stamp(next_ + 1);
       const bool whole = end <= to + kSame;
       const double until = whole ? end : to;
-      filter.propagate(piece(next_, now_, until), until - now_);
+      filter.propagate(detail::piece(recording_, next_, now_, until), until - now_);
       ++result_.steps;
       now_ = until;
       if (whole) ++next_;
     }
-  }
-
-  // The part of an interval's increments from one time to another: all of it, or by a straight rate through the
-  // means of the neighbours that keeps the interval's own.
-  [[nodiscard]] noise::ImuIncrement piece(std::size_t k, double from, double to) const {
-    const auto& imu = recording_.imu;
-    const double begin = stamp(k), end = stamp(k + 1);
-    if (from <= begin + kSame && to >= end - kSame) return imu.increments[k];
-    const auto rates = [&](std::size_t i) {
-      const double dt = stamp(i + 1) - stamp(i);
-      return earth::Sensed{.f_ib_b = earth::vector(imu.increments[i].velocity) / dt,
-                           .w_ib_b = earth::vector(imu.increments[i].angle) / dt};
-    };
-    const auto middle = [&](std::size_t i) { return (stamp(i) + stamp(i + 1)) / 2; };
-    auto [f, w] = rates(k);
-    const double away = (from + to) / 2 - middle(k);
-    if (k > 0 && k + 1 < imu.increments.size()) {
-      const auto [f_before, w_before] = rates(k - 1);
-      const auto [f_after, w_after] = rates(k + 1);
-      const double between = middle(k + 1) - middle(k - 1);
-      f += away * (f_after - f_before) / between;
-      w += away * (w_after - w_before) / between;
-    }
-    return {.angle = earth::array(w * (to - from)), .velocity = earth::array(f * (to - from))};
   }
 
   void use(Filter& filter, const Event& event, Sums& sums) {
@@ -496,36 +477,7 @@ class Runner {
   }
 
   void solve(const Estimate& estimate, const StateMatrix& P, double t) {
-    Solution s;
-    s.time = t;
-    s.state = estimate.motion.pose;
-    const earth::Geodetic at = earth::to_geodetic(s.state.p_eb_e);
-    const LocalSigmas local =
-        local_sigmas(P.topLeftCorner<kCoreStates, kCoreStates>(), earth::C_e_enu(at.latitude, at.longitude));
-    s.position_sigma = local.position;
-    s.velocity_sigma = local.velocity;
-    s.attitude_sigma = local.attitude;
-    for (int k = 0; k < static_cast<int>(result_.model.terms.size()); ++k) {
-      s.terms.push_back(estimate.terms[k]);
-      s.term_sigmas.push_back(std::sqrt(std::max(0.0, P(kCoreStates + k, kCoreStates + k))));
-    }
-    sum_biases(Carrier::gyro, estimate, P, s.gyro_bias, s.gyro_bias_sigma);
-    sum_biases(Carrier::accelerometer, estimate, P, s.accelerometer_bias, s.accelerometer_bias_sigma);
-    result_.solutions.push_back(std::move(s));
-  }
-
-  void sum_biases(Carrier carrier, const Estimate& estimate, const StateMatrix& P, Vector3d& bias,
-                  Vector3d& sigma) const {
-    for (int axis = 0; axis < 3; ++axis) {
-      StateVector h = StateVector::Zero(P.cols());
-      for (std::size_t k = 0; k < result_.model.terms.size(); ++k) {
-        const ErrorTerm& term = result_.model.terms[k];
-        if (term.carrier != carrier || term.effect != Effect::bias || term.axis != axis) continue;
-        h[kCoreStates + static_cast<int>(k)] = 1;
-        bias[axis] += estimate.terms[k];
-      }
-      sigma[axis] = std::sqrt(std::max(0.0, h.dot(P * h)));
-    }
+    result_.solutions.push_back(detail::solution(estimate, P, t));
   }
 
   const Scenario& scenario_;
