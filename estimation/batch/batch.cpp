@@ -54,7 +54,9 @@ std::vector<double> node_times(const Navigation& filtered, double longest) {
     const double from = times.back(), parts = std::ceil((t - from) / longest);
     if (t - from <= kTick) continue;
     if (static_cast<double>(times.size()) + parts > kMostNodes)
-      throw SetupError(fmt::format("a batch estimate of more than {:g} nodes: take a shorter part of the log, fewer fixes or a longer interval of solutions", kMostNodes));
+      throw SetupError(fmt::format(
+          "a batch estimate of more than {:g} nodes: take a shorter part of the log, fewer fixes or a longer interval of solutions",
+          kMostNodes));
     for (double i = 1; i < parts; ++i) times.push_back(from + i / parts * (t - from));
     times.push_back(t);
   }
@@ -173,8 +175,7 @@ class Batch {
       for (int i = 0; i < options_.integrations && !settled; ++i) {
         const std::vector<detail::Increment> increments = integrate(unknowns_.nodes, unknowns_.global);
         const auto list = costs(layout, P0, increments);
-        const detail::Solved solved =
-            detail::solve(layout, list, list.size() - used_.size(), options_, unknowns_);
+        const detail::Solved solved = detail::solve(layout, list, list.size() - used_.size(), options_, unknowns_);
         if (!solved.usable) return stop(Estimate::Status::not_converged, solved.why);
         if (i == 0) result_.first_cost = solved.first_cost;
         settled = solved.converged && solved.first_cost - solved.cost <= kSettled;

@@ -1,18 +1,21 @@
 // SPDX-License-Identifier: MIT
 // All of a log at once: the trajectory, the sensors' errors and the aids' that fit every fix and every increment best.
 //
-// A filter linearises once, about what it knew when a fix came; a smoother keeps that linearisation. Where the start was
-// far off (a heading that is wrong by tens of degrees, a lever arm or a clock that shows itself late), both inherit it.
-// The batch estimate is the maximum of the posterior, found by Gauss-Newton steps with a trust region (Ceres) over all
-// states together, each linearised about the whole log's answer. It is the reference by which filter and smoother are
-// judged, and equals the smoother where the problem is linear.
+// A filter linearises once, about what it knew when a fix came, and a smoother keeps that linearisation. Where the
+// start was far off (a heading that is wrong by tens of degrees, a lever arm or a clock that shows itself late), both
+// inherit it. The batch estimate is a maximum of the posterior, found by Gauss-Newton steps with a trust region (Ceres)
+// over all states together, each linearised about the whole log's answer. It is the reference by which filter and
+// smoother are judged, and equals the smoother where the problem is linear. It is the maximum nearest to where the
+// filter ended up: that there is no better one farther away is not proved.
 //
-// Unknowns are pose, velocity and the walking terms of the model at nodes: every used fix, every solution, and no two
-// nodes farther apart than Options::longest_interval; and once for the log the terms that do not walk. The sum is
+// Unknowns are pose, velocity and the walking terms of the model at nodes: every fix, every solution, and no two nodes
+// farther apart than Options::longest_interval; and once for the log the terms that do not walk. The sum is
 //   |prior|^2 + sum |IMU from node to node|^2 + sum loss(|fix|^2),  each whitened by its covariance,
-// with the models of error_state.h, aiding.h and strapdown.h: the same as the filter's. Between nodes the IMU is
-// integrated once (Forster et al., IEEE Trans. Robotics 33:1, 2017, with Earth's rate and gravity) and again where
-// the unknowns have moved. Covariances are blocks of the inverse of the information, in time linear in the log.
+// with the models of error_state.h, aiding.h and strapdown.h, the same as the filter's; lever arms and time tags enter
+// by what is estimated of them and not to first order alone. Between nodes the IMU is integrated once (Forster et al.,
+// IEEE Trans. Robotics 33:1, 2017, with Earth's rate and gravity) and again where the unknowns have moved.
+// Covariances are blocks of the inverse of the information, in time linear in the log; with a robust loss each fix
+// counts in them by its weight.
 #pragma once
 
 #include "gyrobudget/estimation/navigation/navigate.h"

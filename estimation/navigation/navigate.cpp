@@ -30,7 +30,6 @@ using detail::measure_fix;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-
 // --- Checks --------------------------------------------------------------------------------------------------
 
 void check_aid_number(const Scenario& scenario, std::size_t aid, Aid::Kind kind, const char* what) {
@@ -89,7 +88,8 @@ SensorStates states(const Scenario& scenario, double length, double step) {
 // --- Measurements --------------------------------------------------------------------------------------------
 }  // namespace
 
-Measurement detail::measure_fix(const Aid& aid, int number, const Fix& fix, const Estimate& estimate, const Vector3d& sigma) {
+Measurement detail::measure_fix(const Aid& aid, int number, const Fix& fix, const Estimate& estimate,
+                                const Vector3d& sigma) {
   const Vector3d& p = estimate.motion.pose.p_eb_e;
   const earth::Geodetic at = earth::to_geodetic(p);
   const Matrix3d C_enu = earth::C_e_enu(at.latitude, at.longitude);
@@ -342,9 +342,7 @@ class Runner {
         require(std::min(aid.valid.to, end_) - std::max(aid.valid.from, aligning.to), 1 / aid.rate, aid.name);
   }
 
-  [[nodiscard]] double stamp(std::size_t k) const {
-    return detail::stamp(recording_, k);
-  }
+  [[nodiscard]] double stamp(std::size_t k) const { return detail::stamp(recording_, k); }
 
   void skip_to(double t) {
     while (next_ < recording_.imu.increments.size() && stamp(next_ + 1) <= t + kSame) ++next_;

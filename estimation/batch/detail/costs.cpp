@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <Eigen/Eigenvalues>
@@ -52,8 +53,7 @@ void split(const Layout& layout, const MatrixXd& by_terms, double since_start, M
   for (std::size_t i = 0; i < layout.chained.size(); ++i)
     node.col(kCoreStates + static_cast<int>(i)) += by_terms.col(layout.chained[i]);
   for (std::size_t i = 0; i < layout.global.size(); ++i)
-    global.col(static_cast<int>(i)) +=
-        decay_of(layout, layout.global[i], since_start) * by_terms.col(layout.global[i]);
+    global.col(static_cast<int>(i)) += decay_of(layout, layout.global[i], since_start) * by_terms.col(layout.global[i]);
 }
 
 class Prior final : public Cost {
@@ -134,9 +134,14 @@ class Fixed final : public Cost {
       : Cost({node}), layout_(layout), sensed_(sensed), aid_(aid), number_(number), fix_(fix), since_(since) {}
   [[nodiscard]] int rows() const override { return navigation::rows(aid_.kind); }
   [[nodiscard]] Linear linearise(const std::vector<Node>& at, const VectorXd& global) const override {
-    const VectorXd terms = terms_at(layout_, at[0], global, since_);
-    const navigation::Measurement m = navigation::detail::measure_fix(
-        aid_, number_, fix_, estimate(at[0], terms), fix_.sigma.value_or(aid_.sigma));
+    VectorXd terms = terms_at(layout_, at[0], global, since_);
+    navigation::Estimate there = estimate(at[0], terms);
+    const Vector3d force = there.motion.pose.q_eb * (sensed_.f_ib_b - errors(terms).accelerometer);
+    navigation::Aid aid = aid_;
+    const double late = take_in(terms, aid);
+    move(there.motion, late);
+    const navigation::Measurement m =
+        navigation::detail::measure_fix(aid, number_, fix_, there, fix_.sigma.value_or(aid_.sigma));
     MatrixXd H(rows(), kCoreStates + terms.size());
     VectorXd r(rows());
     for (int i = 0; i < rows(); ++i) {
@@ -145,6 +150,15 @@ class Fixed final : public Cost {
       r[i] = m.residual[i] / sigma;
       H.row(i) = -row.h.transpose() / sigma;
     }
+    const MatrixXd by_p = H.middleCols<3>(kPosition), by_v = H.middleCols<3>(kVelocity);
+    const earth::Motion& at_fix = there.motion;
+    for (Eigen::Index k = 0; k < terms.size(); ++k)  // aiding.h has no turn of the lever arm in a velocity's
+      if (is_of_aid(k, navigation::Effect::time_tag))
+        H.col(kCoreStates + k) = by_p * at_fix.pose.v_eb_e + by_v * at_fix.a_eb_e +
+                                 H.middleCols<3>(kAttitude) * (at_fix.pose.q_eb.toRotationMatrix() * at_fix.w_eb_b);
+    // Errors at the node, `late` before: dv moves p, psi turns the force that moves both.
+    H.middleCols<3>(kVelocity) += late * by_p;
+    H.middleCols<3>(kAttitude) -= (late * by_v + late * late / 2 * by_p) * earth::skew(force);
     Linear result{r, {MatrixXd::Zero(rows(), layout_.node_size())}, MatrixXd::Zero(rows(), layout_.global_size())};
     result.nodes[0].leftCols<kCoreStates>() = H.leftCols<kCoreStates>();
     split(layout_, H.rightCols(terms.size()), at[0].time - since_, result.nodes[0], result.global);
@@ -152,15 +166,42 @@ class Fixed final : public Cost {
   }
 
  private:
-  // As Filter::estimate, from what the IMU measured there.
+  // aiding.h is linear in an aid's terms. Lever arms and time tags may be large here: what is estimated of them becomes
+  // a part of the aid, about which aiding.h linearises. Returns the time tag [s].
+  double take_in(VectorXd& terms, navigation::Aid& aid) const {
+    double late = 0;
+    for (Eigen::Index k = 0; k < terms.size(); ++k) {
+      const navigation::ErrorTerm& term = layout_.model.terms[static_cast<std::size_t>(k)];
+      if (is_of_aid(k, navigation::Effect::lever_arm)) aid.lever_arm[term.axis] += std::exchange(terms[k], 0);
+      if (is_of_aid(k, navigation::Effect::time_tag)) late += std::exchange(terms[k], 0);
+    }
+    return late;
+  }
+
+  [[nodiscard]] bool is_of_aid(Eigen::Index k, navigation::Effect effect) const {
+    const navigation::ErrorTerm& term = layout_.model.terms[static_cast<std::size_t>(k)];
+    return term.carrier == navigation::Carrier::aid && term.aid == number_ && term.effect == effect;
+  }
+
+  // With the acceleration and the rate that the IMU measured at the node.
+  static void move(earth::Motion& motion, double dt) {
+    motion.pose.p_eb_e += dt * motion.pose.v_eb_e + dt * dt / 2 * motion.a_eb_e;
+    motion.pose.v_eb_e += dt * motion.a_eb_e;
+    motion.pose.q_eb = motion.pose.q_eb * earth::exp_rotation(dt * motion.w_eb_b);
+  }
+
+  [[nodiscard]] navigation::SensorCorrection errors(const VectorXd& terms) const {
+    return navigation::sensor_errors(layout_.model.terms, terms.data(), sensed_.w_ib_b, sensed_.f_ib_b);
+  }
+
+  // As Filter::estimate, from what the IMU measured there. Valid as long as `terms`.
   [[nodiscard]] navigation::Estimate estimate(const Node& node, const VectorXd& terms) const {
     const Vector3d earth_rate(0, 0, earth::wgs84::kEarthRate);
-    const auto errors =
-        navigation::sensor_errors(layout_.model.terms, terms.data(), sensed_.w_ib_b, sensed_.f_ib_b);
+    const navigation::SensorCorrection error = errors(terms);
     navigation::Estimate estimate;
     estimate.motion.pose = node.pose;
-    estimate.motion.w_eb_b = sensed_.w_ib_b - errors.gyro - node.pose.q_eb.conjugate() * earth_rate;
-    estimate.motion.a_eb_e = node.pose.q_eb * (sensed_.f_ib_b - errors.accelerometer) +
+    estimate.motion.w_eb_b = sensed_.w_ib_b - error.gyro - node.pose.q_eb.conjugate() * earth_rate;
+    estimate.motion.a_eb_e = node.pose.q_eb * (sensed_.f_ib_b - error.accelerometer) +
                              earth::normal_gravity(node.pose.p_eb_e) - 2 * earth_rate.cross(node.pose.v_eb_e);
     estimate.model = &layout_.model;
     estimate.terms = terms.data();

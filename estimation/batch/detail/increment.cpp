@@ -199,8 +199,8 @@ Prediction predict(const Increment& increment, const earth::Pose& from, const Ei
   const auto& c = increment.coupling;
   end.terms.resize(kCoreStates, terms.size());
   end.terms.middleRows<3>(kPosition) = carried * c.middleRows<3>(kPosition);
-  end.terms.middleRows<3>(kVelocity) = carried * (c.middleRows<3>(kVelocity) + W * c.middleRows<3>(kPosition)) -
-                                       W * end.terms.middleRows<3>(kPosition);
+  end.terms.middleRows<3>(kVelocity) =
+      carried * (c.middleRows<3>(kVelocity) + W * c.middleRows<3>(kPosition)) - W * end.terms.middleRows<3>(kPosition);
   end.terms.middleRows<3>(kAttitude) = carried * left_jacobian(psi) * c.middleRows<3>(kAttitude);
   return end;
 }

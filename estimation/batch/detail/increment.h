@@ -48,13 +48,13 @@ struct Sensed {
 
 /// Preintegrated IMU data from one node to the next.
 struct Increment {
-  double tau = 0;              ///< [s]
-  earth::Pose from, to;        ///< the start and the end that were integrated
-  Eigen::VectorXd terms;       ///< of the model, at the start
-  Eigen::MatrixXd coupling;    ///< 9 x terms: effect on dp, dv, psi at the end
-  Eigen::VectorXd decay;       ///< of each term
-  navigation::StateMatrix Q;   ///< covariance of noise over the interval: dp, dv, psi, terms
-  Sensed end;                  ///< at the end, the first step's at `begin`
+  double tau = 0;             ///< [s]
+  earth::Pose from, to;       ///< the start and the end that were integrated
+  Eigen::VectorXd terms;      ///< of the model, at the start
+  Eigen::MatrixXd coupling;   ///< 9 x terms: effect on dp, dv, psi at the end
+  Eigen::VectorXd decay;      ///< of each term
+  navigation::StateMatrix Q;  ///< covariance of noise over the interval: dp, dv, psi, terms
+  Sensed end;                 ///< at the end, the first step's at `begin`
   Sensed begin;
 };
 

@@ -86,7 +86,8 @@ class CostForCeres final : public ceres::CostFunction {
     }
     Eigen::Map<VectorXd>(residuals, num_residuals()) = linear.residual;
     if (jacobians == nullptr) return linear.residual.allFinite();
-    for (std::size_t i = 0; i < at.size(); ++i) node_jacobians(linear.nodes[i], parameters[i * each], jacobians + i * each);
+    for (std::size_t i = 0; i < at.size(); ++i)
+      node_jacobians(linear.nodes[i], parameters[i * each], jacobians + i * each);
     if (global_ > 0 && jacobians[last] != nullptr)
       Eigen::Map<RowMajor>(jacobians[last], num_residuals(), global_) = linear.global;
     return linear.residual.allFinite();

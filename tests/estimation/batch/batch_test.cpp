@@ -49,8 +49,8 @@ Estimate estimated(const tests::Scene& s, const Options& options = {}) {
 
 // Small errors: linear and Gaussian. The filter linearises about another path, which moves sigmas by a few percent.
 TEST(Batch, EqualsTheSmootherWhereTheProblemIsLinear) {
-  constexpr double kSame = 0.1;       // sigma
-  constexpr double kSigmas = 0.05;    // relative
+  constexpr double kSame = 0.1;     // sigma
+  constexpr double kSigmas = 0.05;  // relative
   tests::Scene s = tests::scene(20, 3);
   const Estimate batch = estimated(s);
   s.scenario.smooth = true;
