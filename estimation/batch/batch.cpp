@@ -38,7 +38,10 @@ void check(const Options& options) {
     if (!good) throw SetupError(fmt::format("{} of a batch estimate is {:g}, expected above 0", what, value));
   };
   require(options.scale > 0, "scale of the loss", options.scale);
-  require(options.longest_interval > 0, "longest interval", options.longest_interval);
+  constexpr double kLongest = 10;  // s: gravitation is taken as straight in time from node to node
+  if (!(options.longest_interval > 0 && options.longest_interval <= kLongest))
+    throw SetupError(fmt::format("longest interval of a batch estimate is {:g} s, expected above 0 and at most {:g} s",
+                                 options.longest_interval, kLongest));
   require(options.iterations > 0, "number of iterations", options.iterations);
   require(options.integrations > 0, "number of integrations", options.integrations);
 }
@@ -88,7 +91,7 @@ class Batch {
     plain.at = times;
     const Layout layout(filtered.model);
     begin(layout, navigation::navigate(plain, recording_), times);
-    fixes(layout, filtered);
+    fixes(filtered);
     say_considered();
     return solve(layout, filtered.P0);
   }
@@ -121,7 +124,7 @@ class Batch {
   }
 
   // Every fix that the filter saw, those that its gate refused included.
-  void fixes(const Layout&, const Navigation& filtered) {
+  void fixes(const Navigation& filtered) {
     static const navigation::Fix kAtRest{};
     for (std::size_t i = 0; i < scenario_.aids.size(); ++i)
       tracks_.emplace_back(scenario_.aids[i], recording_.fixes[i], recording_.origin);

@@ -35,7 +35,7 @@ enum class Loss { squares, huber, cauchy };
 struct Options {
   Loss loss = Loss::squares;
   double scale = 3;             ///< c, in sigmas; positive
-  double longest_interval = 1;  ///< between nodes [s], positive
+  double longest_interval = 1;  ///< between nodes [s], positive, at most 10
   int iterations = 100;         ///< at most, of the solver after each integration of the IMU; positive
   int integrations = 10;        ///< of the IMU, at most; positive
 };
@@ -76,6 +76,10 @@ struct Estimate {
 ///
 ///     const batch::Estimate all = batch::estimate(scenario, recording, {.loss = batch::Loss::cauchy});
 ///     if (all.status == batch::Estimate::Status::estimated) use(all.solutions);
+///
+/// A delay tau that is estimated (time_tag_sigma) moves a fix along the node's acceleration and rate: what these change
+/// by within it is left out, jerk tau^3/6. For delays above some tenths of a second give the estimate as Aid::time_tag
+/// and run again.
 ///
 /// Time and memory are linear in the log: 30 kB a node of 21 states.
 /// @throws as navigation::navigate; navigation::SetupError for options out of range and more than 50000 nodes.

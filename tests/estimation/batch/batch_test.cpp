@@ -2,12 +2,12 @@
 // Truth here: simulated flights, and the smoother where the problem is linear.
 #include "gyrobudget/estimation/batch/batch.h"
 
-#include "gyrobudget/estimation/navigation/consistency.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "scene.h"
@@ -100,6 +100,19 @@ TEST(Batch, FindsALeverArm) {
   EXPECT_EQ(found, 3);
 }
 
+// Stamps that are 0.1 s late, on turns whose jerk of 3 m/s^2 over 10 s leaves 1e-3 m of that: nothing beside 0.5 m.
+TEST(Batch, FindsADelay) {
+  tests::Scene s = tests::scene(20, 8);
+  for (navigation::Fix& fix : s.recording.fixes[0]) fix.stamp += 100'000'000;
+  s.scenario.aids[0].time_tag_sigma = 0.3;
+  const Estimate batch = estimated(s);
+  EXPECT_LT(worst_in_sigmas(batch.solutions, s.truth), 4.5);
+  ASSERT_EQ(batch.model.terms.back().effect, navigation::Effect::time_tag);
+  const auto& last = batch.solutions.back();
+  EXPECT_LT(std::abs(last.terms.back() + 0.1), 4.5 * last.term_sigmas.back());
+  EXPECT_LT(last.term_sigmas.back(), 0.03) << "nothing was learnt";
+}
+
 // Every eighth fix 20 m off: squares follow them, Cauchy's loss names them and no others.
 TEST(Batch, ARobustLossFindsOutliers) {
   tests::Scene s = tests::scene(20, 7);
@@ -154,6 +167,7 @@ TEST(Batch, RefusesOptionsOutOfRange) {
   const tests::Scene s = tests::scene(2, 1);
   EXPECT_THROW((void)estimate(s.scenario, s.recording, {.scale = 0}), navigation::SetupError);
   EXPECT_THROW((void)estimate(s.scenario, s.recording, {.longest_interval = 0}), navigation::SetupError);
+  EXPECT_THROW((void)estimate(s.scenario, s.recording, {.longest_interval = 11}), navigation::SetupError);
   EXPECT_THROW((void)estimate(s.scenario, s.recording, {.longest_interval = 1e-6}), navigation::SetupError) << "nodes";
   EXPECT_THROW((void)estimate(s.scenario, s.recording, {.iterations = 0}), navigation::SetupError);
   EXPECT_THROW((void)estimate(s.scenario, s.recording, {.integrations = 0}), navigation::SetupError);
