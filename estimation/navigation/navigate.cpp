@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 #include "navigate.h"
 
+#include "gyrobudget/estimation/navigation/detail/runner.h"
 #include "gyrobudget/estimation/navigation/detail/time_tags.h"
 
 #include <fmt/format.h>
@@ -18,7 +19,9 @@ void check_aid_number(const Scenario& scenario, std::size_t aid, Aid::Kind kind,
                                  name(scenario.aids[aid].kind), name(kind)));
 }
 
-void check(const Scenario& scenario, const Recording& recording) {
+}  // namespace
+
+void detail::check_input(const Scenario& scenario, const Recording& recording) {
   if (recording.imu.increments.empty() || recording.imu.stamps.size() != recording.imu.increments.size() + 1)
     throw RecordingError(fmt::format("IMU log of {} increments and {} stamps, expected one stamp more",
                                      recording.imu.increments.size(), recording.imu.stamps.size()));
@@ -39,8 +42,6 @@ void check(const Scenario& scenario, const Recording& recording) {
     throw SetupError(fmt::format("interval of solutions is {} s, expected above 0 s", scenario.solution_interval));
 }
 
-}  // namespace
-
 NisSummary Navigation::nis() const {
   double sum = 0, dof = 0, inside = 0, tested = 0;
   for (const AidSummary& a : aids) {
@@ -54,7 +55,7 @@ NisSummary Navigation::nis() const {
 }
 
 Navigation navigate(const Scenario& scenario, const Recording& recording) {
-  check(scenario, recording);
+  detail::check_input(scenario, recording);
   return detail::run_with_time_tags(scenario, recording);
 }
 

@@ -120,6 +120,7 @@ struct Navigation {
 
   ErrorStateModel model;        ///< of sensors and aids
   std::vector<double> initial;  ///< sigma of each term where the alignment ends
+  StateMatrix P0;               ///< covariance of all states there, in the order of error_state.h
   std::vector<SensorStates::LeftOut> left_out;
   AlignmentResult alignment;
   std::vector<Solution> solutions;

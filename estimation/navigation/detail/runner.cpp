@@ -88,6 +88,7 @@ class Runner {
     result_.model = sensors.model;
     result_.left_out = sensors.left_out;
     result_.alignment = begin.result;
+    result_.P0 = begin.P0;
     for (Eigen::Index k = kCoreStates; k < begin.P0.rows(); ++k) result_.initial.push_back(std::sqrt(begin.P0(k, k)));
     Filter filter(begin.result.state, sensors.model, begin.P0, scenario_.filter);
     ImuReader imu(recording_.imu, recording_.origin, aligning.to);

@@ -6,7 +6,10 @@
 
 namespace gyrobudget::inline v0::navigation::detail {
 
-/// What navigate() does, once its input is checked.
+/// @throws SetupError and RecordingError as navigate() does for what does not fit together.
+void check_input(const Scenario& scenario, const Recording& recording);
+
+/// What navigate() does, once its input is checked; but delays are not looked for again with stamps that are shifted.
 [[nodiscard]] Navigation run(const Scenario& scenario, const Recording& recording);
 
 }  // namespace gyrobudget::inline v0::navigation::detail
