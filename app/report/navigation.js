@@ -120,11 +120,15 @@
     const badge = byId("badge");
     badge.textContent = run.status.replaceAll("_", " ");
     badge.classList.add({ navigated: "good", recovered: "fair" }[run.status] || "bad");
-    if (run.suspects.length > 0) {
-      byId("words").append(element("p", "", "Suspects, each tried by a run:"), list(run.suspects.map((s) =>
-        `${(100 * s.explained).toFixed(0)} % of the misfit: ${s.text}.${s.mend ? ` In the scene: ${s.mend}` : ""}`)));
-    }
-    byId("words").append(list([run.why, ...run.lost.map((l) => l.text), ...run.advice, ...run.alignment.words, data.not_stated_text].filter(Boolean)));
+    const words = (title, lines) => {
+      if (lines.length > 0) byId("words").append(element("p", "", title), list(lines));
+    };
+    byId("words").append(list([run.why].filter(Boolean)));
+    words("Suspects, each tried by a run:", run.suspects.map((s) =>
+      `${(100 * s.explained).toFixed(0)} % of the misfit: ${s.text}.${s.mend ? ` In the scene: ${s.mend}` : ""}`));
+    words("Lost and found:", run.lost.map((l) => l.text));
+    words("What the innovations say:", run.advice);
+    byId("words").append(list([...run.alignment.words, data.not_stated_text].filter(Boolean)));
     const rows = [];
     const add = (name, value, sigma, rms) => rows.push({ cells: [[name, "", "row"], [value], numeric(sigma), numeric(rms)] });
     const f = run.final, s = run.sigma, r = run.reference;
