@@ -147,9 +147,10 @@ WhiteShift choice_of(const std::vector<Candidate>& candidates, const Candidate& 
 
 bool is_faster_than_log(const FrontEnd& f) { return f.sampling == Sampling::analogue || f.oversampling > 1; }
 
-// The candidates of the best one's kind that filter at a faster rate than the log's, from twice that on, are one family
-// of a parameter u, the log's rate over the filter's own, 0 of an analogue one: all u from 0 to 1/2 are as likely
-// before the record is seen. The cost of a bandwidth at its best is a parabola about the best u, ln N a straight line.
+// The candidates of the best one's kind that filter at a faster rate than the log's, from twice that on, are one
+// family of a parameter u, the log's rate over the filter's own, 0 of an analogue one: all u from 0 to 1/2 are as
+// likely before the record is seen, and together as likely as the analogue one. The cost of a bandwidth at its best is
+// a parabola about the best u, ln N a straight line.
 class Oversampling {
  public:
   Oversampling(const SineLikelihood& flat, const Candidate& best)
@@ -168,8 +169,8 @@ class Oversampling {
     const double curvature = (above.cost - 2 * middle.cost + below.cost) / (kBeside * kBeside);
     const double slope = (above.cost - below.cost) / (2 * kBeside);
     const double log_slope = 0.5 * std::log(above.white / below.white) / (2 * kBeside);
-    std::erase_if(found,
-                  [&](const Candidate& c) { return c.front_end.kind == kind_ && is_faster_than_log(c.front_end); });
+    // The analogue one stays for what it is, beforehand as likely as all others of the family together: most are.
+    std::erase_if(found, [&](const Candidate& c) { return c.front_end.kind == kind_ && c.front_end.oversampling > 1; });
     found.push_back(best);
     found.back().prior = 0;  // the points stand for it
     constexpr int kPoints = 200;
