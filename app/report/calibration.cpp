@@ -143,7 +143,9 @@ std::string describe_outliers(const Findings& found, const Of& of) {
         percent(found.outlier_share()), count_text(std::ssize(found.outliers)), count_text(of.samples), worst_text,
         found.outliers_masked
             ? "It is masked: N is that of the core of the noise, and whoever uses the samples as they are has more."
-            : "N holds it, and its interval is too narrow for it: --mask outliers gives the N of the core. Look for a link that drops bits, or for vibration.",
+            : fmt::format(
+                  "N holds it{}: --mask outliers gives the N of the core. Look for a link that drops bits, or for vibration.",
+                  found.tail ? "" : ", and its interval is too narrow for it"),
         hidden_text);
   }
   return fmt::format(

@@ -98,6 +98,8 @@ std::string suspect_mend(const NavigationResult& r, const Suspect& s) {
     }
     case Suspect::Kind::sigma: {
       const Aid& aid = r.scenario.aids[s.aids.front()];
+      const auto& fixes = r.recording.fixes[s.aids.front()];
+      if (!fixes.empty() && fixes.front().sigma) return {};  // the file tells them
       return fmt::format("{}: {} {}", navigation::name(aid.kind), number(aid.sigma[0] * s.value, 3), unit_of(aid.kind));
     }
     case Suspect::Kind::unit:

@@ -20,7 +20,6 @@
 
 #include "gyrobudget/estimation/navigation/navigate.h"
 
-#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -81,7 +80,8 @@ struct Estimate {
 /// by within it is left out, jerk tau^3/6. For delays above some tenths of a second give the estimate as Aid::time_tag
 /// and run again.
 ///
-/// Time and memory are linear in the log: 30 kB a node of 21 states.
+/// Over gaps of the IMU log sigmas grow as the filter's do. Time and memory are linear in the log: some 50 kB a node of
+/// 18 states.
 /// @throws as navigation::navigate; navigation::SetupError for options out of range and more than 50000 nodes.
 [[nodiscard]] Estimate estimate(const navigation::Scenario& scenario, const navigation::Recording& recording,
                                 const Options& options = {});

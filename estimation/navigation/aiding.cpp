@@ -58,7 +58,7 @@ template <typename Function>
 void each_term(const Estimate& estimate, int aid, Function f) {
   const auto& terms = estimate.model->terms;
   for (std::size_t k = 0; k < terms.size(); ++k)
-    if (terms[k].carrier == Carrier::aid && terms[k].aid <= aid && aid < terms[k].aid + terms[k].aids) f(k, terms[k]);
+    if (terms[k].is_of_aid(aid)) f(k, terms[k]);
 }
 
 }  // namespace

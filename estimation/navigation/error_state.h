@@ -67,6 +67,11 @@ struct ErrorTerm {
   double correlation_time = std::numeric_limits<double>::infinity();  ///< positive [s]
   double walk = 0;          ///< K [unit/sqrt(s)]; sigma sqrt(2/Tc) keeps a Gauss-Markov state stationary
   bool considered = false;  ///< Schmidt: counted in the covariance, never corrected
+
+  /// Whether it is an error of the aid with this number.
+  [[nodiscard]] bool is_of_aid(int number) const {
+    return carrier == Carrier::aid && aid <= number && number < aid + aids;
+  }
 };
 
 /// exp(-dt/Tc): what is left of a term after dt [s].

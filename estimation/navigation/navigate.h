@@ -146,8 +146,9 @@ struct Navigation {
 ///
 /// An unknown time tag enters to first order, which holds as long as the motion does not change within it. So its
 /// estimate is added to the stamps and the run repeated, until it moves by less than a tenth of its sigma, five times
-/// at most; where the filter was lost, the estimate is that with ten times the aids' sigmas. The solutions have the
-/// whole tag.
+/// at most; where the filter was lost, the estimate is that with ten times the aids' sigmas. The sigma that the scene
+/// tells of it then counts about the shifted stamps, so only tags are shifted of which the fixes tell more (half that
+/// sigma is left at most): theirs is up to 1.15 times too small. The solutions have the whole tag.
 ///
 /// Earth rate, gravity and the rest as in strapdown.h and filter.h. The same bytes for the same input.
 /// What is asked is the scene's: filter, smoothing, times of solutions, reference. Scenario::smooth keeps the

@@ -33,6 +33,8 @@ void check(const Aid& aid) {
   }
   require(aid.correlation_time > 0, "correlation time", aid.correlation_time, "above 0 s");
   require(aid.rate > 0 && std::isfinite(aid.rate), "rate", aid.rate, "above 0 Hz");
+  require(aid.sigma_factor > 0 && std::isfinite(aid.sigma_factor), "factor of its sigma", aid.sigma_factor,
+          "above 0 and finite");
   require(std::isfinite(aid.time_tag), "time tag", aid.time_tag, "a finite time");
   require(aid.time_tag_sigma >= 0 && std::isfinite(aid.time_tag_sigma), "sigma of its time tag", aid.time_tag_sigma,
           "0 s or more");

@@ -41,8 +41,8 @@ struct Suspect {
 ///   mirrors too; gyro in deg/s for rad/s or the reverse, accelerometer in g for m/s^2 or the reverse; the heading
 ///   turned by 180 and 90 degrees; each device's sigmas times 3 and 10.
 /// Those that explain at least a fifth, one of each kind and device, no more than kMostSuspects; the best first, and
-/// sigmas last: larger ones explain any misfit. Empty
-/// where the misfit of the scene as it is is below 1; right sigmas give about a half.
+/// sigmas last: larger ones explain any misfit. Empty where the misfit of the scene as it is is below 1; right sigmas
+/// give about a half.
 ///
 /// Runs are over the first 200 s after the alignment began, or 40 000 intervals of the IMU if these are
 /// fewer, with the covariance moved ten times a second: about 150 runs, 0.1 s each of a processor at 100 Hz; those of

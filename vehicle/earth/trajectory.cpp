@@ -19,9 +19,9 @@ namespace {
 
 constexpr double kRoundOfTime = 1e-12;  // relative; k times an interval may pass the end by a rounding
 constexpr double kMostIncrements = 2147483648.0;
-constexpr double kHighestFrequency =
-    1e6;                              // [rad/s]: above any structure's, and as many panels a second as one waits for
-constexpr double kLight = 299792458;  // [m/s]
+// Above any structure's, and as many panels a second as one waits for.
+constexpr double kHighestFrequency = 1e6;  // [rad/s]
+constexpr double kLight = 299792458;       // [m/s]
 
 constexpr double kShort =
     0.02;  // of a panel or a smooth piece, where 3 points do what 7 do: (0.04)^6/2e6 at twice fastest()

@@ -180,7 +180,7 @@ class Fixed final : public Cost {
 
   [[nodiscard]] bool is_of_aid(Eigen::Index k, navigation::Effect effect) const {
     const navigation::ErrorTerm& term = layout_.model.terms[static_cast<std::size_t>(k)];
-    return term.carrier == navigation::Carrier::aid && term.aid == number_ && term.effect == effect;
+    return term.is_of_aid(number_) && term.effect == effect;
   }
 
   // With the acceleration and the rate that the IMU measured at the node.

@@ -3,6 +3,7 @@
 
 #include "gyrobudget/estimation/navigation/covariance.h"
 #include "gyrobudget/estimation/navigation/detail/imu_reader.h"
+#include "gyrobudget/estimation/navigation/detail/unknown_motion.h"
 #include "gyrobudget/vehicle/earth/attitude.h"
 #include "gyrobudget/vehicle/earth/ellipsoid.h"
 #include "gyrobudget/vehicle/earth/gravity.h"
@@ -60,6 +61,7 @@ class Pass {
   Pass(const navigation::Recording& recording, const Layout& layout, const Node& first,
        const navigation::Strapdown::Options& options)
       : imu_(recording.imu, recording.origin, first.time),
+        gaps_(recording.imu),
         layout_(layout),
         strapdown_(first.pose, options),
         lineariser_(layout.model) {}
@@ -81,7 +83,7 @@ class Pass {
       result.end = {earth::vector(imu.angle) / dt, earth::vector(imu.velocity) / dt};
       if (first) result.begin = result.end;
       first = false;
-      noise.propagate(step(result, dt));
+      noise.propagate(step(result, dt, gaps_.at(interval)));
     }
     result.to = strapdown_.state();
     result.Q = noise.matrix();
@@ -89,7 +91,7 @@ class Pass {
   }
 
  private:
-  const navigation::Transition& step(Increment& result, double dt) {
+  const navigation::Transition& step(Increment& result, double dt, const navigation::detail::UnknownMotion* unknown) {
     const auto& terms = layout_.model.terms;
     Eigen::VectorXd mean = result.terms.cwiseProduct(result.decay);
     for (std::size_t k = 0; k < terms.size(); ++k)
@@ -106,6 +108,7 @@ class Pass {
     input.C_eb = middle.toRotationMatrix();
     input.w_ib_b = sensed.w_ib_b;
     input.f_ib_b = input.C_eb.transpose() * strapdown_.last_specific_force_e();
+    if (unknown != nullptr) input.unknown = unknown->density();
     const navigation::Transition& transition = lineariser_(input);
     result.coupling = transition.core * result.coupling;
     for (std::size_t k = 0; k < terms.size(); ++k) {
@@ -118,6 +121,7 @@ class Pass {
   }
 
   navigation::detail::ImuReader imu_;
+  navigation::detail::Gaps gaps_;
   const Layout& layout_;
   navigation::Strapdown strapdown_;
   navigation::Lineariser lineariser_;

@@ -12,12 +12,9 @@
 #include "measure_fix.h"
 
 namespace gyrobudget::inline v0::navigation::detail {
-namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-}  // namespace
 
 Comparison::Comparison(const Scenario& scenario, const std::vector<FixTrack>& tracks)
     : scenario_(scenario), tracks_(tracks) {

@@ -10,9 +10,9 @@
 //                   it, is beyond kOneSided: fixes that are used, and pull one way for good.
 // False alarms, with right sigmas: by agreement (1e-6)^10 a fix; by refusals C(48, 32) 1e-192; by one side, of the
 // mean of 48 white residuals of unit variance, 14 sigma. They are what the rules are for where sigmas are not right:
-// an aid of which three fixes in ten are wild for themselves alone passes "by refusals" once in 1e7 fixes; white
-// errors three times as large as told pass "by one side" once in 1e5. An aid that is wrong in the same way for longer
-// than kAgreeing fixes and kSpan is believed: no filter can tell that from itself.
+// an aid of which three fixes in ten are wild for themselves alone passes "by refusals" once in 6e6 windows; white
+// errors three times as large as told pass "by one side" once in 1e5 windows. An aid that is wrong in the same way for
+// longer than kAgreeing fixes and kSpan is believed: no filter can tell that from itself.
 #pragma once
 
 #include "gyrobudget/estimation/navigation/navigate.h"

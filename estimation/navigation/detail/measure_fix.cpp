@@ -9,12 +9,9 @@
 #include "fix_track.h"
 
 namespace gyrobudget::inline v0::navigation::detail {
-namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-}  // namespace
 
 Measurement measure_fix(const Aid& aid, int number, const Fix& fix, const Estimate& estimate, const Vector3d& sigma) {
   const Vector3d& p = estimate.motion.pose.p_eb_e;

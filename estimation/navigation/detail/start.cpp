@@ -15,6 +15,8 @@
 #include <cmath>
 #include <span>
 
+#include "measure_fix.h"
+
 namespace gyrobudget::inline v0::navigation::detail {
 namespace {
 
@@ -254,7 +256,8 @@ class Starter {
   [[nodiscard]] Aid aid_of(const Given& given) const {
     const std::size_t number = std::get<FromAid>(given).aid;
     Aid aid = scenario_.aids[number];
-    if (const auto at = tracks_[number].at(span_.to); at && at->sigma) aid.sigma = *at->sigma;
+    aid.sigma = sigma_of(aid, tracks_[number].at(span_.to).value_or(Fix{}));
+    aid.sigma_factor = 1;
     return aid;
   }
 

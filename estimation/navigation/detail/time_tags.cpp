@@ -11,8 +11,9 @@ namespace gyrobudget::inline v0::navigation::detail {
 namespace {
 
 constexpr int kMostRuns = 5;
-constexpr double kStill = 0.1;  // sigma
-constexpr double kWide = 10;    // times the aids' sigmas, to get through where they are too sharp
+constexpr double kStill = 0.1;   // sigma
+constexpr double kLearnt = 0.5;  // of its sigma at the start
+constexpr double kWide = 10;     // times the aids' sigmas, to get through where they are too sharp
 
 // The same with wider fixes, to find the tags by: a filter that refuses them learns nothing.
 Navigation run_wide(Scenario scenario, const Recording& recording) {
@@ -22,7 +23,8 @@ Navigation run_wide(Scenario scenario, const Recording& recording) {
   return run(scenario, recording);
 }
 
-// Estimates of the last solution, of the terms that are time tags; else 0.
+// Estimates of the last solution, of the terms that are time tags and were learnt; else 0. What the fixes hardly tell
+// is as good as what was told before: shifted again and again it would leave that behind.
 struct Tags {
   std::vector<double> values;
   double in_sigmas = 0;  ///< the largest
@@ -33,7 +35,8 @@ Tags tags(const Navigation& found) {
   if (found.solutions.empty()) return result;
   const Solution& last = found.solutions.back();
   for (std::size_t k = 0; k < result.values.size(); ++k) {
-    if (found.model.terms[k].effect != Effect::time_tag) continue;
+    const bool learnt = last.term_sigmas[k] < kLearnt * found.initial[k];
+    if (found.model.terms[k].effect != Effect::time_tag || !learnt) continue;
     result.values[k] = last.terms[k];
     result.in_sigmas = std::max(result.in_sigmas, std::abs(last.terms[k]) / last.term_sigmas[k]);
   }

@@ -16,6 +16,7 @@ using Six = Eigen::Matrix<double, 6, 1>;
 constexpr double kReach = 10;      // lengths of a gap to either side in which the log is asked
 constexpr double kLeastReach = 1;  // s
 constexpr double kStride = 0.25;   // lengths between stretches
+constexpr double kMost = 100;      // stretches: more of short ones tell nothing new
 constexpr double kFewest = 8;      // stretches below which the spread of the samples themselves counts too
 
 // The sound part of a log, summed so that any stretch has its mean at once.
@@ -41,7 +42,8 @@ class Motion {
     const double begin = time(from) - reach, end = time(to) + reach;
     Six sum = Six::Zero();
     double count = 0;
-    for (double t = begin; t + length <= end; t += kStride * length) {
+    const double stride = std::max(kStride * length, (end - begin) / kMost);
+    for (double t = begin; t + length <= end; t += stride) {
       const std::size_t first = interval_at(t), last = interval_at(t + length);
       if (first == 0 || last <= first || last >= log_.increments.size() || !sound(first - 1, last + 1)) continue;
       const Six mean = (sums_[last] - sums_[first]) / seconds(first, last);

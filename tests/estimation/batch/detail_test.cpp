@@ -179,6 +179,27 @@ TEST_F(BatchDetail, DerivativesOfFixesAreRight) {
   }
 }
 
+// A clock that two aids share moves the fixes of the second as those of the first.
+TEST_F(BatchDetail, ASharedClockIsTheSecondAidsToo) {
+  layout.model.terms.back().aids = 2;
+  const int tag = layout.global_size() - 1;
+  global.setZero();
+  global[tag] = 0.2;
+  Node node = nodes[1];
+  node.chained.setZero();  // some of them are the first aid's alone
+  navigation::Aid aid;
+  aid.kind = navigation::Aid::Kind::velocity;
+  const navigation::Fix fix{.value = {20, 5, 0}};
+  const auto of = [&](int number) {
+    return fix_cost(layout, 1, increments[0].end, aid, number, fix, nodes[0].time)->linearise({node}, global);
+  };
+  const Linear first = of(0), second = of(1), other = of(2);
+  EXPECT_EQ(second.residual, first.residual);
+  EXPECT_EQ(second.global.col(tag), first.global.col(tag));
+  EXPECT_GT(second.global.col(tag).norm(), 0.1);
+  EXPECT_EQ(other.global.col(tag).norm(), 0);
+}
+
 TEST(BatchMarginals, AreBlocksOfTheInverse) {
   constexpr int kNodes = 6, kSize = 4, kShared = 3, kAll = kNodes * kSize + kShared;
   // Rows that touch two neighbours and the shared, as costs do, on scales far apart.

@@ -162,7 +162,7 @@ TEST(NavigationRun, FixesBetweenSamplesMeetTheTruthThere) {
   EXPECT_EQ(found.steps, 3000 + 43);
 }
 
-// A sigma that each fix has of its own stands in for the aid's, in the start too.
+// A sigma that each fix has of its own stands in for the aid's, in the start too; the aid's factor is of both.
 TEST(NavigationRun, AFixMayHaveASigmaOfItsOwn) {
   const earth::Trajectory truth = flight();
   Scenario scene = scene_on(truth);
@@ -178,12 +178,20 @@ TEST(NavigationRun, AFixMayHaveASigmaOfItsOwn) {
     for (Fix& fix : recording.fixes[i]) fix.sigma = scene.aids[i].sigma;
     scene.aids[i].sigma *= 1000;
   }
-  const Navigation by_fix = navigate(scene, recording);
-  ASSERT_EQ(by_fix.solutions.size(), by_aid.solutions.size());
-  for (std::size_t k = 0; k < by_fix.solutions.size(); ++k) {
-    EXPECT_EQ(by_fix.solutions[k].position_sigma, by_aid.solutions[k].position_sigma) << k;
-    EXPECT_EQ(by_fix.solutions[k].state.p_eb_e, by_aid.solutions[k].state.p_eb_e) << k;
+  const auto expect_as_by_aid = [&](const Navigation& found) {
+    ASSERT_EQ(found.solutions.size(), by_aid.solutions.size());
+    for (std::size_t k = 0; k < found.solutions.size(); ++k) {
+      EXPECT_EQ(found.solutions[k].position_sigma, by_aid.solutions[k].position_sigma) << k;
+      EXPECT_EQ(found.solutions[k].state.p_eb_e, by_aid.solutions[k].state.p_eb_e) << k;
+    }
+  };
+  expect_as_by_aid(navigate(scene, recording));
+  constexpr double kFactor = 4;  // a power of two: no rounding
+  for (std::size_t i = 0; i < 2; ++i) {
+    for (Fix& fix : recording.fixes[i]) *fix.sigma /= kFactor;
+    scene.aids[i].sigma_factor = kFactor;
   }
+  expect_as_by_aid(navigate(scene, recording));
   recording.fixes[0][3].sigma = Vector3d(1, 0, 1);
   EXPECT_THROW((void)navigate(scene, recording), RecordingError);
 }
@@ -244,6 +252,22 @@ TEST(NavigationRun, AnUnknownTimeTagIsFound) {
   // A fix that is stamped late was measured earlier than stated.
   EXPECT_NEAR(found.solutions.back().terms[0], -kLate, 5 * found.solutions.back().term_sigmas[0] + 1e-4);
   EXPECT_LT(found.solutions.back().term_sigmas[0], 1e-3);
+}
+
+// Of a tag that the fixes hardly tell the estimate is (1 - P/P0) of what they say alone: it is not run again about it.
+TEST(NavigationRun, ATimeTagThatIsHardlySeenStaysNearWhatWasTold) {
+  const earth::Trajectory truth = flight();
+  Scenario scene = scene_on(truth);
+  constexpr double kLate = 0.02, kTold = 0.01;
+  scene.aids = {aid(Aid::Kind::position, 200)};
+  scene.aids[0].time_tag_sigma = kTold;
+  Recording recording = record(truth);
+  recording.fixes = {fixes(Aid::Kind::position, truth, 1, 1, kLate)};
+  const Solution last = navigate(scene, recording).solutions.back();
+  ASSERT_GT(last.term_sigmas[0], 0.5 * kTold);
+  const double learnt = 1 - std::pow(last.term_sigmas[0] / kTold, 2);
+  // The fixes of a flight of 300 m/s in turns say 20 ms, and what the start knows of the place another tenth of that.
+  EXPECT_NEAR(last.terms[0], -learnt * kLate, 0.1 * learnt * kLate);
 }
 
 TEST(NavigationRun, OutagesValidityAndTheGateAreCounted) {
